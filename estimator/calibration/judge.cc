@@ -68,9 +68,9 @@ void JudgeNoise(const CalibrationProblem& problem, const FittedRows& fitted, Est
 }
 
 // The mean over its axes of the diagonal of J C J' V^-1, where V = I + L L' has the joints' deviations that the rows of
-// one visit share; C = (J' V^-1 J)^-1.
+// one visit share; C = (J' V^-1 J)^-1. half: J C.
 void LeverageBesideDeviations(const CalibrationProblem& problem, const RowPiece& piece, const Eigen::MatrixXd& jacobian,
-                              const Eigen::MatrixXd& inverse_normal, Eigen::VectorXd* leverage) {
+                              const Eigen::MatrixXd& half, Eigen::VectorXd* leverage) {
   std::map<std::pair<int, int>, std::vector<int>> rows_of;  // by visit; an outlier is alone
   for (int i = 0; i < piece.num_observations(); ++i) {
     const int k = piece.positions[i];
@@ -82,10 +82,9 @@ void LeverageBesideDeviations(const CalibrationProblem& problem, const RowPiece&
   }
   for (const auto& [visit, rows] : rows_of) {
     const Eigen::MatrixXd own = jacobian(rows, Eigen::all), latent = piece.latent(rows, Eigen::all);
-    const Eigen::MatrixXd shared = latent * latent.transpose(), half = own * inverse_normal;
-    const Eigen::MatrixXd v = Eigen::MatrixXd::Identity(latent.rows(), latent.rows()) + shared;
-    const Eigen::MatrixXd weighed = v.llt().solve(own);
-    const Eigen::VectorXd diagonal = half.cwiseProduct(weighed).rowwise().sum();
+    const Eigen::MatrixXd v = Eigen::MatrixXd::Identity(latent.rows(), latent.rows()) + latent * latent.transpose();
+    const Eigen::MatrixXd among = own * half(rows, Eigen::all).transpose();
+    const Eigen::VectorXd diagonal = v.llt().solve(among).diagonal();
     for (size_t i = 0; i < rows.size(); ++i) {
       (*leverage)[piece.positions[rows[i] / 3]] += diagonal[static_cast<Eigen::Index>(i)] / 3.0;
     }
@@ -185,7 +184,8 @@ class RowJudge {
       coordinates_ += 3;
     }
     if (!problem_.latent.empty() && problem_.weight_roots.empty()) {
-      LeverageBesideDeviations(problem_, piece, jacobian, normal_root_ * normal_root_.transpose(), &estimate.leverage);
+      LeverageBesideDeviations(problem_, piece, jacobian, TallProduct(by_normal, normal_root_.transpose()),
+                               &estimate.leverage);
     }
   }
 

@@ -14,15 +14,16 @@ Eigen::MatrixXd ColumnProducts::Between(const std::vector<int>& a, const std::ve
   if (!AreKnown(a) && AreKnown(b)) return Between(b, a).transpose();
   Ask(a);
   Eigen::MatrixXd between(static_cast<long>(a.size()), static_cast<long>(b.size()));
-  for (size_t k = 0; k < a.size(); ++k) between.row(static_cast<long>(k)) = known_[a[k]](b);
+  for (size_t k = 0; k < a.size(); ++k) between.row(static_cast<long>(k)) = known_[static_cast<size_t>(a[k])](b);
   return between;
 }
 
 Eigen::MatrixXd ColumnProducts::Rows(const std::vector<int>& columns) const {
   if (!rows_of_) return whole_(columns, Eigen::all);
   Ask(columns);
-  Eigen::MatrixXd rows(static_cast<long>(columns.size()), columns.empty() ? 0 : known_[columns[0]].size());
-  for (size_t k = 0; k < columns.size(); ++k) rows.row(static_cast<long>(k)) = known_[columns[k]];
+  Eigen::MatrixXd rows(static_cast<long>(columns.size()),
+                       columns.empty() ? 0 : known_[static_cast<size_t>(columns[0])].size());
+  for (size_t k = 0; k < columns.size(); ++k) rows.row(static_cast<long>(k)) = known_[static_cast<size_t>(columns[k])];
   return rows;
 }
 
@@ -43,15 +44,20 @@ void ColumnProducts::AskTogether(const std::vector<const std::vector<int>*>& lis
 void ColumnProducts::Ask(const std::vector<int>& columns) const {
   std::vector<int> asked;
   for (const int column : columns) {
-    if (known_.count(column) == 0) asked.push_back(column);
+    if (!IsKnown(column)) asked.push_back(column);
   }
   if (asked.empty()) return;
   const Eigen::MatrixXd rows = rows_of_(asked);
-  for (size_t k = 0; k < asked.size(); ++k) known_[asked[k]] = rows.row(static_cast<long>(k));
+  known_.resize(static_cast<size_t>(rows.cols()));
+  for (size_t k = 0; k < asked.size(); ++k) known_[static_cast<size_t>(asked[k])] = rows.row(static_cast<long>(k));
+}
+
+bool ColumnProducts::IsKnown(int column) const {
+  return static_cast<size_t>(column) < known_.size() && known_[static_cast<size_t>(column)].size() > 0;
 }
 
 bool ColumnProducts::AreKnown(const std::vector<int>& columns) const {
-  return std::all_of(columns.begin(), columns.end(), [this](int column) { return known_.count(column) > 0; });
+  return std::all_of(columns.begin(), columns.end(), [this](int column) { return IsKnown(column); });
 }
 
 }  // namespace sagitta

@@ -30,13 +30,14 @@ class ColumnProducts {
   void AskTogether(const std::vector<const std::vector<int>*>& lists) const;
 
  private:
+  bool IsKnown(int column) const;
   bool AreKnown(const std::vector<int>& columns) const;
   void Ask(const std::vector<int>& columns) const;  // for those that are not known
 
   Eigen::MatrixXd whole_;  // empty where rows are asked for
   OwnBlocks own_;
   RowsOf rows_of_;
-  mutable std::map<int, Eigen::VectorXd> known_;  // rows that were asked for, by column
+  mutable std::vector<Eigen::VectorXd> known_;  // rows that were asked for, by column; empty of the others
 };
 
 }  // namespace sagitta

@@ -348,8 +348,10 @@ class Session {
     d_.where = FindWhere(d_.baseline);
     DescribePlaces();
     double before = HoldoutRms(d_.baseline);
+    const std::vector<EffectView> views = ViewEffects(d_.final, SpecsOf(CandidatesOf(selected_)));
     for (size_t k = 0; k < selected_.size(); ++k) {
       FoundEffect& effect = d_.effects[k];
+      effect.view = views[k];
       DescribeEffect(selected_[k], static_cast<int>(d_.candidates.size()), &effect);
       const DiagnosedModel& here = k + 1 == selected_.size() ? d_.final : prefixes_[k + 1];
       effect.holdout_before = before;
@@ -410,7 +412,6 @@ class Session {
     effect.corrected_p =
         CorrectedP(chosen.fit.reduction, chosen.fit.parameters, unit * after.chi2 / std::max(1, after.dof), after.dof,
                    evidence_->IsSigmaStated(), tests);
-    effect.view = ViewEffect(d_.final, chosen.candidate.spec);
     for (const ParameterEstimate& row : after.table) {
       if (row.free && IsParameterOf(chosen.candidate.spec, row.name)) effect.parameters.push_back(row);
     }

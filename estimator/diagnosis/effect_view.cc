@@ -47,11 +47,10 @@ struct VisitSums {
   double squared = 0.0, measured = 0.0, simulated = 0.0, x = 0.0;
 };
 
-}  // namespace
-
-EffectView ViewEffect(const DiagnosedModel& with, const EffectSpec& spec) {
+// deviations: columns of each joint.
+EffectView ViewEffect(const DiagnosedModel& with, const Linearization& here, const Eigen::MatrixXd& deviations,
+                      const EffectSpec& spec) {
   const CalibrationProblem& problem = *with.problem;
-  const Linearization here = LinearizeEstimate(problem, with.estimate.parameters);
   const Eigen::VectorXd contribution = Contribution(with, spec, here);
   const Driver driver = DriverOf(problem, spec);
   EffectView view{driver.name, driver.unit, "share of what was found", "", {}, {}, {}};
@@ -59,7 +58,7 @@ EffectView ViewEffect(const DiagnosedModel& with, const EffectSpec& spec) {
   const int joint = problem.robot().chain.FindJoint(spec.target);
   if (joint >= 0) {
     const bool turns = IsRevolute(problem, joint);
-    along = JointDeviationColumns(problem, with.estimate.parameters).col(joint);
+    along = deviations.col(joint);
     view.quantity = "deviation of " + spec.target;
     view.unit = turns ? "urad" : "um";
   }
@@ -83,6 +82,17 @@ EffectView ViewEffect(const DiagnosedModel& with, const EffectSpec& spec) {
     view.simulated.push_back(sums.simulated / sums.squared);
   }
   return view;
+}
+
+}  // namespace
+
+std::vector<EffectView> ViewEffects(const DiagnosedModel& with, const std::vector<EffectSpec>& specs) {
+  std::vector<EffectView> views;
+  if (specs.empty()) return views;
+  const Linearization here = LinearizeEstimate(*with.problem, with.estimate.parameters);
+  const Eigen::MatrixXd deviations = JointDeviationColumns(*with.problem, with.estimate.parameters);
+  for (const EffectSpec& spec : specs) views.push_back(ViewEffect(with, here, deviations, spec));
+  return views;
 }
 
 }  // namespace sagitta

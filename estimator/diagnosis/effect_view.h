@@ -18,7 +18,7 @@ struct EffectView {
   std::vector<double> simulated;    // what the effect says
 };
 
-// Of a model that has the effect.
-EffectView ViewEffect(const DiagnosedModel& with, const EffectSpec& spec);
+// Of effects that a model has.
+std::vector<EffectView> ViewEffects(const DiagnosedModel& with, const std::vector<EffectSpec>& specs);
 
 }  // namespace sagitta

@@ -40,15 +40,15 @@ GroupGain GainOf(const Eigen::Ref<const Eigen::MatrixXd>& information,
   return GainBy<Eigen::MatrixXd>(information, gradient, variance);
 }
 
-MostQuad::MostQuad(const Eigen::MatrixXd& least_information) {
-  Eigen::MatrixXd posterior = kScales[kNumScales - 1] * kScales[kNumScales - 1] * least_information;
+Eigen::VectorXd MostQuads(const Eigen::MatrixXd& least_information, const Eigen::MatrixXd& gradients) {
+  const double variance = kScales[kNumScales - 1] * kScales[kNumScales - 1];
+  Eigen::MatrixXd posterior = variance * least_information;
   posterior.diagonal().array() += 1.0;
-  root_.compute(posterior);
-}
-
-double MostQuad::Of(const Eigen::VectorXd& gradient) const {
-  if (root_.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
-  return kScales[kNumScales - 1] * kScales[kNumScales - 1] * root_.matrixL().solve(gradient).squaredNorm();
+  const Eigen::LLT<Eigen::MatrixXd> root(posterior);
+  if (root.info() != Eigen::Success) {
+    return Eigen::VectorXd::Constant(gradients.cols(), std::numeric_limits<double>::infinity());
+  }
+  return variance * root.matrixL().solve(gradients).colwise().squaredNorm().transpose();
 }
 
 // log sum exp(x) = m + log sum exp(x - m), m the largest.
@@ -107,8 +107,12 @@ double ResidualLikelihood::Factor(double residual) const {
 // log B = log mean_s B(s).
 double AverageGain(const ResidualLikelihood& likelihood, double residual, const Eigen::MatrixXd& information,
                    const Eigen::VectorXd& gradient, double* scale) {
+  const double nothing = likelihood.Log(residual);
   std::vector<double> logs(kNumScales);
-  for (int s = 0; s < kNumScales; ++s) logs[s] = likelihood.Gain(residual, GainOf(information, gradient, kScales[s]));
+  for (int s = 0; s < kNumScales; ++s) {
+    const GroupGain gain = GainOf(information, gradient, kScales[s]);
+    logs[s] = likelihood.Log(residual - gain.quad) - nothing - 0.5 * gain.log_det;
+  }
   if (scale != nullptr) *scale = kScales[std::max_element(logs.begin(), logs.end()) - logs.begin()];
   return LogSumExp(logs) - std::log(kNumScales);
 }

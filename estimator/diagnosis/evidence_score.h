@@ -44,15 +44,8 @@ GroupGain GainOf(const Eigen::Ref<const Eigen::MatrixXd>& information,
                  const Eigen::Ref<const Eigen::VectorXd>& gradient, double scale);
 
 // The most that columns with at least this information can explain: quad grows with s and falls with G, and what a
-// scale costs, log det, is no gain.
-class MostQuad {
- public:
-  explicit MostQuad(const Eigen::MatrixXd& least_information);
-  double Of(const Eigen::VectorXd& gradient) const;
-
- private:
-  Eigen::LLT<Eigen::MatrixXd> root_;  // of I + s^2 G at the largest s
-};
+// scale costs, log det, is no gain. Of each column of gradients.
+Eigen::VectorXd MostQuads(const Eigen::MatrixXd& least_information, const Eigen::MatrixXd& gradients);
 
 // log of the sum of exponentials, without overflow.
 double LogSumExp(const std::vector<double>& logs);
@@ -72,10 +65,6 @@ class ResidualLikelihood {
   double Log(double residual) const;
   // That the stated sigma is wrong, given the square; 0 where nothing states it.
   double ProbabilityWrong(double residual) const;
-  // Evidence in log units that a group adds to `believed` (square and log det of what is conditioned on).
-  double Gain(double residual, const GroupGain& gain) const {
-    return Log(residual - gain.quad) - Log(residual) - 0.5 * gain.log_det;
-  }
   // Factor on sigma that the square asks for: root of R / n where it is open.
   double Factor(double residual) const;
 

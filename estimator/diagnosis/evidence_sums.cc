@@ -11,7 +11,7 @@
 namespace sagitta {
 namespace {
 
-constexpr Eigen::Index kColumnsAtOnce = 128;  // of a product, upper blocks alone
+constexpr Eigen::Index kColumnsAtOnce = 64;  // of a product, upper blocks alone
 // Of J'J scaled to a unit diagonal: below, a direction is rounding.
 constexpr double kRankOfSums = 1e-13;
 

@@ -35,18 +35,27 @@ bool IsLike(const UnnamedFunction& function, const EffectSpec& spec) {
 
 }  // namespace
 
-bool NamelessCauses::MayBePieceOf(const std::vector<int>& functions, int named) const {
-  return !list_.IsUnnamed(named) && std::any_of(functions.begin(), functions.end(), [&](int function) {
-    return IsLike(list_.functions[static_cast<size_t>(list_.unnamed[function])], list_.SpecOf(named));
-  });
+const NamelessCauses::Pieces& NamelessCauses::PiecesOf(const std::vector<int>& functions) {
+  const auto [known, is_new] = pieces_.try_emplace(functions);
+  Pieces& pieces = known->second;
+  for (size_t k = 0; k < list_.math.size() && is_new; ++k) {
+    const int named = static_cast<int>(k);
+    const bool may_be = !list_.IsUnnamed(named) && std::any_of(functions.begin(), functions.end(), [&](int function) {
+      return IsLike(list_.functions[static_cast<size_t>(list_.unnamed[function])], list_.SpecOf(named));
+    });
+    pieces.may_be.push_back(may_be);
+    if (may_be) pieces.share += list_.math[k].share;
+  }
+  return pieces;
 }
 
-NamelessCauses::Cause NamelessCauses::OneOf(const std::vector<int>& members) const {
+NamelessCauses::Cause NamelessCauses::OneOf(const std::vector<int>& members) {
   Cause cause;
   std::copy_if(members.begin(), members.end(), std::back_inserter(cause.functions),
                [&](int m) { return list_.IsUnnamed(m); });
+  const Pieces& all = PiecesOf(cause.functions);
   std::copy_if(members.begin(), members.end(), std::back_inserter(cause.pieces),
-               [&](int m) { return MayBePieceOf(cause.functions, m); });
+               [&](int m) { return all.may_be[static_cast<size_t>(m)]; });
   return cause;
 }
 
@@ -57,13 +66,10 @@ NamelessCauses::Cause NamelessCauses::OneOf(const std::vector<int>& members) con
 // piece is as likely as that there is another cause.
 double NamelessCauses::LogPriorOdds(const std::vector<int>& members, const Cause& cause) {
   if (cause.pieces.empty()) return 0.0;
-  const auto [shares, is_new] = shares_.try_emplace(cause.functions, 0.0);
-  for (size_t k = 0; k < list_.math.size() && is_new; ++k) {
-    if (MayBePieceOf(cause.functions, static_cast<int>(k))) shares->second += list_.math[k].share;
-  }
   const double m = static_cast<double>(members.size());
   const double one_more = (further_ + m - 2.0) / (m - 1.0);
-  return static_cast<double>(cause.pieces.size()) * std::log(further_ / (one_more * m * shares->second));
+  return static_cast<double>(cause.pieces.size()) *
+         std::log(further_ / (one_more * m * PiecesOf(cause.functions).share));
 }
 
 // log L = log mean_s L(pieces at s, functions at s w; the others at their best)

@@ -24,7 +24,7 @@ class NamelessCauses {
   struct Cause {
     std::vector<int> functions, pieces;
   };
-  Cause OneOf(const std::vector<int>& members) const;
+  Cause OneOf(const std::vector<int>& members);
   // Log of how much more probable one nameless cause with these pieces is than so many causes, before any row is seen.
   double LogPriorOdds(const std::vector<int>& members, const Cause& cause);
   // The set with one size of the cause, averaged over it; the other members at their best scales.
@@ -32,11 +32,16 @@ class NamelessCauses {
                           const ResidualLikelihood& likelihood) const;
 
  private:
-  bool MayBePieceOf(const std::vector<int>& functions, int named) const;
+  // What may be pieces of a cause with these functions, by explanation, and the share of all of them.
+  struct Pieces {
+    std::vector<bool> may_be;
+    double share = 0.0;
+  };
+  const Pieces& PiecesOf(const std::vector<int>& functions);
 
   const ExplanationList& list_;
   const double further_;
-  std::map<std::vector<int>, double> shares_;  // of all that may be pieces, by functions
+  std::map<std::vector<int>, Pieces> pieces_;
 };
 
 }  // namespace sagitta

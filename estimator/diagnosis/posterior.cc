@@ -37,7 +37,7 @@ struct Changed {
 
 struct Leading {
   bool is_something = false;
-  std::set<std::string> names;
+  std::vector<int> names;
 
   bool operator==(const Leading& other) const { return is_something == other.is_something && names == other.names; }
 };
@@ -47,13 +47,26 @@ Leading LeadingOf(const Posterior& posterior, double gate) {
   return {true, posterior.sets[0].names};
 }
 
+// Names of a list in their order: the first explanation of each, and the place of every explanation's name.
+struct NamesInOrder {
+  explicit NamesInOrder(const ExplanationList& list) {
+    std::map<std::string, int> of_name;  // first explanation, then place
+    for (size_t k = 0; k < list.name.size(); ++k) of_name.emplace(list.name[k], static_cast<int>(k));
+    for (auto& [name, at] : of_name) {
+      first.push_back(at);
+      at = static_cast<int>(first.size()) - 1;
+    }
+    for (const std::string& name : list.name) place.push_back(of_name.at(name));
+  }
+
+  std::vector<int> first, place;
+};
+
 // The first explanation of each name that only the former have.
-std::vector<int> Without(const ExplanationList& list, const std::set<std::string>& names,
-                         const std::set<std::string>& others) {
+std::vector<int> Without(const NamesInOrder& all, const std::vector<int>& names, const std::vector<int>& others) {
   std::vector<int> own;
-  for (const std::string& name : names) {
-    if (others.count(name) > 0) continue;
-    own.push_back(static_cast<int>(std::find(list.name.begin(), list.name.end(), name) - list.name.begin()));
+  for (const int name : names) {
+    if (!std::binary_search(others.begin(), others.end(), name)) own.push_back(all.first[static_cast<size_t>(name)]);
   }
   return own;
 }
@@ -73,10 +86,11 @@ double Posterior::Of(const std::string& name) const {
 // set as stated of p(M) (1 - P(sigma is wrong | M)), the rest of the empty sets is noise.
 Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>& models) {
   Posterior posterior;
-  std::map<std::pair<std::set<std::string>, bool>, NameSet> sets;
-  std::map<std::string, NamedProbability> named, functions;
-  std::map<std::string, double> most;
+  std::map<std::pair<std::vector<int>, bool>, NameSet> sets;
+  std::map<int, NamedProbability> named, functions;
+  std::map<int, double> most;
   const ExplanationList& list = evidence.list();
+  const NamesInOrder all(list);
   for (size_t i = 0; i < models.size(); ++i) {
     const WeightedModel& model = models[i];
     const bool has_unnamed = HasUnnamed(evidence, model);
@@ -88,18 +102,20 @@ Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>
       posterior.nothing += (1.0 - wrong) * model.probability;
       continue;
     }
-    std::set<std::string> names;
+    std::vector<int> names;
     for (const int m : model.set.members) {
       if (model.HasPiece(m)) continue;
-      names.insert(list.name[m]);
-      auto& entries = list.IsUnnamed(m) ? functions : named;
-      NamedProbability& entry = entries.emplace(list.name[m], NamedProbability{list.name[m], m, 0.0}).first->second;
-      if (model.probability > most[list.name[m]]) {
-        most[list.name[m]] = model.probability;
-        entry.explanation = m;
+      const int name = all.place[static_cast<size_t>(m)];
+      names.insert(std::lower_bound(names.begin(), names.end(), name), name);
+      const auto [entry, is_new] = (list.IsUnnamed(m) ? functions : named).try_emplace(name);
+      if (is_new) entry->second = {list.name[m], m, 0.0};
+      if (model.probability > most[name]) {
+        most[name] = model.probability;
+        entry->second.explanation = m;
       }
-      entry.probability += model.probability;
+      entry->second.probability += model.probability;
     }
+    names.erase(std::unique(names.begin(), names.end()), names.end());
     // The first of a kind is the most probable.
     const NameSet fresh{names, has_unnamed, 0.0, static_cast<int>(i), {}};
     NameSet& set = sets.emplace(std::make_pair(names, IsPose(evidence, model)), fresh).first->second;
@@ -125,6 +141,7 @@ Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>
 
 std::vector<Flip> WhatFlips(const Evidence& evidence, const Posterior& posterior, double gate) {
   const Leading now = LeadingOf(posterior, gate);
+  const NamesInOrder all(evidence.list());
   std::vector<Flip> flips;
   for (const double factor : {kThreefold, 1.0 / kThreefold}) {
     const Changed changes[] = {{"nothing", factor, 1.0, 1.0, 1.0},
@@ -137,8 +154,8 @@ std::vector<Flip> WhatFlips(const Evidence& evidence, const Posterior& posterior
       Normalise(&changed);
       const Leading then = LeadingOf(PosteriorOf(evidence, changed), gate);
       if (then == now) continue;
-      flips.push_back({change.mass, factor > 1.0, then.is_something, Without(evidence.list(), then.names, now.names),
-                       Without(evidence.list(), now.names, then.names)});
+      flips.push_back({change.mass, factor > 1.0, then.is_something, Without(all, then.names, now.names),
+                       Without(all, now.names, then.names)});
     }
   }
   return flips;

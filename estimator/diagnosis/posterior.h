@@ -2,7 +2,6 @@
 #pragma once
 
 #include <map>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -11,7 +10,7 @@
 namespace sagitta {
 
 struct NameSet {
-  std::set<std::string> names;
+  std::vector<int> names;  // places among all names in their order, ascending
   bool has_unnamed = false;
   double probability = 0.0;
   int best = 0;             // of the models

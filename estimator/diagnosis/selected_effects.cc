@@ -61,8 +61,7 @@ Eigen::VectorXd HoldoutSquares(const DiagnosedModel& model, std::vector<int>* co
 std::vector<SelectedEffect> SelectedEffectsOf(const Evidence& evidence, const WeightedModel& model,
                                               const DiagnosedModel& lacking) {
   const ExplanationList& list = evidence.list();
-  const SetSearch search = evidence.SearchIn(model.view);
-  const double whole = search.Evaluate(model.set.members, model.set.scales).log_weight;
+  const std::vector<double> losses = evidence.SearchIn(model.view).LossesOf(model.set);
   const std::vector<GivenOthers> given = EachGivenOthers(evidence, model);
   std::vector<SelectedEffect> effects;
   for (size_t k = 0; k < model.set.members.size(); ++k) {
@@ -77,11 +76,7 @@ std::vector<SelectedEffect> SelectedEffectsOf(const Evidence& evidence, const We
     effect.fit = FitOf(evidence, member, given[k]);
     effect.candidate.poorly_determined = effect.fit.poorly_determined;
     effect.candidate.loose = effect.fit.loose;
-    std::vector<int> others = model.set.members;
-    std::vector<double> scales = model.set.scales;
-    others.erase(others.begin() + static_cast<long>(k));
-    scales.erase(scales.begin() + static_cast<long>(k));
-    effect.loss = whole - search.Evaluate(others, scales).log_weight;
+    effect.loss = losses[k];
     effects.push_back(std::move(effect));
   }
   std::stable_sort(effects.begin(), effects.end(), [](const auto& a, const auto& b) { return a.loss > b.loss; });

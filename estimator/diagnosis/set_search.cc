@@ -17,7 +17,6 @@ constexpr int kScaleRounds = 3;
 constexpr size_t kMostMembers = 20;
 constexpr size_t kAveragedTogether = 3;  // members: 5^3 combinations; of more, each beside the best of the others
 constexpr double kUnsettled = 1e-3;      // of the probability: a tenth of what is reported
-constexpr size_t kFewMoves = 8;          // of as many members the inverse costs less anew
 constexpr size_t kMostSwaps = 1000;   // of one set: where a thousand sets share the probability they differ in details
 constexpr size_t kMostSettled = 100;  // where a hundred sets share it, each has about a hundredth
 
@@ -150,7 +149,8 @@ Members SetSearch::MembersAt(const WeightedSet& set, const WeightedSet& before, 
 
 Members SetSearch::MembersOf(const WeightedSet& set) const {
   const Difference difference = place_ ? DifferenceOf(place_->set, set) : Difference();
-  if (!place_ || difference.gone.size() + difference.come.size() > kFewMoves) {
+  // Moves of all members cost what the inverse does anew.
+  if (!place_ || difference.gone.size() + difference.come.size() > set.members.size()) {
     Members members(normal_, GroupsOf(set.members));
     members.Condition(set.scales);
     return members;
@@ -166,32 +166,25 @@ Members SetSearch::MembersOf(const WeightedSet& set) const {
 // The weight is that times the prior: log w = log L + log P(set).
 WeightedSet SetSearch::EvaluateFrom(const std::vector<int>& given_members, Members members) const {
   WeightedSet set{given_members, members.scales(), likelihood_.Log(normal_.residual), 0.0};
-  std::vector<double> logs;
-  const auto weigh = [&](size_t k) {
-    logs = LogsOfScales(likelihood_, members.Of(k));
-    return std::max_element(logs.begin(), logs.end()) - logs.begin();
-  };
-  bool moved = true;
-  for (int round = 0; moved && round < kScaleRounds; ++round) {
+  // A pass that moves no scale has seen each member beside the others at their best.
+  bool moved = !set.members.empty();
+  for (int round = 0; moved && round <= kScaleRounds; ++round) {
     moved = false;
+    double averages = 0.0;  // of each member's scales, over its best
     for (size_t k = 0; k < set.members.size(); ++k) {
-      const double best = kScales[weigh(k)];
-      if (best == set.scales[k]) continue;
+      const std::vector<double> logs = LogsOfScales(likelihood_, members.Of(k));
+      const auto most = std::max_element(logs.begin(), logs.end());
+      const double best = kScales[most - logs.begin()];
+      set.log_likelihood = *most;
+      averages += LogSumExp(logs) - std::log(kNumScales) - *most;
+      if (best == set.scales[k] || round == kScaleRounds) continue;
       set.scales[k] = best;
       members.Rescale(k, best);
       moved = true;
     }
-  }
-  if (!set.members.empty() && set.members.size() <= kAveragedTogether) {
-    set.log_likelihood = AverageOverScales(&members);
-  } else {
-    double averages = 0.0;  // of each member's scales, over its best
-    for (size_t k = 0; k < set.members.size(); ++k) {
-      set.log_likelihood = logs[weigh(k)];
-      averages += LogSumExp(logs) - std::log(kNumScales) - set.log_likelihood;
-    }
     set.log_likelihood += averages;
   }
+  if (!set.members.empty() && set.members.size() <= kAveragedTogether) set.log_likelihood = AverageOverScales(&members);
   set.log_weight = set.log_likelihood + prior_.Log(SharesOf(set.members));
   return set;
 }
@@ -326,6 +319,19 @@ std::vector<WeightedSet> SetSearch::WithoutEach(const WeightedSet& set, const Me
   return without;
 }
 
+std::vector<double> SetSearch::LossesOf(const WeightedSet& set) const {
+  Members all(normal_, GroupsOf(set.members));
+  all.Condition(set.scales);
+  const double whole = EvaluateFrom(set.members, all).log_weight;
+  std::vector<double> losses;
+  for (size_t m = 0; m < set.members.size(); ++m) {
+    Members left = all;
+    left.Remove(m);
+    losses.push_back(whole - EvaluateFrom(Shrunk(set, m).members, std::move(left)).log_weight);
+  }
+  return losses;
+}
+
 // Every member's place for every candidate: each is taken out of what is left of the candidates given all, at the
 // others' scales. Without a member G is no less than given all: what a candidate can add at most is first asked with
 // that of all, which a factor for all places says.
@@ -339,20 +345,23 @@ std::vector<SetSearch::Swap> SetSearch::SwapsOf(const WeightedSet& set, const Mo
     shares.push_back(1.0);
     bases.push_back(without[m].log_likelihood + prior_.Log(shares) - likelihood_.Log(sweeps[m].residual));
   }
+  const Eigen::MatrixXd of_all = sweep.Gradients(sweeps);
   std::vector<Swap> swaps;
   double most = BestWeight();
   for (size_t k = 0; k < explanations_.size(); ++k) {
     if (!(explanations_[k].share > 0.0)) continue;
-    const Eigen::MatrixXd solved = sweep.Solved(explanations_[k].group);
-    const Own given_all{OwnOf(k).information - sweep.Taken(explanations_[k].group, solved),
-                        sweep.Gradient(explanations_[k].group)};
-    const MostQuad most_quad(given_all.information);
+    const Eigen::MatrixXd given_all = OwnOf(k).information - sweep.Taken(explanations_[k].group);
+    const Eigen::MatrixXd gradients = ColumnsOf(explanations_[k].group, of_all).transpose();
+    const Eigen::VectorXd most_quads = MostQuads(given_all, gradients);
+    const double log_share = std::log(explanations_[k].share);
+    Eigen::MatrixXd solved;  // where it is asked for
     for (size_t m = 0; m < set.members.size(); ++m) {
       if (set.members[m] == static_cast<int>(k) || IsExcluded(without[m].members, static_cast<int>(k))) continue;
-      const Eigen::VectorXd gradient = given_all.gradient + sweeps[m].Gradient(solved);
-      const double base = bases[m] + std::log(explanations_[k].share), residual = sweeps[m].residual;
-      if (base + likelihood_.Log(residual - most_quad.Of(gradient)) < most - kWorthKeeping) continue;
-      const Own own{given_all.information + sweeps[m].Information(solved), gradient};
+      const double base = bases[m] + log_share, residual = sweeps[m].residual;
+      const auto place = static_cast<long>(m);
+      if (base + likelihood_.Log(residual - most_quads[place]) < most - kWorthKeeping) continue;
+      if (solved.size() == 0) solved = sweep.Solved(explanations_[k].group);
+      const Own own{given_all + sweeps[m].Information(solved), gradients.col(place)};
       double scale = 1.0;
       const double weight = base + likelihood_.Log(residual) + GainOfOwn(own, residual, &scale);
       if (weight < most - kWorthKeeping) continue;
@@ -451,9 +460,7 @@ bool SetSearch::ClimbFrom(const WeightedSet& start, int most_moves) {
   if (explanations_.empty()) return true;
   if (!start.members.empty()) Record(Evaluate(start.members, start.scales));
   Expand(*found_.Find({}));
-  const bool is_done = Climb(*found_.Find(start.members), most_moves);
-  place_.reset();
-  return is_done;
+  return Climb(*found_.Find(start.members), most_moves);
 }
 
 std::vector<WeightedSet> SetSearch::Explore() {

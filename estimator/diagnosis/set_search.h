@@ -89,6 +89,8 @@ class SetSearch {
   const WeightedSet& Empty() const { return *found_.Find({}); }
   // One set; scales start where they are given.
   WeightedSet Evaluate(const std::vector<int>& members, const std::vector<double>& scales = {}) const;
+  // What the log weight of a set loses without each of its members.
+  std::vector<double> LossesOf(const WeightedSet& set) const;
   // Log weights of this set with each further explanation, averaged over its scale beside the best of the others;
   // -infinity where it is excluded. scales: the best of each.
   std::vector<double> Additions(const WeightedSet& given, std::vector<double>* scales = nullptr) const;
@@ -159,7 +161,7 @@ class SetSearch {
     WeightedSet set;
     MovingSweep sweep;
   };
-  std::unique_ptr<Place> place_;  // where a climb is; nothing before and after
+  std::unique_ptr<Place> place_;  // where a climb is, and from where the sets beside it are explored
 };
 
 constexpr double kWorthKeeping = 12.0;  // log units: e^-12 = 6e-6 of the best

@@ -3,11 +3,15 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "estimator/least_squares/row_sums.h"
 
 namespace sagitta {
 namespace {
+
+constexpr long kColumnsAtOnce = 48;  // of an inverse: a few of them leave out most zeros, and each is a fast product
+constexpr long kSpareRows = 32;      // of a smooth function without a name, the widest groups: one more has room
 
 // s M'G of one group.
 Eigen::MatrixXd ScaledRowsOf(const ProjectedNormal& normal, const ColumnGroup& group, double scale) {
@@ -29,43 +33,72 @@ Eigen::MatrixXd Solved(const Eigen::LLT<Eigen::MatrixXd>& root, const Eigen::Mat
   return root.solve(right);
 }
 
-Eigen::MatrixXd WithRowsAt(long first, const Eigen::MatrixXd& rows, const Eigen::MatrixXd& others) {
-  Eigen::MatrixXd all(others.rows() + rows.rows(), rows.cols());
-  all.topRows(first) = others.topRows(first);
-  all.middleRows(first, rows.rows()) = rows;
-  all.bottomRows(others.rows() - first) = others.bottomRows(others.rows() - first);
-  return all;
+// (L L')^-1 = X'X, X = L^-1: both lower halves, some columns at a time.
+Eigen::MatrixXd InverseOf(const Eigen::MatrixXd& lower) {
+  const long n = lower.rows();
+  Eigen::MatrixXd root = Eigen::MatrixXd::Identity(n, n), inverse(n, n);
+  for (long first = 0; first < n; first += kColumnsAtOnce) {
+    const long left = n - first, columns = std::min(kColumnsAtOnce, left);
+    auto own = root.block(first, first, left, columns);
+    lower.bottomRightCorner(left, left).triangularView<Eigen::Lower>().solveInPlace(own);
+  }
+  for (long first = 0; first < n; first += kColumnsAtOnce) {
+    const long left = n - first, columns = std::min(kColumnsAtOnce, left);
+    const Eigen::MatrixXd half =
+        root.bottomRightCorner(left, left).transpose() * root.block(first, first, left, columns);
+    inverse.block(first, first, left, columns) = half;
+    inverse.block(first, first, columns, left) = half.transpose();
+  }
+  return inverse;
 }
 
-Eigen::MatrixXd WithoutRows(long first, long size, const Eigen::MatrixXd& all) {
-  const long left = all.rows() - size;
-  Eigen::MatrixXd others(left, all.cols());
-  others.topRows(first) = all.topRows(first);
-  others.bottomRows(left - first) = all.bottomRows(left - first);
+// Square, without the rows and columns of one group.
+Eigen::MatrixXd WithoutGroup(long first, long size, const Eigen::MatrixXd& all) {
+  const long left = all.rows() - size, last = left - first;
+  Eigen::MatrixXd others(left, left);
+  others.topLeftCorner(first, first) = all.topLeftCorner(first, first);
+  others.topRightCorner(first, last) = all.topRightCorner(first, last);
+  others.bottomLeftCorner(last, first) = all.bottomLeftCorner(last, first);
+  others.bottomRightCorner(last, last) = all.bottomRightCorner(last, last);
   return others;
 }
 
-Eigen::MatrixXd WithColumnsAt(long first, const Eigen::MatrixXd& columns, const Eigen::MatrixXd& others) {
-  Eigen::MatrixXd all(columns.rows(), others.cols() + columns.cols());
-  all.leftCols(first) = others.leftCols(first);
-  all.middleCols(first, columns.cols()) = columns;
-  all.rightCols(others.cols() - first) = others.rightCols(others.cols() - first);
+// Symmetric, with a group's corner and its rows beside the others.
+Eigen::MatrixXd WithGroup(long first, const Eigen::MatrixXd& corner, const Eigen::MatrixXd& rows,
+                          const Eigen::MatrixXd& others) {
+  const long size = corner.rows(), last = others.rows() - first;
+  Eigen::MatrixXd all(others.rows() + size, others.rows() + size);
+  all.topLeftCorner(first, first) = others.topLeftCorner(first, first);
+  all.topRightCorner(first, last) = others.topRightCorner(first, last);
+  all.bottomLeftCorner(last, first) = others.bottomLeftCorner(last, first);
+  all.bottomRightCorner(last, last) = others.bottomRightCorner(last, last);
+  all.block(first, first, size, size) = corner;
+  all.block(first, 0, size, first) = rows.leftCols(first);
+  all.block(first, first + size, size, last) = rows.rightCols(last);
+  all.block(0, first, first, size) = rows.leftCols(first).transpose();
+  all.block(first + size, first, last, size) = rows.rightCols(last).transpose();
   return all;
 }
 
-Eigen::MatrixXd WithoutColumns(long first, long size, const Eigen::MatrixXd& all) {
-  const long left = all.cols() - size;
-  Eigen::MatrixXd others(all.rows(), left);
-  others.leftCols(first) = all.leftCols(first);
-  others.rightCols(left - first) = all.rightCols(left - first);
+Eigen::VectorXd WithoutPart(long first, long size, const Eigen::VectorXd& all) {
+  Eigen::VectorXd others(all.size() - size);
+  others << all.head(first), all.tail(others.size() - first);
   return others;
+}
+
+Eigen::VectorXd WithPart(long first, const Eigen::VectorXd& part, const Eigen::VectorXd& others) {
+  Eigen::VectorXd all(others.size() + part.size());
+  all << others.head(first), part, others.tail(others.size() - first);
+  return all;
 }
 
 }  // namespace
 
 Eigen::MatrixXd ColumnsOf(const ColumnGroup& group, const Eigen::MatrixXd& matrix) {
-  if (group.mixing.size() == 0) return matrix(Eigen::all, group.columns);
-  return matrix(Eigen::all, group.columns) * group.mixing;
+  Eigen::MatrixXd own(matrix.rows(), static_cast<long>(group.columns.size()));
+  for (long c = 0; c < own.cols(); ++c) own.col(c) = matrix.col(group.columns[static_cast<size_t>(c)]);
+  if (group.mixing.size() == 0) return own;
+  return own * group.mixing;
 }
 
 Eigen::MatrixXd OwnInformation(const ProjectedNormal& normal, const ColumnGroup& group) {
@@ -145,7 +178,7 @@ void Members::Condition(const std::vector<double>& scales) {
   inner.diagonal().array() += 1.0;
   const Eigen::LLT<Eigen::MatrixXd> root(inner);
   factor_ = root.matrixL();
-  inverse_ = root.solve(Eigen::MatrixXd::Identity(num_columns(), num_columns()));
+  inverse_ = InverseOf(factor_);
   solved_ = root.solve(diagonal.cwiseProduct(gradient_));
   log_det_ = 2.0 * factor_.diagonal().array().log().sum();
   SetResidual();
@@ -178,10 +211,10 @@ void Members::Remove(size_t group) {
   const Eigen::LLT<Eigen::MatrixXd> root(Eigen::MatrixXd(inverse_.block(first, first, size, size)));
   const Eigen::MatrixXd beside = inverse_.middleCols(first, size), left = root.solve(beside.transpose());
   inverse_.noalias() -= beside * left;
-  inverse_ = WithoutColumns(first, size, WithoutRows(first, size, inverse_));
+  inverse_ = WithoutGroup(first, size, inverse_);
   const Eigen::VectorXd own = root.solve(solved_.segment(first, size));
-  solved_ = WithoutRows(first, size, solved_ - beside * own);
-  gradient_ = WithoutRows(first, size, gradient_);
+  solved_ = WithoutPart(first, size, solved_ - beside * own);
+  gradient_ = WithoutPart(first, size, gradient_);
   log_det_ += 2.0 * root.matrixLLT().diagonal().array().log().sum();
   groups_.erase(groups_.begin() + static_cast<long>(group));
   scales_.erase(scales_.begin() + static_cast<long>(group));
@@ -205,9 +238,9 @@ void Members::Insert(size_t place, const ColumnGroup& group, double scale) {
   const Eigen::VectorXd own = root.solve(scale * gradient - column.transpose() * solved_);
   const Eigen::MatrixXd of_group = root.solve(Eigen::MatrixXd::Identity(more, more));
   inverse_.noalias() += beside * left;
-  inverse_ = WithColumnsAt(first, WithRowsAt(first, of_group, -left.transpose()), WithRowsAt(first, -left, inverse_));
-  solved_ = WithRowsAt(first, own, solved_ - beside * own);
-  gradient_ = WithRowsAt(first, gradient, gradient_);
+  inverse_ = WithGroup(first, of_group, -left, inverse_);
+  solved_ = WithPart(first, own, solved_ - beside * own);
+  gradient_ = WithPart(first, gradient, gradient_);
   log_det_ += 2.0 * root.matrixLLT().diagonal().array().log().sum();
   groups_.insert(groups_.begin() + static_cast<long>(place), &group);
   scales_.insert(scales_.begin() + static_cast<long>(place), scale);
@@ -270,6 +303,7 @@ MovingSweep::MovingSweep(const ProjectedNormal& normal, const std::vector<const 
                          const std::vector<double>& scales)
     : members_(normal, given), gradient_(normal.gradient) {
   members_.Condition(scales);
+  tops_.assign(members_.first_.begin(), members_.first_.end() - 1);
   rows_ = members_.ScaledRows();
   solved_ = TallProduct(rows_.transpose(), members_.inverse_).transpose();
   gradient_ -= rows_.transpose() * members_.solved_;
@@ -289,25 +323,58 @@ void MovingSweep::Insert(size_t place, const ColumnGroup& group, double scale) {
   gradient_.noalias() -= rows.transpose() * along;
   factor.matrixU().solveInPlace(rows);  // T of the group
   solved_.noalias() -= beside * rows;
+  const long top = FreeRows(group.size());
+  latest_ = {};
   members_.Insert(place, group, scale);
-  solved_ = WithRowsAt(members_.First(place), rows, solved_);
-  rows_ = WithRowsAt(members_.First(place), own, rows_);
+  tops_.insert(tops_.begin() + static_cast<long>(place), top);
+  solved_.middleRows(top, rows.rows()) = rows;
+  rows_.middleRows(top, rows.rows()) = own;
+}
+
+// The first gap that is large enough, or below all others: then there is room for some more.
+long MovingSweep::FreeRows(long size) {
+  std::map<long, long> taken;  // end of each, by its top
+  for (size_t k = 0; k < tops_.size(); ++k) taken[tops_[k]] = tops_[k] + members_.SizeOf(k);
+  long top = 0;
+  for (const auto& [own, end] : taken) {
+    if (own - top >= size) return top;
+    top = end;
+  }
+  const long before = solved_.rows();
+  if (top + size <= before) return top;
+  const long more = top + size + kSpareRows - before;
+  for (Eigen::MatrixXd* matrix : {&rows_, &solved_}) {
+    matrix->conservativeResize(before + more, gradient_.size());
+    matrix->bottomRows(more).setZero();
+  }
+  return top;
 }
 
 void MovingSweep::Remove(size_t group) {
-  const long first = members_.First(group), size = members_.SizeOf(group);
+  const long size = members_.SizeOf(group), top = tops_[group];
   const WithoutOne without = Without(group);
   gradient_ += without.Gradient(solved_);
-  const Eigen::MatrixXd beside = WithoutRows(first, size, members_.inverse_.middleCols(first, size));
-  const Eigen::MatrixXd of_group = without.root.solve(Eigen::MatrixXd(solved_.middleRows(first, size)));
-  solved_ = WithoutRows(first, size, solved_);
+  Eigen::MatrixXd beside = Eigen::MatrixXd::Zero(solved_.rows(), size);  // A_k, by rows of T
+  for (size_t k = 0; k < tops_.size(); ++k) {
+    beside.middleRows(tops_[k], members_.SizeOf(k)) =
+        members_.inverse_.block(members_.First(k), members_.First(group), members_.SizeOf(k), size);
+  }
+  const Eigen::MatrixXd of_group = without.root.solve(Eigen::MatrixXd(solved_.middleRows(top, size)));
   solved_.noalias() -= beside * of_group;
-  rows_ = WithoutRows(first, size, rows_);
+  solved_.middleRows(top, size).setZero();
+  rows_.middleRows(top, size).setZero();
+  latest_ = {};
   members_.Remove(group);
+  tops_.erase(tops_.begin() + static_cast<long>(group));
 }
 
-Eigen::MatrixXd MovingSweep::Taken(const ColumnGroup& group, const Eigen::MatrixXd& solved) const {
-  return ColumnsOf(group, rows_).transpose() * solved;
+Eigen::MatrixXd MovingSweep::Taken(const ColumnGroup& group) const {
+  if (latest_.columns != group.columns) {
+    const ColumnGroup plain{group.columns, {}};
+    latest_ = {group.columns, ColumnsOf(plain, rows_).transpose() * ColumnsOf(plain, solved_)};
+  }
+  if (group.mixing.size() == 0) return latest_.taken;
+  return group.mixing.transpose() * latest_.taken * group.mixing;
 }
 
 Eigen::MatrixXd MovingSweep::Information(const ColumnGroup& group) const {
@@ -324,7 +391,7 @@ MovingSweep::WithoutOne MovingSweep::Without(size_t group) const {
   const long first = members_.First(group), size = members_.SizeOf(group);
   const Eigen::VectorXd solved = members_.solved_.segment(first, size);
   WithoutOne without;
-  without.first = first;
+  without.top = tops_[group];
   without.root.compute(members_.inverse_.block(first, first, size, size));
   without.own = without.root.solve(solved);
   without.residual = members_.residual() + solved.dot(without.own);
@@ -334,12 +401,20 @@ MovingSweep::WithoutOne MovingSweep::Without(size_t group) const {
 
 // X'X,  X = C^(-1/2) T_k.
 Eigen::MatrixXd MovingSweep::WithoutOne::Information(const Eigen::MatrixXd& solved) const {
-  const Eigen::MatrixXd x = root.matrixL().solve(solved.middleRows(first, own.size()));
+  const Eigen::MatrixXd x = root.matrixL().solve(solved.middleRows(top, own.size()));
   return x.transpose() * x;
 }
 
 Eigen::VectorXd MovingSweep::WithoutOne::Gradient(const Eigen::MatrixXd& solved) const {
-  return solved.middleRows(first, own.size()).transpose() * own;
+  return solved.middleRows(top, own.size()).transpose() * own;
+}
+
+Eigen::MatrixXd MovingSweep::Gradients(const std::vector<WithoutOne>& without) const {
+  Eigen::MatrixXd gradients(static_cast<long>(without.size()), gradient_.size());
+  for (size_t m = 0; m < without.size(); ++m) {
+    gradients.row(static_cast<long>(m)) = (gradient_ + without[m].Gradient(solved_)).transpose();
+  }
+  return gradients;
 }
 
 // (M'GM + D^-2)^-1 = D Q^-1 D:  values -D t,  covariance D A D.

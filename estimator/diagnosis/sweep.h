@@ -139,8 +139,7 @@ class MovingSweep {
   Eigen::VectorXd Gradient(const ColumnGroup& group) const;
   // T of a group's columns; Z'T: what conditioning takes from its own information.
   Eigen::MatrixXd Solved(const ColumnGroup& group) const { return ColumnsOf(group, solved_); }
-  Eigen::MatrixXd Taken(const ColumnGroup& group, const Eigen::MatrixXd& solved) const;
-  Eigen::MatrixXd Taken(const ColumnGroup& group) const { return Taken(group, Solved(group)); }
+  Eigen::MatrixXd Taken(const ColumnGroup& group) const;
   double residual() const { return members_.residual(); }
   const Members& members() const { return members_; }
 
@@ -150,16 +149,28 @@ class MovingSweep {
     Eigen::MatrixXd Information(const Eigen::MatrixXd& solved) const;
     Eigen::VectorXd Gradient(const Eigen::MatrixXd& solved) const;
 
-    long first = 0;                    // row of T_k in T
+    long top = 0;                      // row of T_k in T
     Eigen::LLT<Eigen::MatrixXd> root;  // of C
     Eigen::VectorXd own;               // C^-1 t_k
     double residual = 0.0, log_det = 0.0;
   };
   WithoutOne Without(size_t group) const;
+  // Given all but each of these: a row of g each, of all columns.
+  Eigen::MatrixXd Gradients(const std::vector<WithoutOne>& without) const;
 
  private:
+  long FreeRows(long size);  // top of so many rows that no group has
+
+  // Z'T of columns: many groups mix the same ones, and follow each other.
+  struct TakenColumns {
+    std::vector<int> columns;
+    Eigen::MatrixXd taken;
+  };
+
   Members members_;
-  Eigen::MatrixXd rows_, solved_;  // Z and T
+  mutable TakenColumns latest_;    // until a group comes or goes
+  std::vector<long> tops_;         // row of each group in Z and T, which stay where they are
+  Eigen::MatrixXd rows_, solved_;  // Z and T; what no group has is zero
   Eigen::VectorXd gradient_;       // g that is left
 };
 

@@ -28,13 +28,15 @@ int Slot(const EffectContext& context) {
 void Apply(const EffectContext& context, ShotTerms* terms) {
   const ShotConditions& shot = *context.shot;
   const Vector3<double> down = shot.gravity.normalized();
+  const int slot = Slot(context);
   int parameter = context.first_parameter;
+  terms->sags.reserve(terms->sags.size() + static_cast<size_t>(3 * context.chain().num_joints()));
   for (int link = context.joint(); link < context.chain().num_joints(); ++link) {
     const int frame = context.chain().FrameAfterJoint(link);
     for (int axis = 0; axis < 3; ++axis) {
       const AppliedWrench pull{frame, Vector3<double>::Unit(axis), down, Vector3<double>::Zero(), shot.gravity_frame};
       const AppliedWrench back{frame, Vector3<double>::Zero(), -down, Vector3<double>::Zero(), shot.gravity_frame};
-      terms->sags.push_back({Slot(context), parameter++, {pull, back}});
+      terms->sags.push_back({slot, parameter++, {pull, back}});
     }
   }
 }

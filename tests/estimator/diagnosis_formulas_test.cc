@@ -335,9 +335,14 @@ TEST(DiagnosisFormulas, PosteriorsAreSumsOverSets) {
   EXPECT_GT(unnamed, 1e-4);
   EXPECT_GT(std::abs(nothing - noise), 0.001);
   ASSERT_EQ(posterior.sets.size(), sets.size());
+  std::vector<std::string> in_order = list.name;
+  std::sort(in_order.begin(), in_order.end());
+  in_order.erase(std::unique(in_order.begin(), in_order.end()), in_order.end());
   bool is_shared = false;  // a set of names by more than one model
   for (const NameSet& set : posterior.sets) {
-    EXPECT_NEAR(set.probability, sets.at(set.names), 1e-12);
+    std::set<std::string> own;
+    for (const int place : set.names) own.insert(in_order[static_cast<size_t>(place)]);
+    EXPECT_NEAR(set.probability, sets.at(own), 1e-12);
     is_shared |= set.models.size() > 1 && set.probability > 1.001 * evidence.models()[set.best].probability;
   }
   EXPECT_TRUE(is_shared);

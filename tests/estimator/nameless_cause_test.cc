@@ -51,7 +51,7 @@ TEST(NamelessCause, PiecesAreOfTheSamePartOrHaveTheSameDriver) {
   const int heat = all.Nameless("links", {"temperature"}, DriverKind::kTemperature, 0.1);
   const int time = all.Nameless("S1", {"time"}, DriverKind::kTime, 0.1);
   const int seat = all.Nameless("M1", {"gravity"}, DriverKind::kOther, 0.1);
-  const NamelessCauses causes(all.list, 0.3);
+  NamelessCauses causes(all.list, 0.3);
   const std::vector<int> named = {gain1, gain2, payload, growth, slip, shift};
   const auto pieces_beside = [&](int function) {
     std::vector<int> members = named;
