@@ -1,9 +1,33 @@
 #include "problems/measurement_rows.h"
 
+#include <algorithm>
 #include <cstring>
 #include <stdexcept>
 
 namespace sagitta {
+namespace {
+
+constexpr std::size_t kBytesAtOnce = 8;
+
+// Of eight bytes the highest bit of those that are separators; the first byte is the lowest.
+std::uint64_t SeparatorsIn(const char* bytes) {
+  constexpr std::uint64_t kOnes = 0x0101010101010101ULL, kLow = 0x7F * kOnes;
+  std::uint64_t word = 0;
+  for (std::size_t i = 0; i < kBytesAtOnce; ++i) {  // one load, where the lowest byte comes first
+    word |= static_cast<std::uint64_t>(static_cast<unsigned char>(bytes[i])) << (8 * i);
+  }
+  word ^= kOnes * static_cast<unsigned char>(MeasurementRows::kSeparator);
+  // A byte is zero where neither its lower bits nor its highest are set; the sum carries over into no other byte.
+  return ~(((word & kLow) + kLow) | word | kLow);
+}
+
+// Which byte the lowest mark is in; any, where there is none.
+std::uint32_t LowestByte(std::uint64_t marks) {
+  return static_cast<std::uint32_t>(__builtin_ctzll(marks | (std::uint64_t{1} << 63))) / 8;
+}
+
+}  // namespace
+
 std::string_view MeasurementRows::Cells::at(std::size_t column) const {
   if (column >= count_) throw std::out_of_range("the row has no such column");
   return (*this)[column];
@@ -60,15 +84,37 @@ void MeasurementRows::BeginRow(int line) {
   own->rows.push_back({line, static_cast<std::uint32_t>(own->ends.size())});
 }
 
+// Eight bytes at a time: most hold one separator or two, and these are written without a jump for each.
 void MeasurementRows::AddCells(std::string_view text) {
+  constexpr std::size_t kMost = 1024;  // bytes whose ends are appended together
   const std::size_t first = store_->text.size();
   store_->text.append(text);
   store_->text.push_back(kSeparator);
-  const char* const begin = store_->text.data();
-  const char* const end = begin + store_->text.size();
-  for (const char* at = begin + first; at != end; ++at) {
-    at = static_cast<const char*>(std::memchr(at, kSeparator, static_cast<std::size_t>(end - at)));
-    store_->ends.push_back(static_cast<std::uint32_t>(at - begin));
+  const std::size_t size = text.size() + 1;
+  std::uint32_t ends[kMost + 2];
+  for (std::size_t done = 0; done < size; done += kMost) {
+    const char* const bytes = store_->text.data() + first + done;
+    const std::size_t own = std::min(kMost, size - done);
+    std::size_t count = 0;
+    const auto take = [&](const char* from, std::size_t at) {
+      std::uint64_t marks = SeparatorsIn(from);
+      const auto take_lowest = [&] {
+        ends[count] = static_cast<std::uint32_t>(first + done + at) + LowestByte(marks);
+        count += marks != 0 ? 1 : 0;
+        marks &= marks - 1;
+      };
+      take_lowest();
+      take_lowest();
+      while (marks != 0) take_lowest();
+    };
+    std::size_t at = 0;
+    for (; at + kBytesAtOnce <= own; at += kBytesAtOnce) take(bytes + at, at);
+    if (at < own) {
+      char rest[kBytesAtOnce] = {};
+      std::memcpy(rest, bytes + at, own - at);
+      take(rest, at);
+    }
+    store_->ends.insert(store_->ends.end(), ends, ends + count);
   }
 }
 

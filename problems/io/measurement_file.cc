@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
+#include <cstdint>
 #include <map>
-#include <memory_resource>
 #include <string_view>
 #include <unordered_map>
 
@@ -12,6 +11,7 @@
 #include "problems/input_error.h"
 #include "problems/interruption.h"
 #include "problems/io/files.h"
+#include "problems/io/ids_by_text.h"
 #include "problems/io/measurement_row.h"
 
 namespace sagitta {
@@ -22,33 +22,6 @@ constexpr double kSameJointValue = 1e-9;  // rad or m
 constexpr double kLongShot = 600.0;       // s
 constexpr int kMany = 5;                  // rows of one label: the file is no list of single points
 
-// Ids by number, in order of appearance. Most rows say what the row before said, or what followed that when it was
-// said last.
-class IdsByText {
- public:
-  int IndexOf(std::string_view word) {
-    if (!words_.empty() && words_[last_].text == word) return static_cast<int>(last_);
-    size_t index = words_.empty() ? 0 : words_[last_].followed_by;
-    if (words_.empty() || words_[index].text != word) {
-      index = indices_.try_emplace(word, words_.size()).first->second;
-      if (index == words_.size()) words_.push_back({word, index});
-      words_[last_].followed_by = index;
-    }
-    last_ = index;
-    return static_cast<int>(index);
-  }
-
- private:
-  struct Word {
-    std::string_view text;  // in the memory of the rows
-    size_t followed_by;
-  };
-  std::vector<Word> words_;
-  std::pmr::monotonic_buffer_resource memory_;  // of the map: given back as a whole
-  std::pmr::unordered_map<std::string_view, size_t> indices_{&memory_};
-  size_t last_ = 0;
-};
-
 int IndexOf(std::string_view name, IdsByText* words, std::vector<std::string>* names) {
   const int index = words->IndexOf(name);
   if (index == static_cast<int>(names->size())) names->emplace_back(name);
@@ -57,13 +30,12 @@ int IndexOf(std::string_view name, IdsByText* words, std::vector<std::string>* n
 
 // Numbers of ids that go together: configuration, visit, repeat, station, load.
 using Ids = std::array<int, 5>;
-struct IdsHash {
-  size_t operator()(const Ids& ids) const {
-    size_t sum = 0;
-    for (const int id : ids) sum = (sum ^ static_cast<size_t>(id)) * 0x9E3779B97F4A7C15ULL + (sum >> 29);
-    return sum;
-  }
-};
+
+size_t HashOf(const Ids& ids) {
+  size_t sum = 0;
+  for (const int id : ids) sum = (sum ^ static_cast<size_t>(id)) * kSpread + (sum >> 29);
+  return sum * kSpread;
+}
 
 std::vector<size_t> HashesOf(const std::vector<std::string>& names) {
   std::vector<size_t> hashes;
@@ -118,6 +90,7 @@ struct Moment {
 
 class MeasurementsBuilder {
  public:
+  void Reserve(size_t rows);
   void Add(CsvTable table, const MeasurementColumns& columns, const MeasurementReadOptions& options);
   Measurements Take();
 
@@ -156,11 +129,11 @@ class MeasurementsBuilder {
   Measurements data_;
   int current_ = 0;  // the observation that is being added
   IdsByText stations_, markers_, configurations_, visits_, repeat_ids_, loads_;
-  std::pmr::monotonic_buffer_resource memory_;                        // of the map: given back as a whole
-  std::pmr::unordered_map<Ids, int, IdsHash> first_shots_{&memory_};  // of the shots of equal ids
-  std::pair<Ids, int> latest_ = {Ids(), -1};                          // of these: of the row before
-  std::unordered_map<int, Repeated> repeats_;                         // by the first shot
-  std::vector<std::vector<size_t>> headers_;                          // hashes of each file's names
+  PlacesByHash first_shots_;                   // of the shots of equal ids
+  std::vector<Ids> ids_;                       // of the shots
+  std::pair<Ids, int> latest_ = {Ids(), -1};   // of the row before, and the first shot of these
+  std::unordered_map<int, Repeated> repeats_;  // by the first shot
+  std::vector<std::vector<size_t>> headers_;   // hashes of each file's names
   std::vector<int> first_of_configuration_;
   std::vector<Moment> moments_;  // of the shots
   int repeated_ = 0;
@@ -215,7 +188,8 @@ int MeasurementsBuilder::ConfigurationIndex(const MeasurementRow& row) {
 // The first shot of these ids; the next one that begins, where there is none.
 int MeasurementsBuilder::FirstShot(const Ids& ids) {
   if (latest_.second < 0 || latest_.first != ids) {
-    latest_ = {ids, first_shots_.try_emplace(ids, static_cast<int>(data_.shots.size())).first->second};
+    const auto next = static_cast<int>(data_.shots.size());
+    latest_ = {ids, first_shots_.FindOrPut(HashOf(ids), next, [&](int shot) { return ids_[shot] == ids; })};
   }
   return latest_.second;
 }
@@ -260,6 +234,7 @@ int MeasurementsBuilder::ShotIndex(const MeasurementRow& row, int configuration,
 int MeasurementsBuilder::BeginShot(const MeasurementRow& row, int configuration, int station) {
   Shot& shot = data_.shots.emplace_back();
   moments_.emplace_back();
+  ids_.push_back(latest_.first);
   shot.configuration = configuration;
   shot.station = station;
   shot.visit = row.visit;
@@ -300,12 +275,25 @@ void MeasurementsBuilder::CheckApproach(const MeasurementRow& row, const Shot& s
   }
 }
 
+// Room for what so many rows may be. What is not used is never touched: it costs addresses and no memory; the tables of
+// hashes, which are cleared, are for rows of three markers.
+void MeasurementsBuilder::Reserve(size_t rows) {
+  constexpr size_t kRowsOfShot = 3;
+  data_.observations.reserve(rows);
+  data_.shots.reserve(rows);
+  data_.configurations.reserve(rows);
+  moments_.reserve(rows);
+  first_of_configuration_.reserve(rows);
+  ids_.reserve(rows);
+  configurations_.Reserve(rows / kRowsOfShot);
+  first_shots_.Reserve(rows / kRowsOfShot);
+}
+
 void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns,
                               const MeasurementReadOptions& options) {
   data_.files.push_back(std::move(table.file));
   const MeasurementFile& file = data_.files.back();
   headers_.push_back(HashesOf(file.header));
-  data_.observations.reserve(data_.observations.size() + file.rows.size());
   MeasurementRowReader reader(file, columns, options);
   MeasurementRow row;
   for (size_t r = 0; r < file.rows.size(); ++r) {
@@ -350,8 +338,9 @@ void WarnOfLetterCase(const std::string& what, const std::vector<std::string>& l
 }
 
 // A label in one row alone, where others are in many: unknowns of its own take up all that the row says.
-void WarnOfSingleRows(const std::string& what, const std::vector<std::string>& labels,
-                      const std::function<int(const Observation&)>& label_of, Measurements* data) {
+template <typename LabelOf>
+void WarnOfSingleRows(const std::string& what, const std::vector<std::string>& labels, const LabelOf& label_of,
+                      Measurements* data) {
   std::vector<int> count(labels.size(), 0), first(labels.size(), -1);
   for (const Observation& row : data->observations) {
     if (!row.is_point()) continue;
@@ -403,6 +392,9 @@ namespace {
 Measurements Build(std::vector<CsvTable> tables, const std::vector<std::string>& joints,
                    const std::vector<bool>& prismatic, const MeasurementReadOptions& options) {
   MeasurementsBuilder builder;
+  size_t rows = 0;
+  for (const CsvTable& table : tables) rows += table.file.rows.size();
+  builder.Reserve(rows);
   for (CsvTable& table : tables) {
     const MeasurementColumns columns = FindMeasurementColumns(table, joints, prismatic, options.points_required);
     builder.Add(std::move(table), columns, options);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <random>
 
@@ -78,6 +79,31 @@ TEST(UnitsTest, ParsesWholeFiniteNumbersOnly) {
   EXPECT_EQ(ParseNumber("-.5"), -0.5);
   for (const char* text :
        {"", "nan", "NaN", "inf", "-inf", "1e999", "12_5", "1,5", "1 2", " 1", "0x10", "+-1", "abc", "."}) {
+    EXPECT_FALSE(ParseNumber(text).has_value()) << text;
+  }
+}
+
+// Short decimals are read in one division, others by the library: to the last bit what C reads.
+TEST(UnitsTest, DecimalsOfAnyLengthAreWhatCReads) {
+  std::mt19937_64 generator(3);
+  for (int i = 0; i < 20000; ++i) {
+    std::string text = i % 3 == 0 ? "-" : "";
+    const int before = static_cast<int>(generator() % 12), after = static_cast<int>(generator() % 12);
+    for (int k = 0; k < before; ++k) text += static_cast<char>('0' + generator() % 10);
+    if (i % 5 != 0) text += '.';
+    for (int k = 0; k < after && i % 5 != 0; ++k) text += static_cast<char>('0' + generator() % 10);
+    const bool has_digit = before > 0 || (after > 0 && i % 5 != 0);
+    ASSERT_EQ(ParseNumber(text).has_value(), has_digit) << text;
+    if (!has_digit) continue;
+    EXPECT_EQ(*ParseNumber(text), std::strtod(text.c_str(), nullptr)) << text;
+  }
+  // 2^53, and the first whole number beyond that is no double.
+  for (const char* text : {"9007199254740992", "9007199254740993", "900719.9254740993", "0.000000000000000001",
+                           "999999999999999999", "1234567890123456789"}) {
+    EXPECT_EQ(ParseNumber(text), std::strtod(text, nullptr)) << text;
+  }
+  EXPECT_TRUE(std::signbit(*ParseNumber("-0")));
+  for (const char* text : {"-", "-.", "1.2.3", "1..2", "--1", "1-2", "-+1", "1.-2", "/5", "5:"}) {
     EXPECT_FALSE(ParseNumber(text).has_value()) << text;
   }
 }

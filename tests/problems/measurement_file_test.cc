@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <random>
 
 #include "models/effects/effect.h"
 #include "problems/io/files.h"
@@ -66,6 +69,30 @@ TEST_F(MeasurementFileTest, ReadsTheRequiredColumns) {
   EXPECT_EQ(data.Cell(data.observations[2], "z_mm"), "9.5");
   EXPECT_EQ(data.Cell(data.observations[2], "absent"), "");
   EXPECT_TRUE(data.warnings.empty());
+}
+
+// Configurations that come back in any order are the same ones, however many there are.
+TEST_F(MeasurementFileTest, RowsOfAConfigurationMayStandAnywhere) {
+  std::mt19937_64 random(2);
+  std::vector<int> rows;
+  for (int i = 0; i < 6000; ++i) rows.push_back(i / 3);
+  std::shuffle(rows.begin(), rows.end(), random);
+  std::string text = "config,marker,q1_deg,q2_mm,x_mm,y_mm,z_mm\n";
+  std::map<int, int> times, places;  // how often a configuration came; its place by first appearance
+  std::vector<int> expected;
+  for (const int c : rows) {
+    const std::string own = std::to_string(c);
+    text += "C" + own + ",M" + std::to_string(times[c]++) + ",0," + own + ",1,2,3\n";
+    expected.push_back(places.emplace(c, static_cast<int>(places.size())).first->second);
+  }
+  const Measurements data = Read(text);
+  ASSERT_EQ(data.configurations.size(), 2000u);
+  EXPECT_EQ(data.shots.size(), 2000u);
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const Observation& row = data.observations[i];
+    EXPECT_EQ(data.shots[row.shot].configuration, expected[i]);
+    EXPECT_EQ(data.ConfigurationOf(row).id, "C" + std::to_string(rows[i]));
+  }
 }
 
 TEST_F(MeasurementFileTest, ALostReadingIsSkippedAndCounted) {

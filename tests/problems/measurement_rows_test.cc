@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
 #include <stdexcept>
 
 #include "problems/io/csv_table.h"
@@ -57,6 +59,27 @@ TEST(MeasurementRowsTest, TakesARowOfItself) {
 }
 
 // A file with one guarded cell is cut by another loop than one without: both give the same cells.
+// A line that is cut at its separators, against its cells one by one; lengths about those that are looked at together.
+TEST(MeasurementRowsTest, LinesAreCutAtEverySeparator) {
+  std::mt19937_64 random(5);
+  MeasurementRows lines;
+  std::vector<Texts> expected;
+  for (int i = 0; i < 400; ++i) {
+    Texts own(1 + random() % (i % 10 == 0 ? 600 : 12));
+    for (std::string& cell : own) {
+      cell.assign(random() % (i % 4 == 0 ? 2 : 12), static_cast<char>('!' + random() % 10));
+      std::replace(cell.begin(), cell.end(), ',', '\xAC');  // a comma with its highest bit
+    }
+    std::string line = own[0];
+    for (size_t c = 1; c < own.size(); ++c) line += "," + own[c];
+    lines.BeginRow(i);
+    lines.AddCells(line);
+    expected.push_back(std::move(own));
+  }
+  ASSERT_EQ(lines.size(), expected.size());
+  for (size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(CellsOf(lines[i]), expected[i]) << i;
+}
+
 TEST(MeasurementRowsTest, PlainAndQuotedFilesHaveTheSameCells) {
   const std::string plain = "a,b,c\n 1 ,,x y\t\r\n2,, \n#no row\n\n,,\n";
   const CsvTable direct = ParseCsvTable(plain, "t.csv");
