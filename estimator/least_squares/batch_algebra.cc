@@ -59,9 +59,6 @@ void AddGramBlock(const double* const* rows, std::size_t n, std::size_t a, std::
   }
 }
 
-// Sums that stay in registers: 4 x 4 vectors with 32 of them, 4 x 2 with 16.
-constexpr int kAside = hn::MaxLanes(Tag()) >= 8 ? 4 : 2;
-
 // sums[a .. a + 4, b .. b + kVectors vectors] += rows' rows
 template <int kVectors>
 HWY_INLINE void AddProductsOf(const double* rows, std::size_t count, std::size_t columns, std::size_t a, std::size_t b,
@@ -89,8 +86,8 @@ void AddProductsOfRows(const double* rows, std::size_t count, std::size_t column
   const std::size_t lanes = hn::Lanes(Tag());
   for (std::size_t a = 0; a < columns; a += kGramBlock) {
     std::size_t b = a / lanes * lanes;
-    for (; b + kAside * lanes <= columns; b += kAside * lanes) {
-      AddProductsOf<kAside>(rows, count, columns, a, b, sums);
+    for (; b + kWide * lanes <= columns; b += kWide * lanes) {
+      AddProductsOf<kWide>(rows, count, columns, a, b, sums);
     }
     for (; b < columns; b += lanes) AddProductsOf<1>(rows, count, columns, a, b, sums);
   }
@@ -142,15 +139,13 @@ void MultiplyLanes(const double* x, std::size_t stride, std::size_t rows, std::s
     const std::size_t wide = vectors * lanes;
     if (own < wide) last.resize(wide * k);
     if (stride != wide) copy.assign(wide * n, 0.0);
-    for (std::size_t c = 0; c < n && stride != wide; ++c) {
+    for (std::size_t c = 0; c < n && stride != wide; ++c)
       std::copy_n(x + c * stride + first, own, copy.data() + c * wide);
-    }
     const double* const strip = stride == wide ? x : copy.data();
     const auto multiply = vectors == 1 ? MultiplyStrip<1> : vectors == 2 ? MultiplyStrip<2> : MultiplyStrip<kDeep>;
     multiply(strip, n, w, k, own < wide ? wide : stride, own < wide ? last.data() : product + first);
-    for (std::size_t j = 0; j < k && own < wide; ++j) {
+    for (std::size_t j = 0; j < k && own < wide; ++j)
       std::copy_n(last.data() + j * wide, own, product + j * stride + first);
-    }
   }
 }
 
@@ -168,47 +163,78 @@ struct Lanes {
   }
 };
 
-// by_column = J' by_row
-HWY_INLINE void TransposeTimes(const Lanes& j, const double* by_row, double* by_column) {
-  const Tag d;
-  for (std::size_t c = 0; c < j.own.columns; c += kGramBlock) {
-    V sum[kGramBlock];
-    for (V& s : sum) s = hn::Zero(d);
-    for (std::size_t r = 0; r < j.own.rows; ++r) {
-      const V value = hn::Load(d, by_row + r * kBatchLanes);
-      const double* const cells = j.At(r, c);
-      for (int k = 0; k < kGramBlock; ++k) sum[k] = hn::MulAdd(hn::Load(d, cells + k * kBatchLanes), value, sum[k]);
-    }
-    for (int k = 0; k < kGramBlock; ++k) hn::Store(sum[k], d, by_column + (c + k) * kBatchLanes);
-  }
-}
+// Numbers that are summed side by side: each sum waits for its last product, four products of two at a time.
+constexpr int kSideBySide = 2 * kGramBlock;
 
-// A row of J times numbers by column.
-HWY_INLINE V RowTimes(const Lanes& j, std::size_t row, const double* by_column) {
+// by_column = J' by_row, some columns from c on
+template <int kColumns>
+HWY_INLINE void TransposeTimes(const Lanes& j, const double* by_row, std::size_t c, double* by_column) {
   const Tag d;
-  V sum[kGramBlock];
+  V sum[kColumns];
   for (V& s : sum) s = hn::Zero(d);
-  for (std::size_t c = 0; c < j.own.columns; c += kGramBlock) {
-    const double* const cells = j.At(row, c);
-    for (int k = 0; k < kGramBlock; ++k) {
-      sum[k] = hn::MulAdd(hn::Load(d, cells + k * kBatchLanes), hn::Load(d, by_column + (c + k) * kBatchLanes), sum[k]);
-    }
+  for (std::size_t r = 0; r < j.own.rows; ++r) {
+    const V value = hn::Load(d, by_row + r * kBatchLanes);
+    const double* const cells = j.At(r, c);
+    for (int k = 0; k < kColumns; ++k) sum[k] = hn::MulAdd(hn::Load(d, cells + k * kBatchLanes), value, sum[k]);
   }
-  return hn::Add(hn::Add(sum[0], sum[1]), hn::Add(sum[2], sum[3]));
+  for (int k = 0; k < kColumns; ++k) hn::Store(sum[k], d, by_column + (c + k) * kBatchLanes);
 }
 
-// product = matrix numbers, matrix symmetric and the same in all lanes.
-HWY_INLINE void SymmetricTimes(const double* matrix, std::size_t n, const double* numbers, double* product) {
+HWY_INLINE void TransposeTimes(const Lanes& j, const double* by_row, double* by_column) {
+  std::size_t c = 0;
+  for (; c + kSideBySide <= j.own.columns; c += kSideBySide) TransposeTimes<kSideBySide>(j, by_row, c, by_column);
+  if (c < j.own.columns) TransposeTimes<kGramBlock>(j, by_row, c, by_column);
+}
+
+// Rows of J times numbers by column.
+template <int kRows>
+HWY_INLINE void RowsTimes(const Lanes& j, std::size_t row, const double* by_column, V (&product)[kRows]) {
   const Tag d;
-  for (std::size_t a = 0; a < n; a += kGramBlock) {
-    V sum[kGramBlock];
-    for (V& s : sum) s = hn::Zero(d);
-    for (std::size_t c = 0; c < n; ++c) {
-      const V value = hn::Load(d, numbers + c * kBatchLanes);
-      for (int k = 0; k < kGramBlock; ++k) sum[k] = hn::MulAdd(hn::Set(d, matrix[c * n + a + k]), value, sum[k]);
+  V sum[kRows][kGramBlock];
+  for (auto& own : sum)
+    for (V& s : own) s = hn::Zero(d);
+  for (std::size_t c = 0; c < j.own.columns; c += kGramBlock) {
+    for (int k = 0; k < kGramBlock; ++k) {
+      const V value = hn::Load(d, by_column + (c + k) * kBatchLanes);
+      for (int r = 0; r < kRows; ++r) sum[r][k] = hn::MulAdd(hn::Load(d, j.At(row + r, c + k)), value, sum[r][k]);
     }
-    for (int k = 0; k < kGramBlock; ++k) hn::Store(sum[k], d, product + (a + k) * kBatchLanes);
   }
+  for (int r = 0; r < kRows; ++r) product[r] = hn::Add(hn::Add(sum[r][0], sum[r][1]), hn::Add(sum[r][2], sum[r][3]));
+}
+
+// Calls take(row, J's row times numbers by column) for every row: most come by points of three.
+template <typename Take>
+HWY_INLINE void ForEachRowTimes(const Lanes& j, const double* by_column, const Take& take) {
+  V three[3], one[1];
+  std::size_t r = 0;
+  for (; r + 3 <= j.own.rows; r += 3) {
+    RowsTimes(j, r, by_column, three);
+    for (std::size_t i = 0; i < 3; ++i) take(r + i, three[i]);
+  }
+  for (; r < j.own.rows; ++r) {
+    RowsTimes(j, r, by_column, one);
+    take(r, one[0]);
+  }
+}
+
+// product = matrix numbers, some rows from a on; matrix symmetric and the same in all lanes.
+template <int kRows>
+HWY_INLINE void SymmetricTimes(const double* matrix, std::size_t n, const double* numbers, std::size_t a,
+                               double* product) {
+  const Tag d;
+  V sum[kRows];
+  for (V& s : sum) s = hn::Zero(d);
+  for (std::size_t c = 0; c < n; ++c) {
+    const V value = hn::Load(d, numbers + c * kBatchLanes);
+    for (int k = 0; k < kRows; ++k) sum[k] = hn::MulAdd(hn::Set(d, matrix[c * n + a + k]), value, sum[k]);
+  }
+  for (int k = 0; k < kRows; ++k) hn::Store(sum[k], d, product + (a + k) * kBatchLanes);
+}
+
+HWY_INLINE void SymmetricTimes(const double* matrix, std::size_t n, const double* numbers, double* product) {
+  std::size_t a = 0;
+  for (; a + kSideBySide <= n; a += kSideBySide) SymmetricTimes<kSideBySide>(matrix, n, numbers, a, product);
+  if (a < n) SymmetricTimes<kGramBlock>(matrix, n, numbers, a, product);
 }
 
 // s = J'A r with A = (1 - H)^-1/2 = 1 + 1/2 H + 3/8 H^2 + 5/16 H^3 + .., H = J M J': each term is one product by J', M
@@ -229,12 +255,12 @@ unsigned ScoresOfLanes(const ClusterLanes& clusters, const ScoreFit& fit, double
       hn::Store(hn::Set(d, fit.step[c]), d, moved + c * kBatchLanes);
     }
     V size = hn::Zero(d);
-    for (std::size_t r = 0; r < clusters.rows; ++r) {
-      const V own = hn::Mul(counts, hn::Add(hn::Load(d, j.At(r, clusters.columns)), RowTimes(j, r, moved)));
+    ForEachRowTimes(j, moved, [&](std::size_t r, V product) HWY_ATTR {
+      const V own = hn::Mul(counts, hn::Add(hn::Load(d, j.At(r, clusters.columns)), product));
       hn::Store(own, d, rest + r * kBatchLanes);
       hn::Store(own, d, sum + r * kBatchLanes);
       size = hn::MulAdd(own, own, size);
-    }
+    });
     const V limit = hn::Mul(hn::Set(d, kNegligible * kNegligible), size);
     double coefficient = 1.0;
     auto settled = hn::Lt(hn::Zero(d), hn::Zero(d));
@@ -246,13 +272,12 @@ unsigned ScoresOfLanes(const ClusterLanes& clusters, const ScoreFit& fit, double
       // follows.
       const V before = k == 1 ? hn::Zero(d) : size;
       size = hn::Zero(d);
-      for (std::size_t r = 0; r < clusters.rows; ++r) {
-        const V own = RowTimes(j, r, moved);
+      ForEachRowTimes(j, moved, [&](std::size_t r, V own) HWY_ATTR {
         hn::Store(own, d, rest + r * kBatchLanes);
         hn::Store(hn::MulAdd(hn::Set(d, coefficient), own, hn::Load(d, sum + r * kBatchLanes)), d,
                   sum + r * kBatchLanes);
         size = hn::MulAdd(own, own, size);
-      }
+      });
       // Settled, or the next term would be: |H^k+1 r| is about |H^k r|^2 / |H^k-1 r|.
       const V next = hn::Mul(hn::Mul(hn::Set(d, kSurely * kSurely), size), size);
       settled = hn::Or(hn::Le(size, limit), hn::Le(next, hn::Mul(limit, before)));
@@ -265,23 +290,33 @@ unsigned ScoresOfLanes(const ClusterLanes& clusters, const ScoreFit& fit, double
   return too_long;
 }
 
-// h = tr(J M J') = |J W|^2; W is upper triangular: its columns a .. a + kGramBlock end with row a + kGramBlock.
+// |row W|^2 of a row, of columns a .. a + kColumns of W alone
+template <int kColumns>
+HWY_INLINE V SquaredTimes(const Lanes& j, std::size_t r, const double* root, std::size_t a) {
+  const Tag d;
+  V sum[kColumns], total = hn::Zero(d);
+  for (V& s : sum) s = hn::Zero(d);
+  for (std::size_t c = 0; c < a + kColumns; ++c) {
+    const V value = hn::Load(d, j.At(r, c));
+    const double* const w = root + c * j.own.columns + a;
+    for (int k = 0; k < kColumns; ++k) sum[k] = hn::MulAdd(hn::Set(d, w[k]), value, sum[k]);
+  }
+  for (const V& s : sum) total = hn::MulAdd(s, s, total);
+  return total;
+}
+
+// h = tr(J M J') = |J W|^2; W is upper triangular: its columns a .. a + b end with row a + b.
 void LeveragesOfLanes(const ClusterLanes& clusters, const double* root, double* leverages) {
   const Tag d;
-  const std::size_t n = clusters.columns;
   for (std::size_t lane = 0; lane < kBatchLanes; lane += hn::Lanes(d)) {
     const Lanes j = {clusters, lane};
     V total = hn::Zero(d);
     for (std::size_t r = 0; r < clusters.rows; ++r) {
-      for (std::size_t a = 0; a < n; a += kGramBlock) {
-        V sum[kGramBlock];
-        for (V& s : sum) s = hn::Zero(d);
-        for (std::size_t c = 0; c < a + kGramBlock; ++c) {
-          const V value = hn::Load(d, j.At(r, c));
-          for (int k = 0; k < kGramBlock; ++k) sum[k] = hn::MulAdd(hn::Set(d, root[c * n + a + k]), value, sum[k]);
-        }
-        for (const V& s : sum) total = hn::MulAdd(s, s, total);
+      std::size_t a = 0;
+      for (; a + kSideBySide <= clusters.columns; a += kSideBySide) {
+        total = hn::Add(total, SquaredTimes<kSideBySide>(j, r, root, a));
       }
+      if (a < clusters.columns) total = hn::Add(total, SquaredTimes<kGramBlock>(j, r, root, a));
     }
     hn::StoreU(total, d, leverages + lane);
   }

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
+#include <cstddef>
 
 #include "estimator/least_squares/batch_algebra.h"
-#include "estimator/least_squares/row_batches.h"
+#include "estimator/least_squares/row_sums.h"
 
 namespace sagitta {
 namespace {
@@ -27,47 +27,6 @@ double SquaredProducts(const Eigen::MatrixXd& w) {
   }
   return 2.0 * product.squaredNorm() - product.diagonal().squaredNorm();
 }
-
-// |sum w w'|^2 over vectors of n numbers, kBatchLanes of them in one row of lanes.
-class VectorProducts {
- public:
-  explicit VectorProducts(int n)
-      : columns_((n + kGramBlock - 1) / kGramBlock * kGramBlock),
-        sums_(columns_ / kGramBlock, columns_ / kGramBlock, true),
-        lanes_(buffer_.Reserve(static_cast<std::size_t>(kRows) * columns_ * kBatchLanes)) {}
-
-  template <typename Vector>
-  void Add(const Vector& w) {
-    double* const lane =
-        lanes_ + static_cast<std::size_t>(held_ / kBatchLanes) * columns_ * kBatchLanes + held_ % kBatchLanes;
-    for (int c = 0; c < w.size(); ++c) lane[c * kBatchLanes] = w[c];
-    if (++held_ == kRows * kBatchLanes) Flush();
-  }
-  double SquaredNorm() {
-    Flush();
-    double sum = 0.0;
-    for (int a = 0; a < columns_; ++a) {
-      for (int b = a; b < columns_; ++b) sum += (a == b ? 1.0 : 2.0) * sums_.At(a, b) * sums_.At(a, b);
-    }
-    return sum;
-  }
-
- private:
-  static constexpr int kRows = 32;
-  void Flush() {
-    std::vector<const double*> rows;
-    for (int i = 0; i * kBatchLanes < held_; ++i)
-      rows.push_back(lanes_ + static_cast<std::size_t>(i) * columns_ * kBatchLanes);
-    sums_.Add(rows, 0, 0);
-    lanes_ = buffer_.Reserve(static_cast<std::size_t>(kRows) * columns_ * kBatchLanes);
-    held_ = 0;
-  }
-
-  int columns_, held_ = 0;
-  GramSums sums_;
-  BatchBuffer buffer_;
-  double* lanes_;
-};
 
 }  // namespace
 
@@ -100,7 +59,7 @@ void Satterthwaite::Add(const Eigen::MatrixXd& b, const Eigen::MatrixXd& h, cons
   // tr(P^2) = sum_g |a_g|^2 (|a_g|^2 - 2 |w_g|^2) + sum_gh (w_g . w_h)^2: the first sum here, the second, |sum_g w_g
   // w_g'|^2, at the end.
   of_square_ += weight * squares * (squares - 2.0 * products);
-  clusters_.emplace_back(b, weight == 1.0 ? a : Eigen::MatrixXd(std::sqrt(weight) * a));
+  clusters_.emplace_back(b.transpose(), weight == 1.0 ? a : Eigen::MatrixXd(std::sqrt(weight) * a));
 }
 
 Eigen::VectorXd Satterthwaite::Degrees() const {
@@ -109,15 +68,18 @@ Eigen::VectorXd Satterthwaite::Degrees() const {
   if (static_cast<int>(clusters_.size()) < kFewTimes * n) return DegreesOfFew();
   for (int first = 0; first < n; first += kBlockColumns) {
     const int count = std::min(kBlockColumns, n - first);
-    std::vector<std::unique_ptr<VectorProducts>> products;
-    for (int i = 0; i < count; ++i) products.push_back(std::make_unique<VectorProducts>(n));
+    std::vector<SumOfRows> products;
+    for (int i = 0; i < count; ++i) products.emplace_back(n);
+    Eigen::MatrixXd w(n, count);
     for (const auto& [b, a] : clusters_) {
-      const Eigen::MatrixXd w = b.transpose() * a.middleCols(first, count);
-      for (int i = 0; i < count; ++i) products[i]->Add(w.col(i));
+      MultiplyColumns(b.data(), static_cast<std::size_t>(n), static_cast<std::size_t>(n),
+                      static_cast<std::size_t>(b.cols()), a.col(first).data(), static_cast<std::size_t>(count),
+                      w.data());
+      for (int i = 0; i < count; ++i) products[static_cast<std::size_t>(i)].Add(w.col(i).data());
     }
     for (int i = 0; i < count; ++i) {
       const int c = first + i;
-      const double square = of_square_[c] + products[i]->SquaredNorm();
+      const double square = of_square_[c] + products[static_cast<std::size_t>(i)].Total().squaredNorm();
       dof[c] = square > 0.0 ? trace_[c] * trace_[c] / square : 1.0;
     }
   }
@@ -129,7 +91,7 @@ Eigen::VectorXd Satterthwaite::DegreesOfFew() const {
   Eigen::MatrixXd w(dof.size(), clusters_.size());
   for (int c = 0; c < dof.size(); ++c) {
     for (size_t g = 0; g < clusters_.size(); ++g) {
-      w.col(static_cast<Eigen::Index>(g)) = clusters_[g].first.transpose() * clusters_[g].second.col(c);
+      w.col(static_cast<Eigen::Index>(g)) = clusters_[g].first * clusters_[g].second.col(c);
     }
     const double square = of_square_[c] + SquaredProducts(w);
     dof[c] = square > 0.0 ? trace_[c] * trace_[c] / square : 1.0;

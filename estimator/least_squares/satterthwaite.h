@@ -27,7 +27,7 @@ class Satterthwaite {
   Eigen::VectorXd DegreesOfFew() const;
 
   Eigen::ArrayXd trace_, of_square_;
-  std::vector<std::pair<Eigen::MatrixXd, Eigen::MatrixXd>> clusters_;  // b, a
+  std::vector<std::pair<Eigen::MatrixXd, Eigen::MatrixXd>> clusters_;  // b', a
 };
 
 }  // namespace sagitta
