@@ -37,11 +37,11 @@ struct ResultFiles {
   nlohmann::ordered_json json;
   std::string robot, report;
 
-  ResultFiles(const Calibration& calibration, const Provenance& provenance)
+  ResultFiles(const Calibration& calibration, const std::vector<Section>& sections, const Provenance& provenance)
       : json(CalibrationToJson(calibration, provenance)),
         robot(RunComment(provenance) +
               RobotToYaml(calibration.problem.model().WithValues(calibration.estimate.parameters.ModelValues()))),
-        report(CalibrationToHtml(calibration, provenance)) {}
+        report(CalibrationToHtml(calibration, sections, provenance)) {}
 
   static std::vector<std::string> Names() {
     return {"robot.calibrated.yaml", "residuals.csv", "report.html", "estimate.json"};
@@ -78,7 +78,7 @@ int RunCalibrate(const CommandLine& line) {
 
   CheckInterruption();
   const std::vector<Section> sections = CalibrationSections(result);
-  ResultFiles files(result, {line.text, FLAGS_method, input_files});
+  ResultFiles files(result, sections, {line.text, FLAGS_method, input_files});
   const std::vector<std::string> unmet = UnmetRequirements(requirements, files.json);
   std::cout << SectionsToText(sections);
   if (FLAGS_out.empty()) {

@@ -9,6 +9,7 @@
 
 #include "models/constants.h"
 #include "tests/support/kr270_experiment.h"
+#include "tools/report/first_screen.h"
 #include "tools/report/histograms.h"
 #include "tools/report/html_text.h"
 #include "tools/report/page_parts.h"
@@ -122,6 +123,18 @@ TEST(ResidualsInWorkspace, ArrowsBeginAtThePointAndTheArmEndsAtItsFlange) {
     ASSERT_GE(line.size(), 6u);
     for (int axis = 0; axis < 3; ++axis)
       EXPECT_NEAR(line[line.size() - 3 + axis].get<double>(), 1e3 * flange.translation[axis], 0.51 + 0.5);
+  }
+}
+
+// Pictures stand behind the first screen, whatever that has.
+TEST(Page, SizeOfTheFirstScreenIsThatOfItsSections) {
+  const CalibrationProblem problem = Many(10);
+  for (int parts = 0; parts < 8; ++parts) {
+    Calibration calibration{problem, Missing(problem), {}};
+    if ((parts & 1) != 0) calibration.trust.cross_validation.unseen.points = 1;
+    if ((parts & 2) != 0) calibration.trust.suspects.push_back({0, "m.csv:2", "is off"});
+    if ((parts & 4) != 0) calibration.estimate.identifiability.unidentifiable.emplace_back();
+    EXPECT_EQ(SizeOfFirstScreen(calibration), FirstScreen(calibration).size()) << parts;
   }
 }
 

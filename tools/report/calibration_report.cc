@@ -14,8 +14,9 @@ Section WhereTheRestLies(const Calibration& calibration) {
   section.title = "What is left, and where";
   section.paragraphs = {"measured − predicted. All rows are in residuals.csv."};
   const DrawnReadings readings(calibration.problem, calibration.estimate);
-  section.pictures = {ResidualsOverDrivers(readings), ResidualsInWorkspace(readings),
-                      WhitenedHistogram(calibration.problem, calibration.estimate)};
+  section.pictures.push_back(ResidualsOverDrivers(readings));
+  section.pictures.push_back(ResidualsInWorkspace(readings));
+  section.pictures.push_back(WhitenedHistogram(calibration.problem, calibration.estimate));
   return section;
 }
 
@@ -27,18 +28,27 @@ Section HowWellKnown(const Estimate& estimate) {
   return section;
 }
 
-}  // namespace
-
-std::vector<Section> CalibrationPage(const Calibration& calibration) {
-  std::vector<Section> sections = CalibrationSections(calibration);
-  // Between what is read first and what is looked up.
-  const auto first = sections.begin() + static_cast<long>(FirstScreen(calibration).size());
-  sections.insert(first, {WhereTheRestLies(calibration), HowWellKnown(calibration.estimate)});
+// Between what is read first and what is looked up.
+std::vector<Section> WithPictures(std::vector<Section> sections, const Calibration& calibration) {
+  const auto first = static_cast<long>(SizeOfFirstScreen(calibration));
+  sections.insert(sections.begin() + first, WhereTheRestLies(calibration));
+  sections.insert(sections.begin() + first + 1, HowWellKnown(calibration.estimate));
   return sections;
 }
 
+}  // namespace
+
+std::vector<Section> CalibrationPage(const Calibration& calibration) {
+  return WithPictures(CalibrationSections(calibration), calibration);
+}
+
 std::string CalibrationToHtml(const Calibration& calibration, const Provenance& provenance) {
-  return SectionsToPage(CalibrationPage(calibration), provenance);
+  return CalibrationToHtml(calibration, CalibrationSections(calibration), provenance);
+}
+
+std::string CalibrationToHtml(const Calibration& calibration, std::vector<Section> sections,
+                              const Provenance& provenance) {
+  return SectionsToPage(WithPictures(std::move(sections), calibration), provenance);
 }
 
 }  // namespace sagitta

@@ -13,5 +13,8 @@ namespace sagitta {
 std::vector<Section> CalibrationPage(const Calibration& calibration);
 
 std::string CalibrationToHtml(const Calibration& calibration, const Provenance& provenance);
+// sections: CalibrationSections of it, where they are at hand.
+std::string CalibrationToHtml(const Calibration& calibration, std::vector<Section> sections,
+                              const Provenance& provenance);
 
 }  // namespace sagitta

@@ -34,6 +34,8 @@ std::string IsoInWords(const Trust& trust) {
          " arrivals (the standard asks for 30), the instrument's noise included.";
 }
 
+bool HasUnseen(const Trust& trust) { return trust.Quoted().points > 0; }
+
 Section Unseen(const Trust& trust) {
   const UnseenPoints& quoted = trust.Quoted();
   Section section;
@@ -90,11 +92,17 @@ std::vector<Section> FirstScreen(const Calibration& calibration) {
   first.paragraphs = {trust.verdict.words};
   if (!trust.model_error_words.empty()) first.paragraphs.push_back("Model error: " + trust.model_error_words + ".");
   std::vector<Section> sections = {first};
-  if (trust.Quoted().points > 0) sections.push_back(Unseen(trust));
+  if (HasUnseen(trust)) sections.push_back(Unseen(trust));
   if (!calibration.estimate.identifiability.unidentifiable.empty())
     sections.push_back(NotMeasured(calibration.estimate));
   if (!trust.suspects.empty()) sections.push_back(SuspectRows(trust, ", in estimate.json under suspects"));
   return sections;
+}
+
+size_t SizeOfFirstScreen(const Calibration& calibration) {
+  const size_t not_measured = calibration.estimate.identifiability.unidentifiable.empty() ? 0 : 1;
+  const size_t suspects = calibration.trust.suspects.empty() ? 0 : 1;
+  return 1 + (HasUnseen(calibration.trust) ? 1 : 0) + not_measured + suspects;
 }
 
 std::vector<Section> CorrectedTable(const Calibration& calibration) {

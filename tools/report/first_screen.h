@@ -12,6 +12,8 @@ namespace sagitta {
 
 // The first section is the heading.
 std::vector<Section> FirstScreen(const Calibration& calibration);
+// How many sections that are.
+size_t SizeOfFirstScreen(const Calibration& calibration);
 
 // The first ten, one a line; `where`: words on where the others stand, after their number.
 Section SuspectRows(const Trust& trust, const std::string& where);

@@ -121,10 +121,11 @@ Picture WhitenedHistogram(const CalibrationProblem& problem, const Estimate& est
   picture.settings = {{"xTitle", "standard deviations; those beyond 4 are in the last bars"}};
   picture.header = {"axis", "from, standard deviations", "to, standard deviations", "rows"};
   const Bins bins{-kRange, kRange, kWhitenedBins};
+  const std::vector<int> fitted = problem.CalibrationObservations();
   for (int axis = 0; axis < 3; ++axis) {
     const std::string series(1, "xyz"[axis]);
     std::vector<double> values;
-    for (const int i : problem.CalibrationObservations()) {
+    for (const int i : fitted) {
       if (std::isfinite(whitened(axis, i))) values.push_back(whitened(axis, i) / scale);
     }
     AddSeries(

@@ -40,6 +40,7 @@ Json Rounded(double value, int digits) {
 
 Json RoundedColumn(const std::vector<double>& values, int digits) {
   Json column = Json::array();
+  column.get_ref<Json::array_t&>().reserve(values.size());
   for (const double value : values) {
     CheckInterruption();
     column.push_back(Rounded(value, digits));
@@ -57,11 +58,12 @@ std::string PictureToHtml(const Picture& picture) {
     html += "<details open><summary>Table</summary>\n" + TableToHtml(picture.header, picture.rows) + "</details>\n";
   }
   if (HasPictures()) {
-    const Json json = {{"kind", picture.kind},
-                       {"menus", MenusToJson(picture.menus)},
-                       {"settings", picture.settings},
-                       {"data", picture.data}};
-    html += "<script type=\"application/json\">" + JsonInScript(json) + "</script>\n";
+    // Key by key: the data are not copied.
+    html += "<script type=\"application/json\">{\"kind\":" + JsonInScript(picture.kind) +
+            ",\"menus\":" + JsonInScript(MenusToJson(picture.menus)) +
+            ",\"settings\":" + JsonInScript(picture.settings) + ",\"data\":";
+    html += JsonInScript(picture.data);
+    html += "}</script>\n";
   }
   return html + "</figure>\n";
 }

@@ -72,14 +72,16 @@ void AddSlices(const Driver& driver, const std::vector<double>& x, const std::ve
 // Names of groups that rows fall into; a menu entry where there are some, and not too many.
 void AddGroups(const std::string& name, const CalibrationProblem& problem, const std::vector<ResidualRow>& rows,
                const std::function<std::string(const Observation&)>& group_of, Picture* picture, PictureMenu* menu) {
-  Json column = Json::array();
+  std::vector<std::string> own;
+  own.reserve(rows.size());
   std::set<std::string> groups;
   for (const ResidualRow& row : rows) {
-    const std::string group = group_of(problem.data().observations[row.observation]);
-    groups.insert(group);
-    column.push_back(group);
+    own.push_back(group_of(problem.data().observations[row.observation]));
+    if (own.size() == 1 || own.back() != own[own.size() - 2]) groups.insert(own.back());
   }
   if (groups.size() < 2 || groups.size() > kMostColours) return;
+  Json column = Json::array();
+  for (std::string& group : own) column.push_back(std::move(group));
   picture->data["rows"][name] = std::move(column);
   menu->options.emplace_back(name, name);
 }
@@ -163,8 +165,11 @@ Picture ResidualsInWorkspace(const DrawnReadings& readings) {
   picture.title = std::string("What is left of each point as an arrow from where the model sees it") +
                   (any_held_out ? "; held-out points in the second colour" : "") +
                   ". Drag to turn, click an arrow to see the arm in its pose" + LeftOutInWords(problem, rows.size());
-  picture.data["rows"] = {{"x", x[0]},  {"y", x[1]},  {"z", x[2]},     {"dx", d[0]},
-                          {"dy", d[1]}, {"dz", d[2]}, {"pose", poses}, {"heldOut", held_out}};
+  Json& data = picture.data["rows"];
+  for (int axis = 0; axis < 3; ++axis) data[std::string(1, "xyz"[axis])] = std::move(x[axis]);
+  for (int axis = 0; axis < 3; ++axis) data[std::string("d") + "xyz"[axis]] = std::move(d[axis]);
+  data["pose"] = std::move(poses);
+  data["heldOut"] = std::move(held_out);
   workspace.Draw(nullptr, &picture);
   std::stable_sort(rows.begin(), rows.end(),
                    [](const ResidualRow& a, const ResidualRow& b) { return a.distance() > b.distance(); });

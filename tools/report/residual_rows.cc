@@ -9,30 +9,44 @@ namespace {
 
 bool IsDrawn(const Observation& row) { return row.is_point() && !row.excluded && row.point_in_station.allFinite(); }
 
+// Of each station.
+std::vector<Pose<double>> BasesOf(const DrawnReadings& readings) {
+  std::vector<Pose<double>> bases;
+  for (int s = 0; s < readings.parameters.num_stations(); ++s) {
+    bases.push_back(readings.parameters.BaseInStation(s));
+  }
+  return bases;
+}
+
 }  // namespace
 
 std::vector<ResidualRow> RowsToDraw(const DrawnReadings& readings) {
   const CalibrationProblem& problem = readings.problem;
-  std::vector<ResidualRow> rows;
+  std::vector<int> rows;
+  std::vector<double> distances;  // m
   for (size_t i = 0; i < problem.data().observations.size(); ++i) {
     const Observation& row = problem.data().observations[i];
-    const Vector3<double> predicted = readings.predicted.col(static_cast<Eigen::Index>(i));
+    const auto predicted = readings.predicted.col(static_cast<Eigen::Index>(i));
     if (!IsDrawn(row) || !predicted.allFinite()) continue;
-    const Pose<double> base = readings.parameters.BaseInStation(problem.data().shots[row.shot].station);
-    const Matrix3<double> base_from_station = base.rotation.transpose();
-    rows.push_back({static_cast<int>(i), kMillimetresPerMetre * (base_from_station * (predicted - base.translation)),
-                    kMillimetresPerMetre * (base_from_station * (row.point_in_station - predicted))});
+    rows.push_back(static_cast<int>(i));
+    distances.push_back((row.point_in_station - predicted).norm());
   }
-  if (rows.size() <= kMostDrawn) return rows;
-  std::vector<double> distances;
-  for (const ResidualRow& row : rows) distances.push_back(row.distance());
-  std::nth_element(distances.begin(), distances.end() - kFarthestKept, distances.end());
-  const double far = *(distances.end() - kFarthestKept);
+  const bool are_many = rows.size() > kMostDrawn;
+  std::vector<double> sorted = are_many ? distances : std::vector<double>();
+  if (are_many) std::nth_element(sorted.begin(), sorted.end() - kFarthestKept, sorted.end());
+  const double far = are_many ? *(sorted.end() - kFarthestKept) : 0.0;
   constexpr size_t kEven = kMostDrawn - kFarthestKept;
+  const std::vector<Pose<double>> bases = BasesOf(readings);
   std::vector<ResidualRow> drawn;
+  drawn.reserve(std::min(rows.size(), kMostDrawn));
   for (size_t i = 0; i < rows.size(); ++i) {
     const bool is_next = i * kEven / rows.size() != (i + 1) * kEven / rows.size();  // kEven of them, evenly
-    if (is_next || rows[i].distance() > far) drawn.push_back(rows[i]);
+    if (are_many && !is_next && distances[i] <= far) continue;
+    const Observation& row = problem.data().observations[static_cast<size_t>(rows[i])];
+    const Pose<double>& base = bases[static_cast<size_t>(problem.data().shots[row.shot].station)];
+    const Vector3<double> predicted = readings.predicted.col(rows[i]);
+    drawn.push_back({rows[i], kMillimetresPerMetre * (base.rotation.transpose() * (predicted - base.translation)),
+                     kMillimetresPerMetre * (base.rotation.transpose() * (row.point_in_station - predicted))});
   }
   return drawn;
 }
