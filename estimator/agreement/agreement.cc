@@ -184,7 +184,8 @@ RepeatFit TestRepeats(const Whole& whole) {
     return std::tie(shot.configuration, row.marker, shot.station, row.kind, shot.visit, shot.load);
   };
   std::vector<int> order = whole.observations;
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
+  const auto is_before = [&](int a, int b) { return key(a) < key(b); };
+  if (!std::is_sorted(order.begin(), order.end(), is_before)) std::stable_sort(order.begin(), order.end(), is_before);
   RepeatFit fit;
   double within = 0.0;
   int groups = 0;

@@ -13,6 +13,7 @@
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/estimate/parameter_table.h"
+#include "estimator/least_squares/batch_algebra.h"
 #include "estimator/least_squares/cluster_sandwich.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/normal_equations.h"
@@ -138,17 +139,36 @@ class RowJudge {
   }
 
  private:
+  // R' J', a column per row of the piece: these lie one behind the other as they are. What follows J in a row (columns
+  // of what is held, the residual) meets zeros.
+  Eigen::MatrixXd TimesNormalRoot(const RowPiece& piece) {
+    const Eigen::Index numbers = piece.rows.cols(), estimated = normal_root_.rows();
+    if (!piece.rows.rightCols(numbers - estimated).allFinite()) {  // what was not measured: zero times it is no number
+      return TallProduct(piece.rows.leftCols(estimated), normal_root_).transpose();
+    }
+    if (transposed_root_.cols() != numbers) {
+      transposed_root_.setZero(normal_root_.cols(), numbers);
+      transposed_root_.leftCols(estimated) = normal_root_.transpose();
+    }
+    Eigen::MatrixXd product(transposed_root_.rows(), piece.rows.rows());
+    const auto size = [](Eigen::Index number) { return static_cast<std::size_t>(number); };
+    MultiplyColumns(transposed_root_.data(), size(product.rows()), size(product.rows()), size(numbers),
+                    piece.rows.data(), size(product.cols()), product.data());
+    return product;
+  }
+
   void Judge(const RowPiece& piece) {
     Estimate& estimate = *estimate_;
     const std::vector<int>& observations = piece.positions;
     const auto estimated = static_cast<Eigen::Index>(estimate.estimated.size());
     const auto held = static_cast<Eigen::Index>(estimate.held.coordinates.size());
-    const Eigen::MatrixXd jacobian = piece.rows.leftCols(estimated);
-    const Eigen::MatrixXd open = piece.rows.middleCols(estimated, held) + jacobian * estimate.held.slopes;
+    const bool any_held_out = by_covariance_.size() > 0;
+    Eigen::MatrixXd jacobian, open;  // where they are asked for
+    if (any_held_out || !problem_.latent.empty()) jacobian = piece.rows.leftCols(estimated);
+    if (any_held_out) open = piece.rows.middleCols(estimated, held) + jacobian * estimate.held.slopes;
     const bool weighed_by_noise = problem_.weight_roots.empty(), exact_joints = problem_.latent.empty();
     const NoiseRoots weights = weighed_by_noise ? NoiseRoots() : FitRoots(problem_, observations, kFallbackSigma);
-    const Eigen::MatrixXd by_normal = TallProduct(jacobian, normal_root_);
-    const bool any_held_out = by_covariance_.size() > 0;
+    const Eigen::MatrixXd by_normal = TimesNormalRoot(piece);
     const auto moved_by = [&](const Eigen::MatrixXd& rows, const Eigen::MatrixXd& root) {
       return any_held_out ? TallProduct(rows, root) : Eigen::MatrixXd();
     };
@@ -159,9 +179,10 @@ class RowJudge {
       const auto row = 3 * static_cast<Eigen::Index>(i);
       const Matrix3<double>& own = estimate.noise[k];
       // tr(W J C_n J' W) / 3, C_n = (J'W^2 J)^-1: the mean over the three axes of a reading's hat matrix.
-      estimate.leverage[k] = by_normal.middleRows<3>(row).squaredNorm() / 3.0;
+      estimate.leverage[k] = by_normal.middleCols<3>(row).squaredNorm() / 3.0;
       if (!weighed_by_noise) {
-        estimate.leverage[k] = (weights[i].inverse() * own * RowBlock(by_normal, row, 3)).squaredNorm() / 3.0;
+        estimate.leverage[k] =
+            (by_normal.middleCols<3>(row) * (weights[i].inverse() * own).transpose()).squaredNorm() / 3.0;
       }
       const Eigen::MatrixXd latent = RowBlock(piece.latent, row, 3);  // in units of the instrument's noise
       // A root of S (1 + L L') S', what one reading scatters by: instrument and joints.
@@ -193,6 +214,7 @@ class RowJudge {
   const Eigen::MatrixXd& normal_root_;
   const double scale_;
   Estimate* estimate_;
+  Eigen::MatrixXd transposed_root_;                     // R' and zeros
   Eigen::MatrixXd by_covariance_, by_model_, by_held_;  // roots; empty where nothing is held out
   double sum_ = 0.0, floor_ = 0.0;
   int coordinates_ = 0;

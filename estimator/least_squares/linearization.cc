@@ -264,10 +264,10 @@ Linearization Linearize(const RowBatches& batches, const ParameterSet& parameter
   BatchScratch scratch;
   BatchBuffer buffer;
   for (int g = 0; g < batches.num_groups(); ++g) {
+    double* const rows =
+        buffer.Reserve(static_cast<size_t>(batches.rows_of_unit(g)) * request.columns(g).columns * kBatchLanes);
     for (int b = 0; b < batches.num_batches(g); ++b) {
       CheckInterruption();
-      double* const rows =
-          buffer.Reserve(static_cast<size_t>(batches.rows_of_unit(g)) * request.columns(g).columns * kBatchLanes);
       result.valid = result.valid && batches.Evaluate(request, g, b, &scratch, rows);
       if (!result.valid) {
         result.residual.setConstant(std::nan(""));
@@ -318,9 +318,8 @@ Eigen::Matrix3Xd PredictPoints(const CalibrationProblem& problem, const Paramete
     const RowBatches::Request request(batches, parameters, {});
     for (int g = 0; g < batches.num_groups(); ++g) {
       const BatchColumns& columns = request.columns(g);
+      double* const rows = buffer.Reserve(static_cast<size_t>(batches.rows_of_unit(g)) * columns.columns * kBatchLanes);
       for (int b = 0; b < batches.num_batches(g); ++b) {
-        double* const rows =
-            buffer.Reserve(static_cast<size_t>(batches.rows_of_unit(g)) * columns.columns * kBatchLanes);
         if (!batches.Evaluate(request, g, b, &scratch, rows)) return PointsByModel(problem, parameters, observations);
         for (int lane = 0; lane < kBatchLanes; ++lane) {
           const RowBatches::Unit unit = batches.UnitOf(g, b, lane);

@@ -82,8 +82,9 @@ class PieceWriter {
     const BatchColumns& layout = request_.columns(group);
     const int rows_of_unit = batches_.rows_of_unit(group);
     Unpacker unpacker(layout, rows_of_unit, piece);
+    // Zeros where no number of these batches goes: each writes the same places.
+    double* const rows = memory_.buffer.Reserve(static_cast<size_t>(rows_of_unit) * layout.columns * kBatchLanes);
     for (int b = first; b < last; ++b) {
-      double* const rows = memory_.buffer.Reserve(static_cast<size_t>(rows_of_unit) * layout.columns * kBatchLanes);
       if (!batches_.Evaluate(request_, group, b, &memory_.scratch, rows)) return false;
       std::array<RowBatches::Unit, kBatchLanes> units;
       for (int lane = 0; lane < kBatchLanes; ++lane) units[lane] = unit_of(b, lane);

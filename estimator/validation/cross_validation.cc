@@ -2,7 +2,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cstdint>
 #include <functional>
+#include <numeric>
 #include <optional>
 #include <set>
 
@@ -170,18 +172,32 @@ std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed) 
   for (const int i : problem.CalibrationObservations())
     fitted[data.shots[data.observations[i].shot].configuration] = true;
   const std::vector<std::vector<int>> groups = GroupsOfEqualJointValues(data);
-  std::vector<std::pair<std::string, int>> order;  // of the groups that are fitted
+  // Of the groups that are fitted, in the order of their hashes; most differ in the first eight letters.
+  struct Hashed {
+    std::uint64_t first;
+    std::string hash;
+    int group;
+  };
+  std::vector<Hashed> hashed;
   for (size_t g = 0; g < groups.size(); ++g) {
     const auto first = std::find_if(groups[g].begin(), groups[g].end(), [&](int c) { return fitted[c]; });
     if (first == groups[g].end()) continue;
-    order.emplace_back(Sha256(std::to_string(seed) + ":" + data.configurations[groups[g].front()].id),
-                       static_cast<int>(g));
+    std::string hash = Sha256(std::to_string(seed) + ":" + data.configurations[groups[g].front()].id);
+    std::uint64_t first_letters = 0;
+    for (int i = 0; i < 8; ++i) first_letters = first_letters << 8 | static_cast<unsigned char>(hash[i]);
+    hashed.push_back({first_letters, std::move(hash), static_cast<int>(g)});
   }
-  std::sort(order.begin(), order.end());
+  std::vector<int> order(hashed.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    const Hashed &one = hashed[static_cast<size_t>(a)], &other = hashed[static_cast<size_t>(b)];
+    if (one.first != other.first) return one.first < other.first;
+    return one.hash != other.hash ? one.hash < other.hash : a < b;
+  });
   std::vector<int> folds(data.configurations.size(), -1);
   const int count = std::min(kFolds, static_cast<int>(order.size()));
   for (size_t i = 0; i < order.size(); ++i) {
-    for (const int c : groups[order[i].second]) {
+    for (const int c : groups[hashed[order[i]].group]) {
       if (fitted[c]) folds[c] = static_cast<int>(i) % count;
     }
   }

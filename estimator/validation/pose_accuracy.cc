@@ -33,10 +33,11 @@ void ForEachPose(const CalibrationProblem& problem, const std::vector<int>& obse
   const auto arrival = [&](size_t k) -> const std::string& { return problem.data().shots[row(k).shot].visit; };
   std::vector<size_t> order(observations.size());
   std::iota(order.begin(), order.end(), size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+  const auto is_before = [&](size_t a, size_t b) {
     if (pose(a) != pose(b)) return pose(a) < pose(b);
     return arrival(a) < arrival(b);
-  });
+  };
+  if (!std::is_sorted(order.begin(), order.end(), is_before)) std::stable_sort(order.begin(), order.end(), is_before);
   Arrivals arrivals;
   for (size_t i = 0; i < order.size(); ++i) {
     const bool same_pose = i > 0 && pose(order[i - 1]) == pose(order[i]);

@@ -135,7 +135,7 @@ bool FitLinearly(const ParameterSet& parameters, SuspectedRows* rows) {
   for (int c = 0; c < here.num_columns(); ++c) {
     if (here.jacobian.col(c).squaredNorm() > 0.0) seen.push_back(c);
   }
-  here.jacobian = here.jacobian(Eigen::all, seen).eval();
+  if (seen.size() < columns.size()) here.jacobian = here.jacobian(Eigen::all, seen).eval();
   if (!here.valid || here.num_rows() <= here.num_columns()) return false;
   Eigen::VectorXd step;
   const Eigen::Matrix3Xd residuals = RobustLinearResiduals(here, noise, &step);

@@ -196,10 +196,11 @@ int HeldOutWhereFitted(const CalibrationProblem& problem, int* all) {
   const auto configuration = [&](int i) {
     return problem.data().shots[problem.data().observations[i].shot].configuration;
   };
-  for (const int i : problem.CalibrationObservations()) fitted.insert(configuration(i));
   for (const int i : problem.ValidationObservations()) held_out.insert(configuration(i));
   const auto joints = [&](int c) -> const Eigen::VectorXd& { return problem.data().configurations[c].q; };
   *all = static_cast<int>(held_out.size());
+  if (held_out.empty()) return 0;
+  for (const int i : problem.CalibrationObservations()) fitted.insert(configuration(i));
   std::multimap<double, int> by_sum;  // equal poses have sums that are close
   for (const int c : fitted) by_sum.emplace(joints(c).sum(), c);
   const double reach = kSamePose * problem.robot().num_joints();
