@@ -276,6 +276,27 @@ TEST_P(NormalEquationsOf, ThreadsDoNotShow) {
   EXPECT_EQ(one.Sum(parameters_, columns_).matrix, three.Sum(parameters_, columns_).matrix);
 }
 
+// So many that there are several blocks of each group: every row is summed once, and who sums it does not show.
+TEST(NormalEquationsOfMany, SumsAreThoseOfTheRows) {
+  const CalibrationProblem problem = Rigid(4300);
+  const ResidualSelection rows = CalibrationResiduals(problem, kFallbackSigma);
+  const std::vector<int> columns = problem.parameters.EstimatedCoordinates();
+  const Linearization all = Linearize(problem, problem.parameters, rows.observations, columns, rows.noise);
+  Eigen::MatrixXd both(all.num_rows(), all.num_columns() + 1);
+  both << all.jacobian, all.residual;
+  const Eigen::VectorXd size = both.colwise().norm().cwiseMax(1e-300);
+  const auto sums_of = [&](int threads) {
+    const NormalEquations equations(problem, rows.observations, rows.noise, LatentTreatment::kMarginalise, threads);
+    return equations.Sum(problem.parameters, columns, {}, /*with_priors=*/false).matrix;
+  };
+  const Eigen::MatrixXd one = sums_of(1);
+  const Eigen::MatrixXd difference =
+      size.cwiseInverse().asDiagonal() * (both.transpose() * both - one) * size.cwiseInverse().asDiagonal();
+  EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-10);
+  EXPECT_EQ(one, sums_of(2));
+  EXPECT_EQ(one, sums_of(5));
+}
+
 // Cost and gradient of a least-squares problem (tangent columns, those of `later` last) whose later blocks are at the
 // optimum of its Gauss-Newton model, by the Schur complement
 //   c = |r|^2 / 2 - g_l' H_ll^-1 g_l / 2,   g = g_p - H_pl H_ll^-1 g_l
