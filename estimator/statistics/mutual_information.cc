@@ -7,19 +7,38 @@
 namespace sagitta {
 namespace {
 
-// E f(z), z ~ N(0, 1), by the trapezoidal rule: exact to rounding for functions as smooth as these.
+// z = -8 to 8 by a tenth with the weights of N(0, 1). By them the trapezoidal rule is exact to rounding for functions
+// as smooth as these.
+constexpr int kNodes = 161;
+constexpr int kMiddle = kNodes / 2;
+constexpr double kReach = 8.0;
+constexpr double kFarApart = 1e6;  // exp(-D / 2 + 8 sqrt(D)) is 0 from a tenth of that on
+constexpr double kStep = 2.0 * kReach / (kNodes - 1);
+
+Eigen::ArrayXd NormalWeights() {
+  const Eigen::ArrayXd weights = (-0.5 * Eigen::ArrayXd::LinSpaced(kNodes, -kReach, kReach).square()).exp();
+  return weights / weights.sum();
+}
+
+// E f(z), z ~ N(0, 1)
 template <typename Function>
 double NormalMean(const Function& f) {
-  constexpr int kNodes = 161;
-  constexpr double kReach = 8.0;
-  double sum = 0.0, weights = 0.0;
-  for (int k = 0; k < kNodes; ++k) {
-    const double z = kReach * (2.0 * k / (kNodes - 1) - 1.0);
-    const double weight = std::exp(-0.5 * z * z);
-    weights += weight;
-    sum += weight * f(z);
+  static const Eigen::ArrayXd weights = NormalWeights();
+  double sum = 0.0;
+  for (int k = 0; k < kNodes; ++k) sum += weights[k] * f(k);
+  return sum;
+}
+
+// exp(-D / 2 + sqrt(D) z) at all nodes, each from its neighbour: exp(sqrt(D) h) times as large.
+Eigen::ArrayXd OddsAt(double apart) {
+  const double d = std::clamp(apart, 0.0, kFarApart), ratio = std::exp(std::sqrt(d) * kStep);
+  Eigen::ArrayXd odds(kNodes);
+  odds[kMiddle] = std::exp(-0.5 * d);
+  for (int k = 1; k <= kMiddle; ++k) {
+    odds[kMiddle + k] = odds[kMiddle + k - 1] * ratio;
+    odds[kMiddle - k] = odds[kMiddle - k + 1] / ratio;
   }
-  return sum / weights;
+  return odds;
 }
 
 // sum_i p_i E f(P_i)
@@ -29,13 +48,10 @@ double MeanOver(const Eigen::VectorXd& p, const std::vector<int>& names, const E
   double sum = 0.0;
   for (Eigen::Index i = 0; i < p.size(); ++i) {
     if (!(p[i] > 0.0)) continue;
-    const Eigen::ArrayXd d = apart.col(i).array().max(0.0);
-    Eigen::ArrayXd alike(p.size());  // 1 where called like i
-    for (Eigen::Index j = 0; j < p.size(); ++j) alike[j] = names[j] == names[i] ? 1.0 : 0.0;
-    sum += p[i] * NormalMean([&](double z) {
-             const Eigen::ArrayXd odds = p.array() * (-0.5 * d + d.sqrt() * z).exp();
-             return f((alike * odds).sum() / odds.sum());
-           });
+    Eigen::ArrayXd alike = Eigen::ArrayXd::Zero(kNodes), others = alike;
+    for (Eigen::Index j = 0; j < p.size(); ++j) (names[j] == names[i] ? alike : others) += p[j] * OddsAt(apart(j, i));
+    const Eigen::ArrayXd right = alike / (alike + others);
+    sum += p[i] * NormalMean([&](int k) { return f(right[k]); });
   }
   return sum;
 }
@@ -65,13 +81,12 @@ double ExpectedProbability(const Eigen::VectorXd& probabilities, const std::vect
 
 TwoApart InformationOfTwo(double apart) {
   // With equal priors: I = ln 2 - E ln(1 + odds), odds = exp(-D/2 + sqrt(D) z) of the wrong one over the right one.
-  const double d = std::max(0.0, apart), root = std::sqrt(d);
-  const auto wrong_to_right = [&](double z) { return std::exp(-0.5 * d + root * z); };
+  const Eigen::ArrayXd odds = OddsAt(apart);
   TwoApart two;
-  two.information = std::log(2.0) - NormalMean([&](double z) { return std::log1p(wrong_to_right(z)); });
-  two.decides = NormalMean([&](double z) { return 1.0 / (1.0 + wrong_to_right(z)); });
-  two.slope = 0.5 * NormalMean([&](double z) {
-                const double odds = wrong_to_right(z), wrong = odds / (1.0 + odds);
+  two.information = std::log(2.0) - NormalMean([&](int k) { return std::log1p(odds[k]); });
+  two.decides = NormalMean([&](int k) { return 1.0 / (1.0 + odds[k]); });
+  two.slope = 0.5 * NormalMean([&](int k) {
+                const double wrong = odds[k] / (1.0 + odds[k]);
                 return wrong * wrong;
               });
   return two;

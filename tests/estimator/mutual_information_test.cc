@@ -73,6 +73,7 @@ TEST(MutualInformationTest, OfThreeIsNearTheIntegral) {
   EXPECT_NEAR(MutualInformation(p, OwnNames(p), Eigen::Matrix3d::Zero()), 0.0, 1e-12);
   Eigen::Matrix3d far = Eigen::Matrix3d::Constant(500.0);
   far.diagonal().setZero();
+  EXPECT_NEAR(MutualInformation(p, OwnNames(p), 1e12 * far), all, 1e-9);
   EXPECT_NEAR(MutualInformation(p, OwnNames(p), far), all, 1e-9);
   EXPECT_NEAR(ExpectedProbability(p, OwnNames(p), far), 1.0, 1e-9);
 }
