@@ -205,7 +205,7 @@ class RowJudge {
       coordinates_ += 3;
     }
     if (!problem_.latent.empty() && problem_.weight_roots.empty()) {
-      LeverageBesideDeviations(problem_, piece, jacobian, TallProduct(by_normal, normal_root_.transpose()),
+      LeverageBesideDeviations(problem_, piece, jacobian, TallProduct(by_normal.transpose(), normal_root_.transpose()),
                                &estimate.leverage);
     }
   }

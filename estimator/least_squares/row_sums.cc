@@ -1,5 +1,7 @@
 #include "estimator/least_squares/row_sums.h"
 
+#include <glog/logging.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -135,6 +137,7 @@ Eigen::MatrixXd RootOf(const Eigen::MatrixXd& covariance) {
 }
 
 Eigen::MatrixXd TallProduct(const Eigen::MatrixXd& x, const Eigen::MatrixXd& w) {
+  CHECK_EQ(x.cols(), w.rows());
   if (x.cols() == 0) return Eigen::MatrixXd::Zero(x.rows(), w.cols());  // no memory to point into
   Eigen::MatrixXd product(x.rows(), w.cols());
   MultiplyColumns(x.data(), x.rows(), x.rows(), x.cols(), w.data(), w.cols(), product.data());
