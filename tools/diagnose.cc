@@ -2,6 +2,7 @@
 #include <gflags/gflags.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <thread>
@@ -120,6 +121,17 @@ void WriteResults(const Provenance& provenance, Calibration extended, const Simu
   out.Write(files, {ResidualsFile(extended.problem, extended.estimate)});
 }
 
+// Files that only some diagnoses have, of an earlier run into the same folder.
+std::vector<std::string> OlderFiles(const Diagnosis& diagnosis, const std::string& folder) {
+  std::vector<std::string> unwritten, older;
+  if (!diagnosis.next) unwritten.push_back(kNextFile);
+  if (!diagnosis.learnt) unwritten.insert(unwritten.end(), {kLearntFile, kLearntEstimateFile});
+  for (const std::string& name : unwritten) {
+    if (std::filesystem::exists(std::filesystem::path(folder) / name)) older.push_back(name);
+  }
+  return older;
+}
+
 int RunDiagnose(const CommandLine& line) {
   ExpectArguments(line, DiagnoseCommand(), 1, 1000);
   const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
@@ -171,6 +183,8 @@ int RunDiagnose(const CommandLine& line) {
     std::cout << "\n"
               << ResultsIn(FLAGS_out,
                            {"diagnosis.json", "robot.extended.yaml", "estimate.json", "residuals.csv", "report.html"});
+    const std::vector<std::string> older = OlderFiles(diagnosis, FLAGS_out);
+    if (!older.empty()) std::cout << OlderFilesIn(FLAGS_out, older);
   }
   return EndWith(unmet);
 }

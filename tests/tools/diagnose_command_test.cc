@@ -94,7 +94,9 @@ class DiagnoseCommandTest : public ProgramTest {};
 TEST_F(DiagnoseCommandTest, TheEstimateHasTheVerdictThatCalibrateWrites) {
   const std::string experiment = Published("kr270/experiment.yaml");
   const std::vector<std::string> split = {"--holdout=0.3", "--seed=1"};
-  ASSERT_EQ(Run({"diagnose", experiment, split[0], split[1], "--out=" + Path("diagnosed")}).status, 0);
+  const Outcome outcome = Run({"diagnose", experiment, split[0], split[1], "--out=" + Path("diagnosed")});
+  ASSERT_EQ(outcome.status, 0);
+  EXPECT_THAT(outcome.out, Not(HasSubstr("Of an earlier run")));
   ASSERT_EQ(Run({"calibrate", experiment, split[0], split[1], "--out=" + Path("calibrated")}).status, 0);
   ASSERT_EQ(ReadJson("diagnosed/diagnosis.json")["verdict"], "consistent");
   const auto diagnosed = ReadJson("diagnosed/estimate.json"), calibrated = ReadJson("calibrated/estimate.json");
@@ -110,6 +112,18 @@ TEST_F(DiagnoseCommandTest, TheEstimateHasTheVerdictThatCalibrateWrites) {
   const std::string report = Read("diagnosed/report.html");
   EXPECT_THAT(report, HasSubstr("<details><summary><h2>What was screened</h2></summary>"));
   EXPECT_LT(report.find("<h1>Diagnosis: consistent</h1>"), report.find("<details>"));
+}
+
+// What is found consistent has no poses to propose and nothing learnt: such files beside it are not its own.
+TEST_F(DiagnoseCommandTest, FilesOfAnEarlierRunAreCalledSo) {
+  std::filesystem::create_directory(Path("out"));
+  Write("out/robot.learnt.yaml", "of another diagnosis");
+  const Outcome outcome =
+      Run({"diagnose", Published("kr270/experiment.yaml"), "--holdout=0.3", "--seed=1", "--out=" + Path("out")});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  ASSERT_EQ(ReadJson("out/diagnosis.json")["verdict"], "consistent");
+  EXPECT_THAT(outcome.out, HasSubstr("Of an earlier run are in " + Path("out") + ": robot.learnt.yaml;"));
+  EXPECT_EQ(Read("out/robot.learnt.yaml"), "of another diagnosis");  // kept: it may be in use
 }
 
 }  // namespace

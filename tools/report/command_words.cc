@@ -23,6 +23,10 @@ std::string ResultsIn(const std::string& folder, const std::vector<std::string>&
   return "Results in " + folder + (files.empty() ? ":" : ": ") + Joined(files) + "\n";
 }
 
+std::string OlderFilesIn(const std::string& folder, const std::vector<std::string>& files) {
+  return "Of an earlier run are in " + folder + ": " + Joined(files) + "; this one has nothing to write there.\n";
+}
+
 std::string ComparisonInWords(const Changes& changes) {
   std::string words = "Predictions are " + Significant(1e3 * changes.before_rms, 3) + " mm apart (RMS), " +
                       Significant(1e3 * changes.after_rms, 3) + " mm with that taken out\n";
