@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <random>
 #include <set>
 
 #include "estimator/diagnosis/pose_choice.h"
+#include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/row_sums.h"
+#include "models/effects/catalogue.h"
 #include "problems/loads.h"
 
 namespace sagitta {
@@ -98,6 +101,18 @@ CalibrationProblem WithPoses(const CalibrationProblem& problem, const std::vecto
   return extended;
 }
 
+// Points of the poses, the last observations, are where the model predicts them: a station reads them there.
+CalibrationProblem AsPredicted(CalibrationProblem extended, const ParameterSet& parameters, size_t measured) {
+  std::vector<int> added(extended.data().observations.size() - measured);
+  std::iota(added.begin(), added.end(), static_cast<int>(measured));
+  const Eigen::Matrix3Xd points = PredictPoints(extended, parameters, added);
+  for (size_t i = 0; i < added.size(); ++i) {
+    Observation& observation = extended.mutable_data()->observations[measured + i];
+    if (observation.is_point()) observation.point_in_station = points.col(static_cast<long>(i));
+  }
+  return extended;
+}
+
 // The explanations that some sets have, in columns of their own over the rows of a problem with more poses.
 class FewColumns {
  public:
@@ -111,6 +126,10 @@ class FewColumns {
   const EvidenceColumns& columns() const { return columns_; }
   const ExplanationList& list() const { return list_; }
 
+  // Whether both list the same functions without a name. They are listed by the fitted rows, which are the same; only
+  // where two say equally much of these, rounding may list another.
+  bool AreListed() const { return list_.functions.empty() || list_.functions.size() == given_.functions.size(); }
+
   // The same set by the numbers of this list.
   WeightedSet Here(WeightedSet set) const {
     for (int& member : set.members) member = NumberOf(member);
@@ -122,6 +141,9 @@ class FewColumns {
     std::set<int> used;
     for (const WeightedSet* set : sets) {
       for (const int m : set->members) used.insert(given_.candidate[m]);
+    }
+    for (size_t c = 0; c < given_.candidates.size() && AnyUnnamed(sets); ++c) {  // functions move load points too
+      if (given_.candidates[c].spec.effect == LoadCom().name) used.insert(static_cast<int>(c));
     }
     CandidateList few;
     for (const int candidate : used) {
@@ -282,11 +304,12 @@ std::vector<std::vector<int>> ObservationsOf(const CalibrationProblem& extended,
   return observations;
 }
 
-PoseChoice ChoiceOf(const Evidence& evidence, const std::vector<Rival>& rivals, const CalibrationProblem& extended,
-                    const ParameterSet& parameters, size_t poses) {
+std::optional<PoseChoice> ChoiceOf(const Evidence& evidence, const std::vector<Rival>& rivals,
+                                   const CalibrationProblem& extended, const ParameterSet& parameters, size_t poses) {
   std::vector<const WeightedSet*> sets;
   for (const Rival& rival : rivals) sets.push_back(&evidence.models()[rival.model].set);
   const FewColumns few(evidence, sets, extended, parameters);
+  if (!few.AreListed()) return std::nullopt;
   const JointScatter& scatter = evidence.views()[evidence.models()[rivals[0].model].view].scatter;
   std::vector<Known> known;
   std::vector<std::vector<int>> columns;
@@ -319,12 +342,15 @@ std::optional<NextPoses> ProposeNext(const Evidence& evidence, const Calibration
   const std::vector<double> now = ProbabilitiesOf(rivals);
   if (now.size() < 2 || now[0] > kDecided) return std::nullopt;
   const std::vector<ProposedPose> drawn = DrawPoses(problem, seed);
-  PoseChoice choice = ChoiceOf(evidence, rivals, WithPoses(problem, drawn), parameters, drawn.size());
+  const CalibrationProblem extended =
+      AsPredicted(WithPoses(problem, drawn), parameters, problem.data().observations.size());
+  std::optional<PoseChoice> choice = ChoiceOf(evidence, rivals, extended, parameters, drawn.size());
+  if (!choice) return std::nullopt;
   NextPoses next;
   for (const double probability : now) next.decided += probability * probability;
-  for (int k = 0; k < kPosesProposed; ++k) next.poses.push_back(drawn[choice.Take()]);
-  next.decides = choice.Decides();
-  next.needed = choice.Needed(kWanted, kMostNeeded);
+  for (int k = 0; k < kPosesProposed; ++k) next.poses.push_back(drawn[choice->Take()]);
+  next.decides = choice->Decides();
+  next.needed = choice->Needed(kWanted, kMostNeeded);
   if (next.decides < next.decided + kWorthDeciding) return std::nullopt;  // no pose decides
   return next;
 }

@@ -43,7 +43,7 @@ class ReadingFunctions : public UnnamedList {
   struct Read {
     int marker, shot;
     bool is_fitted;
-    double azimuth, elevation, range;  // rad and m; the azimuth from that of the middle of all
+    double azimuth, elevation, range;  // rad and m; the azimuth from that of the middle of the fitted
 
     double Of(Sensed reading) const {
       return reading == Sensed::kRange ? range : reading == Sensed::kAzimuth ? azimuth : elevation;
@@ -61,8 +61,8 @@ class ReadingFunctions : public UnnamedList {
     for (const Observation& one : data.observations) {
       if (data.shots[one.shot].station != station || !one.is_point() || !one.point_in_station.allFinite()) continue;
       seen.push_back(one.point_in_station - problem_.shot_inputs()[one.shot].conditions.instrument);
-      middle += seen.back();
       read_.push_back({one.marker, one.shot, fitted.count(one.shot) > 0, 0.0, 0.0, seen.back().norm()});
+      if (read_.back().is_fitted) middle += seen.back();
     }
     middle_azimuth_ = std::atan2(middle.y(), middle.x());
     for (size_t i = 0; i < read_.size(); ++i) {

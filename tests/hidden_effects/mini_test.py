@@ -6,6 +6,7 @@ usage: mini_test.py FOLDER_OF_THE_PROGRAMS
 """
 import csv
 import json
+import os
 import math
 import pathlib
 import re
@@ -13,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
@@ -325,6 +327,16 @@ class WhatWasOnceNamedWrong(WithFolder):
         self.assertGreater(diagnosis['posterior']['unnamed'], 0.9)
         self.assertEqual((diagnosis['verdict'], diagnosis['steps']), ('unknown', []))
         self.assertRegex(' '.join(diagnosis['cautions']), r'load_com on V120 \(\d+ %\) is not named')
+
+
+    def test_poses_are_proposed_between_functions_without_a_name(self):
+        """They are listed anew beside few effects of the catalogue, those of the loads' points among them. What is read
+        where nothing was written is no number then."""
+        with unittest.mock.patch.dict(os.environ, MALLOC_PERTURB_='255'):
+            diagnosis, _ = self.diagnosed({'study': 9801, 'case': 27, 'kinds': 'two_faces', 'scales': 0.411300015,
+                                           'robot': 'kr270', 'configurations': 60, 'stations': 1, 'without': 'time'})
+        self.assertGreater(diagnosis['posterior']['unnamed'], 0.05)
+        self.assertGreater(diagnosis['next']['decides'], 0.5)
 
 
 class AgainstASimulation(WithFolder):
