@@ -84,9 +84,10 @@ struct RowSums {
 // C_0 and K^-1 M K'^-1 = U diag(l) U' of each pose, rows U'K^-1 [believed, columns, residual] have the variances 1 + v
 // l.
 struct FilledBlock {
-  Eigen::MatrixXd rows, turned;  // and transposed
-  Eigen::VectorXd growth;        // l of each row
-  double log_det = 0.0;          // of C_0
+  Eigen::MatrixXd rows;
+  std::vector<Eigen::MatrixXd> strips;  // of its columns, transposed
+  Eigen::VectorXd growth;               // l of each row
+  double log_det = 0.0;                 // of C_0
 };
 
 // Beside what is believed, which is eliminated with a flat prior (or its stated one).
@@ -145,10 +146,10 @@ class EvidenceColumns {
   AlongSources SumAlong(const std::vector<Source>& sources) const;
 
   int num_believed() const { return static_cast<int>(believed_.size()); }
-  // Rows [believed, columns] of one pose that need not be fitted, whitened, for each list of columns; and products of
-  // the fitted rows with [believed, columns, residual], priors of the believed included.
-  std::vector<Eigen::MatrixXd> RowsAt(const std::vector<int>& observations, const JointScatter& scatter,
-                                      const std::vector<std::vector<int>>& columns) const;
+  // Rows [believed, columns] of one pose that need not be fitted, whitened; and products of the fitted rows with
+  // [believed, columns, residual], priors of the believed included.
+  Eigen::MatrixXd RowsAt(const std::vector<int>& observations, const JointScatter& scatter,
+                         const std::vector<int>& columns) const;
   Eigen::MatrixXd FittedProducts(const JointScatter& scatter, const std::vector<int>& columns) const;
 
  private:

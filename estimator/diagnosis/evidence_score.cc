@@ -10,7 +10,7 @@ namespace sagitta {
 
 namespace {
 
-constexpr int kFew = 8;  // columns of most groups: their root stays on the stack
+constexpr int kFew = 16;  // columns of most groups: their root stays on the stack
 using FewColumns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kFew, kFew>;
 
 template <typename Matrix>

@@ -11,18 +11,28 @@
 namespace sagitta {
 namespace {
 
-constexpr Eigen::Index kColumnsAtOnce = 64;  // of a product, upper blocks alone
+constexpr Eigen::Index kRowsAtOnce = 24;  // of a product: what the widest vectors have registers for
 // Of J'J scaled to a unit diagonal: below, a direction is rounding.
 constexpr double kRankOfSums = 1e-13;
 
-// turned * rows is added to the upper triangle, some columns at a time with the instructions that the machine has.
-void AddUpperProducts(const Eigen::MatrixXd& turned, const Eigen::MatrixXd& rows, Eigen::MatrixXd* upper) {
-  const Eigen::Index width = turned.rows();
-  Eigen::MatrixXd product(width, kColumnsAtOnce);
-  for (Eigen::Index first = 0; first < width; first += kColumnsAtOnce) {
-    const Eigen::Index columns = std::min<Eigen::Index>(kColumnsAtOnce, width - first), height = first + columns;
-    MultiplyColumns(turned.data(), width, height, turned.cols(), rows.col(first).data(), columns, product.data());
-    upper->block(0, first, height, columns) += product.topLeftCorner(height, columns);
+// Columns by a few, transposed.
+std::vector<Eigen::MatrixXd> StripsOf(const Eigen::MatrixXd& rows) {
+  std::vector<Eigen::MatrixXd> strips;
+  for (Eigen::Index first = 0; first < rows.cols(); first += kRowsAtOnce) {
+    strips.push_back(rows.middleCols(first, std::min(kRowsAtOnce, rows.cols() - first)).transpose());
+  }
+  return strips;
+}
+
+// The products of each strip with the rows, from its diagonal on, are added to the upper triangle.
+void AddUpperProducts(const std::vector<Eigen::MatrixXd>& strips, const Eigen::MatrixXd& rows, Eigen::MatrixXd* upper) {
+  Eigen::Index first = 0;
+  for (const Eigen::MatrixXd& strip : strips) {
+    const Eigen::Index height = strip.rows(), columns = rows.cols() - first;
+    Eigen::MatrixXd product(height, columns);
+    MultiplyColumns(strip.data(), height, height, strip.cols(), rows.col(first).data(), columns, product.data());
+    upper->block(first, first, height, columns) += product;
+    first += height;
   }
 }
 
@@ -100,7 +110,7 @@ RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>
       }
     }
     sums.log_det += Whiten(RootsOf(block.observations, block.here.latent, scatter), &rows);
-    AddUpperProducts(rows.transpose(), rows, &sums.products);
+    AddUpperProducts(StripsOf(rows), rows, &sums.products);
     sums.rows += block.here.num_rows();
   }
   return sums;
@@ -150,7 +160,7 @@ std::vector<FilledBlock> EvidenceColumns::Fill(const std::vector<int>& columns, 
       auto rows = own.rows.middleRows(poses[p].top, poses[p].height);
       rows = eigen.eigenvectors().transpose() * Eigen::MatrixXd(rows);
     }
-    own.turned = own.rows.transpose();
+    own.strips = StripsOf(own.rows);
   }
   return filled;
 }
@@ -161,7 +171,7 @@ RowSums EvidenceColumns::Sum(double variance, const std::vector<FilledBlock>& fi
   for (const FilledBlock& block : filled) {
     const Eigen::VectorXd variances = (1.0 + variance * block.growth.array()).matrix();
     sums.log_det += block.log_det + variances.array().log().sum();
-    AddUpperProducts(block.turned, variances.cwiseInverse().asDiagonal() * block.rows, &sums.products);
+    AddUpperProducts(block.strips, variances.cwiseInverse().asDiagonal() * block.rows, &sums.products);
     sums.rows += static_cast<int>(block.rows.rows());
   }
   return sums;
@@ -179,18 +189,13 @@ int EvidenceColumns::AddPriors(Eigen::MatrixXd* own, Eigen::VectorXd* along, dou
   return static_cast<int>(priors.residual.size());
 }
 
-std::vector<Eigen::MatrixXd> EvidenceColumns::RowsAt(const std::vector<int>& observations, const JointScatter& scatter,
-                                                     const std::vector<std::vector<int>>& columns) const {
+Eigen::MatrixXd EvidenceColumns::RowsAt(const std::vector<int>& observations, const JointScatter& scatter,
+                                        const std::vector<int>& columns) const {
   const Block block = LinearizeBlock(observations);
-  const BlockRoots roots = RootsOf(block.observations, block.here.latent, scatter);
-  std::vector<Eigen::MatrixXd> of_lists;
-  for (const std::vector<int>& list : columns) {
-    Eigen::MatrixXd rows;
-    FillRows(block, &list, &rows);
-    Whiten(roots, &rows);
-    of_lists.push_back(rows.leftCols(rows.cols() - 1));
-  }
-  return of_lists;
+  Eigen::MatrixXd rows;
+  FillRows(block, &columns, &rows);
+  Whiten(RootsOf(block.observations, block.here.latent, scatter), &rows);
+  return rows.leftCols(rows.cols() - 1);
 }
 
 Eigen::MatrixXd EvidenceColumns::FittedProducts(const JointScatter& scatter, const std::vector<int>& columns) const {

@@ -12,7 +12,6 @@
 
 #include "estimator/diagnosis/pose_choice.h"
 #include "estimator/least_squares/linearization.h"
-#include "estimator/least_squares/row_sums.h"
 #include "models/effects/catalogue.h"
 #include "problems/loads.h"
 
@@ -182,64 +181,79 @@ struct Rival {
   int name = 0;  // of the answer
 };
 
-// Columns of the set's members to their unit prior coefficients, behind the believed parameters.
-Eigen::MatrixXd MixingOf(const ExplanationList& list, const WeightedSet& set, long believed, int raw, int size) {
-  Eigen::MatrixXd mixing = Eigen::MatrixXd::Zero(believed + raw, believed + size);
-  mixing.topLeftCorner(believed, believed).setIdentity();
-  long row = believed, column = believed;
-  for (size_t k = 0; k < set.members.size(); ++k) {
-    const ColumnGroup& group = list.math[static_cast<size_t>(set.members[k])].group;
-    const long height = static_cast<long>(group.columns.size());
-    auto block = mixing.block(row, column, height, group.size());
-    if (group.mixing.size() > 0) {
-      block = set.scales[k] * group.mixing;
-    } else {
-      block.setIdentity();
-      block *= set.scales[k];
+// Columns of the members of some sets, each once.
+std::vector<int> ColumnsOf(const ExplanationList& list, const std::vector<WeightedSet>& sets) {
+  std::set<int> columns;
+  for (const WeightedSet& set : sets) {
+    for (const int m : set.members) {
+      const std::vector<int>& own = list.math[static_cast<size_t>(m)].group.columns;
+      columns.insert(own.begin(), own.end());
     }
-    row += height;
-    column += group.size();
   }
-  return mixing;
+  return {columns.begin(), columns.end()};
 }
 
-// What the rows so far say of a set's coefficients.
-struct Known {
-  std::vector<int> columns;
-  Eigen::MatrixXd mixing;               // believed and own columns to unit prior coefficients
-  Eigen::LDLT<Eigen::MatrixXd> factor;  // of their precision
-  Eigen::VectorXd values;
+// A set's unit prior coefficients behind the believed parameters.
+class Coefficients {
+ public:
+  // columns: of several sets.
+  Coefficients(const ExplanationList& list, const WeightedSet& set, const std::vector<int>& columns, long believed)
+      : list_(list), set_(set), believed_(believed) {
+    for (const int m : set.members) {
+      std::vector<long>& own = places_.emplace_back();
+      for (const int c : GroupOf(m).columns) {
+        own.push_back(believed + (std::lower_bound(columns.begin(), columns.end(), c) - columns.begin()));
+      }
+      size_ += GroupOf(m).size();
+    }
+  }
+
+  // Of rows that are for [believed, columns].
+  Eigen::MatrixXd Of(const Eigen::MatrixXd& rows) const {
+    Eigen::MatrixXd mixed(believed_ + size_, rows.cols());
+    mixed.topRows(believed_) = rows.topRows(believed_);
+    long first = believed_;
+    for (size_t k = 0; k < set_.members.size(); ++k) {
+      const ColumnGroup& group = GroupOf(set_.members[k]);
+      auto own = mixed.middleRows(first, group.size());
+      const Eigen::MatrixXd raw = set_.scales[k] * rows(places_[k], Eigen::all);
+      if (group.mixing.size() > 0) {
+        own.noalias() = group.mixing.transpose() * raw;
+      } else {
+        own = raw;
+      }
+      first += group.size();
+    }
+    return mixed;
+  }
+  long size() const { return size_; }
+
+ private:
+  const ColumnGroup& GroupOf(int member) const { return list_.math[static_cast<size_t>(member)].group; }
+
+  const ExplanationList& list_;
+  const WeightedSet& set_;
+  const long believed_;
+  long size_ = 0;
+  std::vector<std::vector<long>> places_;  // of each member
 };
 
-Known KnownOf(const EvidenceColumns& columns, const ExplanationList& list, const JointScatter& scatter,
-              const WeightedSet& set) {
-  Known known;
-  int size = 0;
-  for (const int m : set.members) {
-    const ColumnGroup& group = list.math[static_cast<size_t>(m)].group;
-    known.columns.insert(known.columns.end(), group.columns.begin(), group.columns.end());
-    size += group.size();
-  }
-  const long believed = columns.num_believed(), all = believed + static_cast<long>(known.columns.size());
-  known.mixing = MixingOf(list, set, believed, static_cast<int>(known.columns.size()), size);
-  const Eigen::MatrixXd sums = columns.FittedProducts(scatter, known.columns);
-  Eigen::MatrixXd precision = known.mixing.transpose() * sums.topLeftCorner(all, all) * known.mixing;
-  precision.diagonal().tail(size).array() += 1.0;
+// What is known of a set's coefficients, and of all poses by it. sums: of the fitted rows with [believed, columns,
+// residual]; turned: the poses' rows in [believed, columns], transposed. With N = P' L D L' P of the coefficients and
+// the poses' rows R in them:  m = R x,  Y = D^-1/2 L^-1 P R'.
+void Predict(const Coefficients& coefficients, const Eigen::MatrixXd& sums, const Eigen::MatrixXd& turned,
+             RivalRows* rows) {
+  const Eigen::MatrixXd half = coefficients.Of(sums);
+  Eigen::MatrixXd precision = coefficients.Of(half.leftCols(turned.rows()).transpose());
+  precision.diagonal().tail(coefficients.size()).array() += 1.0;
   // What hardly anything tells must not decide: a flat prior is one of a thousand times what the data say.
   precision.diagonal() *= 1.0 + 1e-9;
-  known.factor.compute(precision);
-  known.values = -known.factor.solve(known.mixing.transpose() * sums.col(all).head(all));
-  return known;
-}
-
-// N = P' L D L' P: m = R x and Y = D^-1/2 L^-1 P R' of the poses' rows in raw columns.
-void Predict(const Known& known, const Eigen::MatrixXd& raw, RivalRows* rows) {
-  const Eigen::MatrixXd mixed = TallProduct(raw, known.mixing);
-  rows->means = mixed * known.values;
-  rows->spread = known.factor.transpositionsP() * Eigen::MatrixXd(mixed.transpose());
-  known.factor.matrixL().solveInPlace(rows->spread);
-  rows->spread = Eigen::MatrixXd(known.factor.vectorD().cwiseMax(kLeastPivot).cwiseSqrt().cwiseInverse().asDiagonal() *
-                                 rows->spread);
+  const Eigen::LDLT<Eigen::MatrixXd> factor(precision);
+  rows->spread = coefficients.Of(turned);
+  rows->means = -rows->spread.transpose() * factor.solve(half.col(turned.rows()));
+  rows->spread = factor.transpositionsP() * rows->spread;
+  factor.matrixL().solveInPlace(rows->spread);
+  rows->spread.array().colwise() *= factor.vectorD().array().max(kLeastPivot).rsqrt();
 }
 
 // The sets that are worth deciding between. What is called alike, or predicts the same at new poses, is one answer: a
@@ -311,25 +325,26 @@ std::optional<PoseChoice> ChoiceOf(const Evidence& evidence, const std::vector<R
   const FewColumns few(evidence, sets, extended, parameters);
   if (!few.AreListed()) return std::nullopt;
   const JointScatter& scatter = evidence.views()[evidence.models()[rivals[0].model].view].scatter;
-  std::vector<Known> known;
-  std::vector<std::vector<int>> columns;
-  for (const WeightedSet* set : sets) {
-    known.push_back(KnownOf(few.columns(), few.list(), scatter, few.Here(*set)));
-    columns.push_back(known.back().columns);
-  }
-  std::vector<std::vector<Eigen::MatrixXd>> shown;  // of each pose, of each rival
+  std::vector<WeightedSet> here;
+  for (const WeightedSet* set : sets) here.push_back(few.Here(*set));
+  const std::vector<int> columns = ColumnsOf(few.list(), here);
+  const std::vector<std::vector<int>> observations = ObservationsOf(extended, poses);
   std::vector<long> first_row = {0};
-  for (const std::vector<int>& observations : ObservationsOf(extended, poses)) {
-    shown.push_back(few.columns().RowsAt(observations, scatter, columns));
-    first_row.push_back(first_row.back() + shown.back()[0].rows());
+  for (const std::vector<int>& own : observations) {
+    first_row.push_back(first_row.back() + 3 * static_cast<long>(own.size()));
   }
+  const long believed = few.columns().num_believed();
+  Eigen::MatrixXd turned(believed + static_cast<long>(columns.size()), first_row.back());
+  for (size_t c = 0; c < poses; ++c) {
+    turned.middleCols(first_row[c], first_row[c + 1] - first_row[c]) =
+        few.columns().RowsAt(observations[c], scatter, columns).transpose();
+  }
+  const Eigen::MatrixXd sums = few.columns().FittedProducts(scatter, columns);
   std::vector<RivalRows> rows(rivals.size());
   for (size_t i = 0; i < rivals.size(); ++i) {
-    Eigen::MatrixXd raw(first_row.back(), shown[0][i].cols());
-    for (size_t c = 0; c < poses; ++c) raw.middleRows(first_row[c], shown[c][i].rows()) = shown[c][i];
     rows[i].probability = rivals[i].probability;
     rows[i].name = rivals[i].name;
-    Predict(known[i], raw, &rows[i]);
+    Predict(Coefficients(few.list(), here[i], columns, believed), sums, turned, &rows[i]);
   }
   return PoseChoice(std::move(rows), std::move(first_row));
 }

@@ -25,6 +25,20 @@ PoseChoice::PoseChoice(std::vector<RivalRows> rivals, std::vector<long> first_ro
   }
   asked_.resize(first_row_.size() - 1);
   std::iota(asked_.begin(), asked_.end(), size_t{0});
+  for (const RivalRows& rival : rivals_) own_.push_back(OwnOf(rival.spread));
+}
+
+// Blocks of Y'Y / 2 of each pose's rows, side by side.
+Eigen::MatrixXd PoseChoice::OwnOf(const Eigen::MatrixXd& spread) const {
+  long most = 0;
+  for (const size_t pose : asked_) most = std::max(most, RowsOf(pose).size);
+  Eigen::MatrixXd own(most, spread.cols());
+  for (const size_t pose : asked_) {
+    const Block rows = RowsOf(pose);
+    const auto of_pose = spread.middleCols(rows.first, rows.size);
+    own.block(0, rows.first, rows.size, rows.size) = 0.5 * of_pose.transpose() * of_pose;
+  }
+  return own;
 }
 
 Eigen::MatrixXd PoseChoice::SpreadAt(size_t rival, const std::vector<size_t>& poses) const {
@@ -55,17 +69,19 @@ Eigen::VectorXd PoseChoice::MeansAt(size_t rival, const std::vector<size_t>& pos
 // D = y'y + e' (V_22 - B'B)^-1 e,  e = d_2 - B'y.
 std::vector<Eigen::MatrixXd> PoseChoice::ApartWith(const std::vector<size_t>& poses) const {
   const long n = static_cast<long>(rivals_.size());
-  std::vector<Eigen::MatrixXd> within, across, taken(rivals_.size());  // of each rival, halved
+  std::vector<Eigen::MatrixXd> across, taken(rivals_.size());  // of each rival, halved
   std::vector<Eigen::VectorXd> means, taken_means;
   for (size_t i = 0; i < rivals_.size(); ++i) {
     taken[i] = SpreadAt(i, taken_);
-    within.push_back(SpreadAt(i, poses));
-    across.push_back(0.5 * taken[i].transpose() * within.back());
+    across.push_back(0.5 * taken[i].transpose() * SpreadAt(i, poses));
     taken[i] = Eigen::MatrixXd(0.5 * taken[i].transpose() * taken[i]);
     means.push_back(MeansAt(i, poses));
     taken_means.push_back(MeansAt(i, taken_));
   }
   std::vector<Eigen::MatrixXd> aparts(poses.size(), Eigen::MatrixXd::Zero(n, n));
+  Eigen::MatrixXd left;  // of one pose, as its root: their memory serves all
+  Eigen::LLT<Eigen::MatrixXd> root;
+  Eigen::VectorXd difference;
   for (size_t i = 0; i < rivals_.size(); ++i) {
     for (size_t j = 0; j < i; ++j) {
       if (names_[i] == names_[j]) continue;
@@ -79,16 +95,18 @@ std::vector<Eigen::MatrixXd> PoseChoice::ApartWith(const std::vector<size_t>& po
       const Eigen::VectorXd fresh = means[i] - means[j] - shared.transpose() * seen;
       long at = 0;
       for (size_t k = 0; k < poses.size(); ++k) {
-        const long size = RowsOf(poses[k]).size;
-        const auto one = within[i].middleCols(at, size), other = within[j].middleCols(at, size);
-        const auto before = shared.middleCols(at, size);
-        Eigen::MatrixXd left = 0.5 * (one.transpose() * one + other.transpose() * other) - before.transpose() * before;
+        const Block rows = RowsOf(poses[k]);
+        const auto before = shared.middleCols(at, rows.size);
+        left = own_[i].block(0, rows.first, rows.size, rows.size) + own_[j].block(0, rows.first, rows.size, rows.size);
         left.diagonal().array() += 1.0;
-        const auto difference = fresh.segment(at, size);
-        const double apart = seen.squaredNorm() + difference.dot(left.llt().solve(difference));
+        left -= before.transpose().lazyProduct(before);
+        root.compute(left);
+        difference = fresh.segment(at, rows.size);
+        root.matrixL().solveInPlace(difference);
+        const double apart = seen.squaredNorm() + difference.squaredNorm();
         aparts[k](static_cast<long>(i), static_cast<long>(j)) = apart;
         aparts[k](static_cast<long>(j), static_cast<long>(i)) = apart;
-        at += size;
+        at += rows.size;
       }
     }
   }

@@ -45,6 +45,7 @@ class PoseChoice {
     long first = 0, size = 0;
   };
   Block RowsOf(size_t pose) const { return {first_row_[pose], first_row_[pose + 1] - first_row_[pose]}; }
+  Eigen::MatrixXd OwnOf(const Eigen::MatrixXd& spread) const;
   Eigen::MatrixXd SpreadAt(size_t rival, const std::vector<size_t>& poses) const;  // columns of Y
   Eigen::VectorXd MeansAt(size_t rival, const std::vector<size_t>& poses) const;
   // D of the poses that are taken with each of these beside them.
@@ -55,6 +56,7 @@ class PoseChoice {
   std::vector<long> first_row_;
   Eigen::VectorXd probabilities_;
   std::vector<int> names_;
+  std::vector<Eigen::MatrixXd> own_;  // of each rival
   std::vector<size_t> asked_, taken_;
 };
 

@@ -31,26 +31,34 @@ double NormalMean(const Function& f) {
 
 // exp(-D / 2 + sqrt(D) z) at all nodes, each from its neighbour: exp(sqrt(D) h) times as large.
 Eigen::ArrayXd OddsAt(double apart) {
-  const double d = std::clamp(apart, 0.0, kFarApart), ratio = std::exp(std::sqrt(d) * kStep);
+  const double d = std::clamp(apart, 0.0, kFarApart), up = std::exp(std::sqrt(d) * kStep), down = 1.0 / up;
   Eigen::ArrayXd odds(kNodes);
   odds[kMiddle] = std::exp(-0.5 * d);
   for (int k = 1; k <= kMiddle; ++k) {
-    odds[kMiddle + k] = odds[kMiddle + k - 1] * ratio;
-    odds[kMiddle - k] = odds[kMiddle - k + 1] / ratio;
+    odds[kMiddle + k] = odds[kMiddle + k - 1] * up;
+    odds[kMiddle - k] = odds[kMiddle - k + 1] * down;
   }
   return odds;
 }
 
-// sum_i p_i E f(P_i)
+// sum_i p_i E f(P_i); what two are apart serves both.
 template <typename Function>
 double MeanOver(const Eigen::VectorXd& p, const std::vector<int>& names, const Eigen::MatrixXd& apart,
                 const Function& f) {
+  Eigen::ArrayXXd alike = Eigen::VectorXd::Ones(kNodes) * p.transpose();  // with itself
+  Eigen::ArrayXXd others = Eigen::ArrayXXd::Zero(kNodes, p.size());
+  for (Eigen::Index i = 0; i < p.size(); ++i) {
+    for (Eigen::Index j = 0; j < i; ++j) {
+      const Eigen::ArrayXd odds = OddsAt(apart(j, i));
+      Eigen::ArrayXXd& sums = names[j] == names[i] ? alike : others;
+      sums.col(i) += p[j] * odds;
+      sums.col(j) += p[i] * odds;
+    }
+  }
   double sum = 0.0;
   for (Eigen::Index i = 0; i < p.size(); ++i) {
     if (!(p[i] > 0.0)) continue;
-    Eigen::ArrayXd alike = Eigen::ArrayXd::Zero(kNodes), others = alike;
-    for (Eigen::Index j = 0; j < p.size(); ++j) (names[j] == names[i] ? alike : others) += p[j] * OddsAt(apart(j, i));
-    const Eigen::ArrayXd right = alike / (alike + others);
+    const Eigen::ArrayXd right = alike.col(i) / (alike.col(i) + others.col(i));
     sum += p[i] * NormalMean([&](int k) { return f(right[k]); });
   }
   return sum;

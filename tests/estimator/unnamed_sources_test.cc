@@ -72,7 +72,7 @@ Eigen::VectorXd Moves(const CalibrationProblem& problem, const ParameterSet& par
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(static_cast<long>(problem.data().shots.size()));
   const std::vector<int> column = columns.Add({source, std::make_shared<const Eigen::MatrixXd>(ones)});
   const std::vector<int> all = problem.CalibrationObservations();
-  return kSigma * columns.RowsAt(all, StatedScatter(problem), {column})[0].rightCols(1);
+  return kSigma * columns.RowsAt(all, StatedScatter(problem), column).rightCols(1);
 }
 
 Eigen::VectorXd Predicted(const CalibrationProblem& problem, const ParameterSet& parameters) {
@@ -187,7 +187,7 @@ TEST(UnnamedFunctions, AreEffectsOfTheModel) {
   const auto rows = [&](const EvidenceColumns& of) -> Eigen::MatrixXd {
     std::vector<int> every(static_cast<size_t>(of.num_columns()));
     std::iota(every.begin(), every.end(), 0);
-    return of.RowsAt(all, scatter, {every})[0].rightCols(of.num_columns());
+    return of.RowsAt(all, scatter, every).rightCols(of.num_columns());
   };
   const Eigen::MatrixXd found = rows(columns), learnt = rows(effects);
   std::set<std::string> families;
