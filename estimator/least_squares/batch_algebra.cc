@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "models/batch/shot_program.h"
@@ -118,14 +119,15 @@ HWY_INLINE void MultiplyFew(const double* strip, std::size_t n, const double* w,
   }
 }
 
-template <int kVectors>
+// So many columns of W at a time, of the rest half as many.
+template <int kVectors, int kColumns = kAcross>
 void MultiplyStrip(const double* strip, std::size_t n, const double* w, std::size_t k, std::size_t stride,
                    double* product) {
   std::size_t j = 0;
-  for (; j + kAcross <= k; j += kAcross) {
-    MultiplyFew<kVectors, kAcross>(strip, n, w + j * n, stride, product + j * stride);
-  }
-  for (; j < k; ++j) MultiplyFew<kVectors, 1>(strip, n, w + j * n, stride, product + j * stride);
+  for (; j + kColumns <= k; j += kColumns)
+    MultiplyFew<kVectors, kColumns>(strip, n, w + j * n, stride, product + j * stride);
+  if constexpr (kColumns > 1)
+    MultiplyStrip<kVectors, kColumns / 2>(strip, n, w + j * n, k - j, stride, product + j * stride);
 }
 
 // A strip of rows is copied together, unless it is by itself, so that it stays in the cache while all columns of W go
@@ -133,19 +135,17 @@ void MultiplyStrip(const double* strip, std::size_t n, const double* w, std::siz
 void MultiplyLanes(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w, std::size_t k,
                    double* product) {
   const std::size_t lanes = hn::Lanes(Tag());
-  std::vector<double> copy, last;
+  const std::unique_ptr<double[]> copy(new double[kDeep * lanes * n]), last(new double[kDeep * lanes * k]);
   for (std::size_t first = 0; first < rows; first += kDeep * lanes) {
     const std::size_t own = std::min(kDeep * lanes, rows - first), vectors = (own + lanes - 1) / lanes;
     const std::size_t wide = vectors * lanes;
-    if (own < wide) last.resize(wide * k);
-    if (stride != wide) copy.assign(wide * n, 0.0);
     for (std::size_t c = 0; c < n && stride != wide; ++c)
-      std::copy_n(x + c * stride + first, own, copy.data() + c * wide);
-    const double* const strip = stride == wide ? x : copy.data();
+      std::fill_n(std::copy_n(x + c * stride + first, own, copy.get() + c * wide), wide - own, 0.0);
     const auto multiply = vectors == 1 ? MultiplyStrip<1> : vectors == 2 ? MultiplyStrip<2> : MultiplyStrip<kDeep>;
-    multiply(strip, n, w, k, own < wide ? wide : stride, own < wide ? last.data() : product + first);
+    multiply(stride == wide ? x : copy.get(), n, w, k, own < wide ? wide : stride,
+             own < wide ? last.get() : product + first);
     for (std::size_t j = 0; j < k && own < wide; ++j)
-      std::copy_n(last.data() + j * wide, own, product + j * stride + first);
+      std::copy_n(last.get() + j * wide, own, product + j * stride + first);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "problems/simulation.h"
+#include "tests/support/instruction_sets.h"
 
 namespace sagitta::row_sums_test {
 namespace {
@@ -41,6 +42,22 @@ TEST(SumOfRows, BeginsAnewAndMovesWithItsMemory) {
   moved.Add(first.data());
   const Eigen::MatrixXd expected = first * first.transpose() + second * second.transpose();
   EXPECT_LT((moved.Total() - expected).cwiseAbs().maxCoeff(), 1e-14);
+}
+
+// Rows that fill strips and vectors or not, and of as many columns as are taken together, of fewer and of more.
+TEST(TallProduct, IsEigensOnEveryInstructionSet) {
+  test::OnEveryInstructionSet([] {
+    NormalNumbers normal(3);
+    for (const int rows : {1, 7, 8, 15, 16, 23, 24, 25, 50}) {
+      for (int columns = 1; columns <= 17; ++columns) {
+        Eigen::MatrixXd x(rows, 5), w(5, columns);
+        for (double& value : x.reshaped()) value = normal();
+        for (double& value : w.reshaped()) value = normal();
+        const Eigen::MatrixXd found = TallProduct(x, w);
+        EXPECT_LT((found - x.lazyProduct(w)).cwiseAbs().maxCoeff(), 1e-13) << rows << " " << columns;
+      }
+    }
+  });
 }
 
 }  // namespace
