@@ -53,6 +53,25 @@ TEST(JointEstimator, RecoversAllUnknownsWithinTheirCovariance) {
   EXPECT_GT(estimate.sigma.p_value, 1e-5);
 }
 
+// Leverage is the mean over three axes of the diagonal of J C J' V^-1, of which the trace is the number of parameters,
+// with joints that are exact and with such as deviate.
+TEST(JointEstimator, LeveragesAddUpToTheParameters) {
+  const Kr270Design design;
+  Measurements data = test::DesignMeasurements(design);
+  test::MeasureKr270(Kr270Truth(), design.sigma, 1, &data);
+  for (const double deviates : {0.0, 40e-6}) {
+    Experiment experiment;
+    if (deviates > 0.0) experiment.repeatability.angle.common = deviates;
+    const CalibrationProblem problem = test::Kr270ProblemOf(data, experiment);
+    ASSERT_EQ(problem.latent.empty(), deviates == 0.0);
+    const Estimate estimate = EstimateJointly(problem);
+    ASSERT_EQ(estimate.status, Status::kConverged) << estimate.message;
+    double sum = 0.0;
+    for (const int i : problem.CalibrationObservations()) sum += 3.0 * estimate.leverage[i];
+    EXPECT_NEAR(sum, static_cast<double>(estimate.estimated.size()), 1e-5) << deviates;
+  }
+}
+
 // 95 % intervals of 39 parameters in N trials: each count is binomial(N, 0.95).
 // The bound is the two-sided binomial one for 39 parameters at once at 1e-4.
 TEST(JointEstimator, IntervalsCoverAsTheyClaim) {
