@@ -87,7 +87,8 @@ TEST_F(PredictionTest, WithoutRedundancyNoDeviationIsClaimed) {
       Write("few.yaml", "schema: sagitta/experiment/1\nrobot: " + robot_ +
                             "\nmeasurements: [few.csv]\nvalidation: none\nestimate: {geometry: none}\n");
   ASSERT_EQ(Run({"calibrate", experiment, "--out=" + Path("out")}).status, 0);
-  for (const auto& parameter : ReadJson("out/estimate.json")["parameters"]) {
+  const auto read = ReadJson("out/estimate.json");
+  for (const auto& parameter : read["parameters"]) {
     EXPECT_TRUE(parameter["sigma"].is_null()) << parameter["name"];
   }
   const Outcome outcome = Predict(Path("few.csv"));

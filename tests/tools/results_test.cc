@@ -222,7 +222,8 @@ TEST_F(ResultsTest, RequirementMetUnmetAndUnknown) {
 
 TEST_F(ResultsTest, FixedParametersStayAndHaveNoInterval) {
   ASSERT_EQ(Run({"calibrate", experiment_, "--fixed=geometry/dq2", "--out=" + Path("out")}).status, 0);
-  for (const auto& parameter : ReadJson("out/estimate.json")["parameters"]) {
+  const auto read = ReadJson("out/estimate.json");
+  for (const auto& parameter : read["parameters"]) {
     if (parameter["name"] != "geometry/dq2") continue;
     EXPECT_EQ(parameter["value"], 0.0);
     EXPECT_EQ(parameter["free"], false);
