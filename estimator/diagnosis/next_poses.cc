@@ -141,8 +141,9 @@ class FewColumns {
     for (const WeightedSet* set : sets) {
       for (const int m : set->members) used.insert(given_.candidate[m]);
     }
-    for (size_t c = 0; c < given_.candidates.size() && AnyUnnamed(sets); ++c) {  // functions move load points too
-      if (given_.candidates[c].spec.effect == LoadCom().name) used.insert(static_cast<int>(c));
+    const int all = AnyUnnamed(sets) ? static_cast<int>(given_.candidates.size()) : 0;
+    for (int c = 0; c < all; ++c) {  // functions without a name move load points too
+      if (given_.candidates[c].spec.effect == LoadCom().name) used.insert(c);
     }
     CandidateList few;
     for (const int candidate : used) {

@@ -181,11 +181,11 @@ TEST(Conventions, FramesOfAWrench) {
 // 100 N down act at x = 0.4 + 0.05 from J2: 5 N m more, 1 urad/Nm: 2 um more down. dz does nothing at q2 = 0; at 90 deg
 // the flange's z is the base's -x: the load, 30 mm along it, hangs at x = 1 - 0.03, 3 N m that lift q2 further:
 // 0.4 m * 3 urad = 1.2 um along -x.
-TEST(Conventions, LoadCom) {
+void ExpectLoadShifted(const EffectSpec& by_50_and_30_mm) {
   TwoLinkScene scene;
   scene.GiveWay(1, 1e-6);
   scene.Load({0.0, 0.0, -100.0});
-  scene.Add({"load_com", "V", {}, {0.05, 0.0, 0.03}});
+  scene.Add(by_50_and_30_mm);
   ExpectPoint(scene.Seen(), 1.4, 0.0, 0.5 - 18e-6);
   scene.shot().q << 0.0, 90 * kDegree;
   ExpectPoint(scene.Seen(), 1.0 - 1.2e-6, 0.0, 0.9);
@@ -193,21 +193,15 @@ TEST(Conventions, LoadCom) {
   ExpectPoint(scene.Seen(), 1.0, 0.0, 0.9);
 }
 
+TEST(Conventions, LoadCom) { ExpectLoadShifted({"load_com", "V", {}, {0.05, 0.0, 0.03}}); }
+
 // Gravity is along -z of the flange at q2 = 0 and along -x at 90 deg: weights of -50 mm for z and -30 mm for x are the
 // shifts of LoadCom there.
 TEST(Conventions, LearntShiftOfALoad) {
-  TwoLinkScene scene;
-  scene.GiveWay(1, 1e-6);
-  scene.Load({0.0, 0.0, -100.0});
-  scene.Add({"learnt_load_shift",
-             "V",
-             {{"down_x", "0"}, {"down_y", "0"}, {"down_z", "-1"}, {"degree", "1"}},
-             {0.0, 0.0, -0.05, 0.0, 0.0, 0.0, -0.03, 0.0, 0.0}});
-  ExpectPoint(scene.Seen(), 1.4, 0.0, 0.5 - 18e-6);
-  scene.shot().q << 0.0, 90 * kDegree;
-  ExpectPoint(scene.Seen(), 1.0 - 1.2e-6, 0.0, 0.9);
-  scene.robot.effects[0].target = "another";
-  ExpectPoint(scene.Seen(), 1.0, 0.0, 0.9);
+  ExpectLoadShifted({"learnt_load_shift",
+                     "V",
+                     {{"down_x", "0"}, {"down_y", "0"}, {"down_z", "-1"}, {"degree", "1"}},
+                     {0.0, 0.0, -0.05, 0.0, 0.0, 0.0, -0.03, 0.0, 0.0}});
 }
 
 // Where an axis is identified beside its place on the drawing is no length that grows.
