@@ -130,7 +130,10 @@ CalibrationProblem::CalibrationProblem(ForwardModel model, SharedValue<Measureme
   latent = MakeLatentModel(robot().chain, *data_, *experiment_);
 }
 
-void CalibrationProblem::set_data(Measurements data) { data_ = std::move(data); }
+void CalibrationProblem::set_data(Measurements data) {
+  fitted_.reset();
+  data_ = std::move(data);
+}
 void CalibrationProblem::set_shot_inputs(std::vector<ShotInput> inputs) { shot_inputs_ = std::move(inputs); }
 void CalibrationProblem::set_marker_frame(int marker, int frame) { (*marker_frames_.Own())[marker] = frame; }
 
@@ -176,7 +179,9 @@ std::vector<int> ObservationsOf(const Measurements& data, bool validation) {
 
 }  // namespace
 
-std::vector<int> CalibrationProblem::CalibrationObservations() const { return ObservationsOf(*data_, false); }
+std::vector<int> CalibrationProblem::CalibrationObservations() const {
+  return fitted_ != nullptr ? *fitted_ : ObservationsOf(*data_, false);
+}
 
 std::vector<int> CalibrationProblem::ValidationObservations() const { return ObservationsOf(*data_, true); }
 
@@ -228,6 +233,7 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
   SayRotationSigmas(&problem);
   SetPriors(&problem);
   TieSpringMarkers(&problem);
+  problem.fitted_ = std::make_shared<const std::vector<int>>(problem.CalibrationObservations());
   CheckEnoughData(problem);
   return problem;
 }

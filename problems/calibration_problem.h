@@ -10,6 +10,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -56,7 +57,10 @@ class CalibrationProblem {
 
   // Given otherwise, for this problem alone. Readings, exclusions and the split may change at will; where joint values
   // or conditions do, RenewJoints or RenewShots follows.
-  Measurements* mutable_data() { return data_.Own(); }
+  Measurements* mutable_data() {
+    fitted_.reset();
+    return data_.Own();
+  }
   void set_data(Measurements data);
   Experiment* mutable_experiment() { return experiment_.Own(); }
   std::vector<ShotInput>* mutable_shot_inputs() { return shot_inputs_.Own(); }
@@ -106,6 +110,7 @@ class CalibrationProblem {
   SharedValue<Experiment> experiment_;
   SharedValue<std::vector<int>> marker_frames_;
   SharedValue<std::vector<ShotInput>> shot_inputs_;
+  std::shared_ptr<const std::vector<int>> fitted_;  // found when the problem was made; null: the data may have changed
 };
 
 // Reads nothing: puts robot, data and experiment together, marks the split and

@@ -40,6 +40,25 @@ TEST_F(ProblemChecksTest, WhatIsNamedHasRows) {
   EXPECT_TRUE(SaysInOrder(Refusal(), {"experiment.yaml", "stations.S2", "no row is measured from", "S1"}));
 }
 
+// Whoever may change the data, at once or later, is told what is fitted as they are then; copies are not.
+TEST_F(ProblemChecksTest, WhatIsFittedFollowsTheData) {
+  CalibrationProblem problem = MakeCalibrationProblem(robot_, data_, experiment_);
+  std::vector<int> expected = problem.CalibrationObservations();
+  ASSERT_EQ(expected.size(), data_.observations.size());
+  const CalibrationProblem before = problem;
+  Measurements* const data = problem.mutable_data();
+  EXPECT_EQ(problem.CalibrationObservations(), expected);
+  data->ExcludeRow(2);
+  expected.erase(expected.begin() + 2);
+  EXPECT_EQ(problem.CalibrationObservations(), expected);
+  EXPECT_EQ(before.CalibrationObservations().size(), data_.observations.size());
+  Measurements fewer = before.data();
+  for (const int i : {0, 1, 2}) fewer.ExcludeRow(i);
+  CalibrationProblem replaced = before;
+  replaced.set_data(fewer);
+  EXPECT_EQ(replaced.CalibrationObservations().size(), data_.observations.size() - 3);
+}
+
 TEST_F(ProblemChecksTest, TargetsOfEffectsAreInTheData) {
   const auto refused = [&](const std::string& effect, const std::string& target) {
     robot_.effects = {{effect, target, {}, {}}};
