@@ -15,7 +15,7 @@ NoiseRoots RootsOf(const Experiment& experiment, const Measurements& rows, const
   NoiseRoots roots;
   for (size_t i = 0; i < rows.observations.size(); ++i) {
     if (sigma && !rows.observations[i].is_point()) {  // its own, else exact
-      roots.push_back(rows.observations[i].rotation_sigma.asDiagonal());
+      roots.push_back(rows.observations[i].rotation().sigma.asDiagonal());
       continue;
     }
     roots.push_back(sigma ? Matrix3<double>(*sigma * Matrix3<double>::Identity())

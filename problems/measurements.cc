@@ -16,11 +16,18 @@ int MeasurementFile::FindColumn(const std::string& name) const {
   return found == header.end() ? -1 : static_cast<int>(found - header.begin());
 }
 
+const ObservedRotation Observation::kNoRotation;
+
+ObservedRotation* Observation::mutable_rotation() {
+  if (rotations_.empty()) rotations_.resize(1);
+  return &rotations_.front();
+}
+
 void Observation::Read(const Vector3<double>& exact, const Vector3<double>& error) {
   if (is_point()) {
     point_in_station = exact + error;
   } else {
-    rotation_in_station = RotationFromVector(error) * RotationFromVector(exact);
+    mutable_rotation()->in_station = RotationFromVector(error) * RotationFromVector(exact);
   }
 }
 

@@ -61,6 +61,12 @@ struct Shot {
   std::vector<int> observations;
 };
 
+// What is read of a rotation.
+struct ObservedRotation {
+  Matrix3<double> in_station = Matrix3<double>::Identity();  // station_from_target; NaN where not measured
+  Vector3<double> sigma = Vector3<double>::Zero();           // rad, left perturbation; 0: the row states none
+};
+
 // One reading of one marker in a shot.
 struct Observation {
   int shot = -1;
@@ -73,14 +79,20 @@ struct Observation {
 
   // Of the rotation of a pose: everything above is the row's own, the point included.
   ReadingKind kind = ReadingKind::kPoint;
-  Matrix3<double> rotation_in_station = Matrix3<double>::Identity();  // station_from_target; NaN where not measured
-  Vector3<double> rotation_sigma = Vector3<double>::Zero();           // rad, left perturbation; 0: the row states none
-  int partner = -1;                                                   // the other reading of the same pose; -1: none
+  int partner = -1;  // the other reading of the same pose; -1: none
 
   bool is_point() const { return kind == ReadingKind::kPoint; }
-  TargetReading reading() const { return {kind, point_in_station, rotation_in_station}; }
+  const ObservedRotation& rotation() const { return rotations_.empty() ? kNoRotation : rotations_.front(); }
+  ObservedRotation* mutable_rotation();
+  TargetReading reading() const { return {kind, point_in_station, rotation().in_station}; }
   // What the instrument reads where it should read `exact` (a point, or a rotation vector) and errs by `error`.
   void Read(const Vector3<double>& exact, const Vector3<double>& error);
+
+ private:
+  static const ObservedRotation kNoRotation;
+  // One, where a rotation is read or its noise is stated. Apart: what walks over all rows, most of which are points,
+  // passes half as much memory.
+  std::vector<ObservedRotation> rotations_;
 };
 
 // All rows, as configurations, shots and observations that refer to each other by index.

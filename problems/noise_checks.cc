@@ -127,9 +127,9 @@ void ResolveRepeats(CalibrationProblem* problem) {
     } else if (turned.minCoeff() > 0.0) {
       roots.push_back(turned.asDiagonal());
     } else {
-      const bool states = observation.rotation_sigma.minCoeff() > 0.0;
+      const bool states = observation.rotation().sigma.minCoeff() > 0.0;
       const Vector3<double> unstated = Vector3<double>::Constant(kUnstatedRotationSigma);
-      roots.push_back((states ? observation.rotation_sigma : unstated).asDiagonal());
+      roots.push_back((states ? observation.rotation().sigma : unstated).asDiagonal());
     }
   }
   problem->resolved_noise = roots;
@@ -141,7 +141,7 @@ void SayRotationSigmas(CalibrationProblem* problem) {
   int unstated = 0, stated = 0;
   for (const Observation& observation : problem->data().observations) {
     if (observation.is_point()) continue;
-    ++(observation.rotation_sigma.minCoeff() > 0.0 ? stated : unstated);
+    ++(observation.rotation().sigma.minCoeff() > 0.0 ? stated : unstated);
     if (is_stated || stated == 0) continue;
     const MeasurementFile& file = problem->data().files[observation.file];
     throw InputError({file.path, file.rows[observation.row].line, "sigma_x_mm"},

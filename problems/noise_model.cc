@@ -30,8 +30,8 @@ Matrix3<double> StatedRoot(const Experiment& experiment, const Measurements& dat
     Observation of_point = observation;
     of_point.kind = ReadingKind::kPoint;
     if (!IsStated(StatedRoot(experiment, data, of_point, point))) return Matrix3<double>::Zero();
-    const bool states = observation.rotation_sigma.minCoeff() > 0.0;
-    return (states ? observation.rotation_sigma : Vector3<double>::Constant(kUnstatedRotationSigma).eval())
+    const bool states = observation.rotation().sigma.minCoeff() > 0.0;
+    return (states ? observation.rotation().sigma : Vector3<double>::Constant(kUnstatedRotationSigma).eval())
         .asDiagonal();
   }
   if (noise.from == NoiseSpec::From::kInstrument) {
@@ -66,7 +66,7 @@ std::optional<RepeatScatter> PooledRepeats(const Measurements& data) {
         groups[{shot.configuration, shot.visit, observation.marker, shot.load, shot.station, observation.kind}];
     if (group.first == nullptr) group.first = &observation;
     const Vector3<double> first =
-        observation.is_point() ? group.first->point_in_station : RotationVector(group.first->rotation_in_station);
+        observation.is_point() ? group.first->point_in_station : RotationVector(group.first->rotation().in_station);
     group.from_first.push_back(MeasuredMinusPredicted(observation.reading(), first));
   }
   RepeatScatter scatter;

@@ -127,8 +127,8 @@ class RotationFit {
       if (!observation.is_point()) continue;
       const Matrix3<double>& frame = orientations_.at(k++);
       if (observation.partner < 0) continue;
-      readings.push_back(
-          {observation.marker, frame, data.observations[static_cast<size_t>(observation.partner)].rotation_in_station});
+      readings.push_back({observation.marker, frame,
+                          data.observations[static_cast<size_t>(observation.partner)].rotation().in_station});
     }
     return readings;
   }

@@ -160,7 +160,7 @@ class Session {
   void WeighPointsAndRotations() {
     const std::vector<Observation>& rows = problem_.data().observations;
     const bool any_states = std::any_of(rows.begin(), rows.end(), [](const Observation& row) {
-      return !row.is_point() && row.rotation_sigma.minCoeff() > 0.0;
+      return !row.is_point() && row.rotation().sigma.minCoeff() > 0.0;
     });
     if (any_states || !problem_.resolved_noise.empty()) return;
     const bool is_stated = problem_.sigma_is_stated();

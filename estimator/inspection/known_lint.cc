@@ -26,7 +26,7 @@ bool HasPoint(const Observation& row) { return row.is_point() && row.point_in_st
 CalibrationProblem WithFreePlaces(const CalibrationProblem& known) {
   CalibrationProblem problem = known;
   for (Observation& row : problem.mutable_data()->observations)
-    row.excluded |= !(row.point_in_station.allFinite() && row.rotation_in_station.allFinite());
+    row.excluded |= !(row.point_in_station.allFinite() && row.rotation().in_station.allFinite());
   for (int i = 0; i < problem.parameters.num_coordinates(); ++i) {
     Coordinate& coordinate = problem.parameters.coordinate(i);
     coordinate.free = problem.parameters.blocks()[coordinate.block].kind != BlockKind::kModelParameter;

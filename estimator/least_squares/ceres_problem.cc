@@ -34,7 +34,7 @@ void AddShot(const CalibrationProblem& problem, const ResidualSelection& selecti
     const Observation& observation = problem.data().observations[selection.observations[k]];
     markers.push_back({problem.marker_frames()[observation.marker], observation.point_in_station,
                        selection.noise[k].inverse(), observation.marker, observation.kind,
-                       observation.rotation_in_station});
+                       observation.rotation().in_station});
     blocks.push_back(parameters->read_block(observation.marker, observation.kind).values.data());
   }
   for (const int i : active) blocks.push_back(parameters->model_parameter(i).values.data());

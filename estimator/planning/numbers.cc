@@ -243,7 +243,8 @@ Eigen::MatrixXd PoseRows::At(const PlannedPose& pose) {
   } else {  // not measured: derivatives are those of the prediction
     for (const int k : observations) {
       problem.mutable_data()->observations[k].point_in_station.setConstant(std::numeric_limits<double>::quiet_NaN());
-      problem.mutable_data()->observations[k].rotation_in_station.setConstant(std::numeric_limits<double>::quiet_NaN());
+      problem.mutable_data()->observations[k].mutable_rotation()->in_station.setConstant(
+          std::numeric_limits<double>::quiet_NaN());
     }
   }
   const Linearization rows = LinearizeByModel(problem, problem.parameters, observations, numbers_.columns,

@@ -291,7 +291,7 @@ void AddKnownRotations(const KnownRobot& known, Measurements* data) {
     const auto marker = known.markers.find(data->markers[observation.marker]);
     const bool is_known = marker != known.markers.end() && marker->second.rotvec;
     if (!is_known || !observation.is_point() || observation.partner >= 0) continue;
-    data->AddRotation(i).rotation_in_station.setConstant(std::nan(""));
+    data->AddRotation(i).mutable_rotation()->in_station.setConstant(std::nan(""));
   }
 }
 

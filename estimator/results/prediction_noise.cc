@@ -119,7 +119,7 @@ NoiseRoots PredictionRoots(const CalibrationProblem& problem, const PredictionNo
   for (size_t i = 0; i < data.observations.size(); ++i) {
     Matrix3<double> root = StatedRoot(problem.experiment(), data, data.observations[i], points.col(i));
     const Observation& observation = data.observations[i];
-    const bool is_open = !observation.is_point() && !(observation.rotation_sigma.minCoeff() > 0.0);
+    const bool is_open = !observation.is_point() && !(observation.rotation().sigma.minCoeff() > 0.0);
     if (!IsStated(root) && noise.sigma_axis) root = noise.sigma_axis->asDiagonal();
     if (is_open && noise.sigma_rotation > 0.0) root = noise.sigma_rotation * Matrix3<double>::Identity();
     root *= noise.instrument_factor;

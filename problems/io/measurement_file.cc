@@ -309,7 +309,7 @@ void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns,
     observation.row = static_cast<int>(r);
     observation.point_in_station = row.point;
     observation.sigma = row.sigma;
-    observation.rotation_sigma = row.rotation_sigma;
+    if (!row.rotation_sigma.isZero(0.0)) observation.mutable_rotation()->sigma = row.rotation_sigma;
     observation.marker = IndexOf(row.marker, &markers_, &data_.markers);
     const int configuration = ConfigurationIndex(row);
     const int station = IndexOf(row.station, &stations_, &data_.stations);
@@ -318,8 +318,7 @@ void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns,
     shot.observations.push_back(current_);
     moments_[observation.shot].Take(row, &shot);
     if (!row.is_pose) continue;
-    Observation& rotation = data_.AddRotation(current_);
-    rotation.rotation_in_station = row.rotation;
+    data_.AddRotation(current_).mutable_rotation()->in_station = row.rotation;
   }
 }
 

@@ -122,7 +122,7 @@ std::string MeasurementsToCsv(const Measurements& data) {
         if (!std::isnan(value)) csv += FormatNumber(ToUnit(value, UnitNamed("mm")));
       } else if (RotationAxis(columns[c]) >= 0) {
         if (observation.partner < 0) continue;
-        const Matrix3<double>& rotation = data.observations[observation.partner].rotation_in_station;
+        const Matrix3<double>& rotation = data.observations[observation.partner].rotation().in_station;
         const double value = RotationVector(rotation)[RotationAxis(columns[c])];
         if (!std::isnan(value)) csv += FormatNumber(ToUnit(value, UnitNamed("mrad")));
       } else if (source.index >= 0) {

@@ -112,7 +112,7 @@ TEST(NoiseFormulas, ARotationsErrorIsAboutTheAxesOfTheMeasurementFrame) {
   Observation rotation;
   rotation.kind = ReadingKind::kRotation;
   rotation.Read({0.0, 0.0, std::acos(0.0)}, {1e-3, 0.0, 0.0});
-  const Vector3<double> along = rotation.rotation_in_station * Vector3<double>::UnitX();
+  const Vector3<double> along = rotation.rotation().in_station * Vector3<double>::UnitX();
   EXPECT_LT((along - Vector3<double>(0.0, std::cos(1e-3), std::sin(1e-3))).norm(), 1e-15);
 }
 

@@ -72,7 +72,7 @@ CalibrationProblem Poses(int configurations) {
     Observation& rotation = data.observations[row.partner];
     const Vector3<double> off = test::RandomVector(normal), turn = test::RandomVector(normal);
     row.point_in_station = rotation.point_in_station = exact.translation + 1e-4 * off;
-    rotation.rotation_in_station = RotationFromVector<double>(1e-3 * turn) * exact.rotation;
+    rotation.mutable_rotation()->in_station = RotationFromVector<double>(1e-3 * turn) * exact.rotation;
   }
   return test::Kr270ProblemOf(data, Experiment());
 }

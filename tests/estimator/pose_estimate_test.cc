@@ -29,7 +29,7 @@ void MeasurePoses(const Kr270Truth& truth, const TargetTruth& target,
     Observation& rotation = data->observations[row.partner];
     row.point_in_station = rotation.point_in_station = exact.translation + off.head<3>();
     const Vector3<double> turn = off.tail<3>();
-    rotation.rotation_in_station = RotationFromVector(turn) * exact.rotation;
+    rotation.mutable_rotation()->in_station = RotationFromVector(turn) * exact.rotation;
   }
 }
 
@@ -91,7 +91,7 @@ TEST(PoseEstimate, EqualsThatOfThreeMarkersOfTheSamePoses) {
     const Observation& center = poses.observations[poses.shots[row.shot].observations[0]];
     const double angle = 2.0 * M_PI / 3.0 * row.marker;
     const Vector3<double> u = kRadius * Vector3<double>(std::cos(angle), std::sin(angle), 0.0);
-    row.point_in_station = center.point_in_station + poses.observations[center.partner].rotation_in_station * u;
+    row.point_in_station = center.point_in_station + poses.observations[center.partner].rotation().in_station * u;
   }
   CalibrationProblem of_poses = test::Kr270ProblemOf(poses, Experiment());
   CalibrationProblem of_points = test::Kr270ProblemOf(points, Experiment());
@@ -99,7 +99,7 @@ TEST(PoseEstimate, EqualsThatOfThreeMarkersOfTheSamePoses) {
   for (const Observation& row : poses.observations) {
     of_poses.resolved_noise.push_back(row.is_point()
                                           ? Matrix3<double>(kSigma / std::sqrt(3.0) * Matrix3<double>::Identity())
-                                          : Matrix3<double>(row.rotation_in_station * turn_sigma.asDiagonal()));
+                                          : Matrix3<double>(row.rotation().in_station * turn_sigma.asDiagonal()));
   }
   const Estimate from_poses = EstimateJointly(of_poses), from_points = EstimateJointly(of_points);
   ASSERT_EQ(from_poses.status, Status::kConverged) << from_poses.message;

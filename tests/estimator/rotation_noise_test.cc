@@ -26,7 +26,7 @@ Measurements NoisyPoses(double point, double rotation, double turned = kRotation
   Measurements data = test::PoseRows(design);
   for (Observation& row : data.observations) {
     row.sigma.setConstant(point);
-    row.rotation_sigma.setConstant(row.is_point() ? 0.0 : rotation);
+    row.mutable_rotation()->sigma.setConstant(row.is_point() ? 0.0 : rotation);
     if (!row.is_point()) continue;
     const Pose<double> exact =
         test::ExactPose(truth, target, data.ConfigurationOf(row).q, data.shots[row.shot].station);
@@ -35,7 +35,7 @@ Measurements NoisyPoses(double point, double rotation, double turned = kRotation
     for (int i = 0; i < 3; ++i) turn[i] = turned * normal();
     Observation& partner = data.observations[row.partner];
     row.point_in_station = partner.point_in_station = exact.translation + off;
-    partner.rotation_in_station = RotationFromVector(turn) * exact.rotation;
+    partner.mutable_rotation()->in_station = RotationFromVector(turn) * exact.rotation;
   }
   return data;
 }

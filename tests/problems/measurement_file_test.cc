@@ -257,8 +257,8 @@ TEST_F(MeasurementFileTest, PosesArePointsAndRotations) {
   const Vector3<double> v(0.1, -0.2, 0.3), n = v.normalized();
   const Matrix3<double> expected = std::cos(v.norm()) * Matrix3<double>::Identity() + std::sin(v.norm()) * Skew(n) +
                                    (1.0 - std::cos(v.norm())) * n * n.transpose();
-  EXPECT_LT((rotation.rotation_in_station - expected).norm(), 1e-15);
-  EXPECT_TRUE(rotation.rotation_sigma.isApprox(Vector3<double>::Constant(40e-6)));
+  EXPECT_LT((rotation.rotation().in_station - expected).norm(), 1e-15);
+  EXPECT_TRUE(rotation.rotation().sigma.isApprox(Vector3<double>::Constant(40e-6)));
   EXPECT_TRUE(data.observations[2].is_point());
   EXPECT_EQ(data.observations[2].partner, -1) << "no rotation in its row: a point";
 }
@@ -280,10 +280,11 @@ TEST_F(MeasurementFileTest, QuaternionsSayTheSameAsRotationVectors) {
   const Measurements quaternions = Read(text);
   ASSERT_EQ(quaternions.observations.size(), vectors.observations.size());
   for (size_t i = 0; i < vectors.observations.size(); ++i) {
-    EXPECT_LT((quaternions.observations[i].rotation_in_station - vectors.observations[i].rotation_in_station).norm(),
-              1e-14);
+    EXPECT_LT(
+        (quaternions.observations[i].rotation().in_station - vectors.observations[i].rotation().in_station).norm(),
+        1e-14);
   }
-  EXPECT_TRUE(quaternions.observations[1].rotation_sigma.isApprox(Vector3<double>(40e-6, 50e-6, 60e-6)));
+  EXPECT_TRUE(quaternions.observations[1].rotation().sigma.isApprox(Vector3<double>(40e-6, 50e-6, 60e-6)));
   text.replace(text.find("C2"), std::string::npos, "C2,M1,1,2,3,4,5,2,0,0,0,1,1,1\n");
   EXPECT_TRUE(SaysInOrder(Error(text), {"4: ow", "length 2", "unit quaternion"}));
 }

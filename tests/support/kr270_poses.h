@@ -21,7 +21,9 @@ inline Measurements PoseRows(const Kr270Design& design) {
   for (const Shot& shot : shots) {
     AddShot(shot, 1, design.sigma, &data);
     data.observations.back().row = static_cast<int>(data.files[0].rows.size()) - 1;
-    data.AddRotation(static_cast<int>(data.observations.size()) - 1).rotation_sigma.setConstant(10.0 * design.sigma);
+    data.AddRotation(static_cast<int>(data.observations.size()) - 1)
+        .mutable_rotation()
+        ->sigma.setConstant(10.0 * design.sigma);
   }
   return data;
 }
