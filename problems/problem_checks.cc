@@ -10,13 +10,12 @@
 namespace sagitta {
 namespace {
 
-// How many of these configurations differ in a joint value.
-int DifferentPoses(const Measurements& data, const std::set<int>& configurations) {
-  int poses = 0;
-  for (const std::vector<int>& group : GroupsOfEqualJointValues(data)) {
-    poses += std::any_of(group.begin(), group.end(), [&](int c) { return configurations.count(c) > 0; });
-  }
-  return poses;
+// Whether two of these configurations differ in a joint value.
+bool AnyDiffer(const Measurements& data, const std::set<int>& configurations) {
+  const auto differs = [&](int c) {
+    return data.configurations[c].q != data.configurations[*configurations.begin()].q;
+  };
+  return std::any_of(configurations.begin(), configurations.end(), differs);
 }
 
 }  // namespace
@@ -165,7 +164,7 @@ void CheckEnoughData(const CalibrationProblem& problem) {
   if (unknowns == 0) throw InputError({file, 0, ""}, "nothing is free: there is nothing to estimate");
   const bool is_one = configurations.size() < 2;
   const bool asks_for_both = problem.experiment().estimate.base && problem.experiment().estimate.markers;
-  if (is_one || (asks_for_both && DifferentPoses(problem.data(), configurations) < 2)) {
+  if (is_one || (asks_for_both && !AnyDiffer(problem.data(), configurations))) {
     const std::string alike = "all " + std::to_string(configurations.size()) +
                               " configurations are alike (equal joint values), and one pose cannot tell the robot "
                               "from the base";

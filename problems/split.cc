@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 #include <set>
-#include <unordered_map>
 
 #include "problems/input_error.h"
 #include "problems/io/files.h"
@@ -122,26 +122,49 @@ void SplitByFraction(const ValidationSpec& spec, Measurements* data) {
   }
 }
 
+// By its upper bits; equal values have equal ones, 0 and -0 among them.
+std::uint64_t HashOf(const Eigen::VectorXd& q) {
+  auto hash = static_cast<std::uint64_t>(q.size());
+  for (const double value : q) {
+    const double number = value + 0.0;  // -0 + 0 = 0
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &number, sizeof(bits));
+    hash = (hash ^ hash >> 32 ^ bits) * 0x9E3779B97F4A7C15ULL;
+  }
+  return hash;
+}
+
 }  // namespace
+
+std::vector<int> GroupsOfConfigurations(const Measurements& data) {
+  // A table that is half empty at least, of the first configuration of each group: by the upper bits of its hash, or
+  // behind that.
+  const size_t count = data.configurations.size();
+  int bits = 1;
+  while (size_t{1} << bits < 2 * count) ++bits;
+  std::vector<int> table(size_t{1} << bits, -1), group_of(count);
+  int groups = 0;
+  for (size_t c = 0; c < count; ++c) {
+    const Eigen::VectorXd& q = data.configurations[c].q;
+    const auto is_alike = [&](int other) {
+      const Eigen::VectorXd& values = data.configurations[static_cast<size_t>(other)].q;
+      return q.size() == values.size() && q == values;
+    };
+    size_t at = HashOf(q) >> (64 - bits);
+    while (table[at] >= 0 && !is_alike(table[at])) at = (at + 1) & (table.size() - 1);
+    const bool is_new = table[at] < 0;
+    if (is_new) table[at] = static_cast<int>(c);
+    group_of[c] = is_new ? groups++ : group_of[static_cast<size_t>(table[at])];
+  }
+  return group_of;
+}
 
 std::vector<std::vector<int>> GroupsOfEqualJointValues(const Measurements& data) {
   std::vector<std::vector<int>> groups;
-  std::unordered_multimap<size_t, size_t> groups_of_hash;
-  groups_of_hash.reserve(data.configurations.size());
-  for (size_t c = 0; c < data.configurations.size(); ++c) {
-    const Eigen::VectorXd& q = data.configurations[c].q;
-    size_t hash = static_cast<size_t>(q.size());
-    for (const double value : q) hash = (hash ^ std::hash<double>()(value)) * 0x9E3779B97F4A7C15ULL;
-    size_t group = groups.size();
-    for (auto [entry, last] = groups_of_hash.equal_range(hash); entry != last; ++entry) {
-      const Eigen::VectorXd& other = data.configurations[static_cast<size_t>(groups[entry->second].front())].q;
-      if (q.size() == other.size() && q == other) group = entry->second;
-    }
-    if (group == groups.size()) {
-      groups_of_hash.emplace(hash, group);
-      groups.emplace_back();
-    }
-    groups[group].push_back(static_cast<int>(c));
+  const std::vector<int> group_of = GroupsOfConfigurations(data);
+  for (size_t c = 0; c < group_of.size(); ++c) {
+    if (static_cast<size_t>(group_of[c]) == groups.size()) groups.emplace_back();
+    groups[static_cast<size_t>(group_of[c])].push_back(static_cast<int>(c));
   }
   return groups;
 }

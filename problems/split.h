@@ -17,5 +17,7 @@ void SplitConfigurations(const ValidationSpec& spec, Measurements* data);
 
 // Configurations with equal joint values, in order of appearance.
 std::vector<std::vector<int>> GroupsOfEqualJointValues(const Measurements& data);
+// The place of each configuration's group among them.
+std::vector<int> GroupsOfConfigurations(const Measurements& data);
 
 }  // namespace sagitta

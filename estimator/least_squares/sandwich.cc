@@ -108,12 +108,8 @@ RobustCovariance SandwichCovariance(const Linearization& linearization, const st
 }
 
 std::vector<int> ConfigurationClusters(const Measurements& data, const std::vector<int>& observations) {
-  const std::vector<std::vector<int>> groups = GroupsOfEqualJointValues(data);
-  std::vector<size_t> group_of(data.configurations.size());
-  for (size_t g = 0; g < groups.size(); ++g) {
-    for (const int c : groups[g]) group_of[static_cast<size_t>(c)] = g;
-  }
-  std::vector<int> cluster_of(groups.size(), -1), clusters;
+  const std::vector<int> group_of = GroupsOfConfigurations(data);
+  std::vector<int> cluster_of(group_of.size(), -1), clusters;  // the former of each group
   clusters.reserve(observations.size());
   int count = 0;
   for (const int i : observations) {

@@ -2,9 +2,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <charconv>
 #include <cstdint>
 #include <functional>
-#include <numeric>
 #include <optional>
 #include <set>
 
@@ -171,35 +171,39 @@ std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed) 
   std::vector<bool> fitted(data.configurations.size(), false);
   for (const int i : problem.CalibrationObservations())
     fitted[data.shots[data.observations[i].shot].configuration] = true;
-  const std::vector<std::vector<int>> groups = GroupsOfEqualJointValues(data);
-  // Of the groups that are fitted, in the order of their hashes; most differ in the first eight letters.
+  const std::vector<int> group_of = GroupsOfConfigurations(data);
+  // Of the groups that are fitted, in the order of the hashes of their first configurations; hardly any two share the
+  // first sixteen letters.
   struct Hashed {
     std::uint64_t first;
-    std::string hash;
     int group;
   };
-  std::vector<Hashed> hashed;
-  for (size_t g = 0; g < groups.size(); ++g) {
-    const auto first = std::find_if(groups[g].begin(), groups[g].end(), [&](int c) { return fitted[c]; });
-    if (first == groups[g].end()) continue;
-    std::string hash = Sha256(std::to_string(seed) + ":" + data.configurations[groups[g].front()].id);
-    std::uint64_t first_letters = 0;
-    for (int i = 0; i < 8; ++i) first_letters = first_letters << 8 | static_cast<unsigned char>(hash[i]);
-    hashed.push_back({first_letters, std::move(hash), static_cast<int>(g)});
+  std::vector<int> first_of, count_of;  // of each group: its first configuration; how many are fitted
+  for (size_t c = 0; c < group_of.size(); ++c) {
+    const auto g = static_cast<size_t>(group_of[c]);
+    if (g == first_of.size()) first_of.push_back(static_cast<int>(c)), count_of.push_back(0);
+    count_of[g] += fitted[c] ? 1 : 0;
   }
-  std::vector<int> order(hashed.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](int a, int b) {
-    const Hashed &one = hashed[static_cast<size_t>(a)], &other = hashed[static_cast<size_t>(b)];
-    if (one.first != other.first) return one.first < other.first;
-    return one.hash != other.hash ? one.hash < other.hash : a < b;
+  const auto hash_of = [&](int g) { return Sha256(std::to_string(seed) + ":" + data.configurations[first_of[g]].id); };
+  std::vector<Hashed> hashed;
+  for (size_t g = 0; g < first_of.size(); ++g) {
+    if (count_of[g] == 0) continue;
+    const std::string hash = hash_of(static_cast<int>(g));
+    std::uint64_t first = 0;
+    std::from_chars(hash.data(), hash.data() + 16, first, 16);  // small letters: in the order of the texts
+    hashed.push_back({first, static_cast<int>(g)});
+  }
+  std::sort(hashed.begin(), hashed.end(), [&](const Hashed& one, const Hashed& other) {
+    if (one.first != other.first || one.group == other.group) return one.first < other.first;
+    const std::string hash = hash_of(one.group), hash_of_other = hash_of(other.group);
+    return hash != hash_of_other ? hash < hash_of_other : one.group < other.group;
   });
+  const int count = std::min(kFolds, static_cast<int>(hashed.size()));
+  std::vector<int> fold_of(first_of.size(), -1);
+  for (size_t i = 0; i < hashed.size(); ++i) fold_of[hashed[i].group] = static_cast<int>(i) % count;
   std::vector<int> folds(data.configurations.size(), -1);
-  const int count = std::min(kFolds, static_cast<int>(order.size()));
-  for (size_t i = 0; i < order.size(); ++i) {
-    for (const int c : groups[hashed[order[i]].group]) {
-      if (fitted[c]) folds[c] = static_cast<int>(i) % count;
-    }
+  for (size_t c = 0; c < folds.size(); ++c) {
+    if (fitted[c]) folds[c] = fold_of[group_of[c]];
   }
   return folds;
 }

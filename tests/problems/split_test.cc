@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
+#include <vector>
 
 #include "problems/io/files.h"
 #include "problems/io/measurement_file.h"
@@ -79,6 +81,25 @@ TEST(SplitTest, EqualJointValuesGoTogether) {
   EXPECT_EQ(HeldOut(data), (Ids{"C00", "C06", "C08"}));
   SplitConfigurations(Fraction(0.4, 0), &data);
   EXPECT_EQ(HeldOut(data), (Ids{"C02", "C03", "C06", "C07", "C08", "C09"}));
+}
+
+// Against a map of the values: joint values of a grid, each met several times.
+TEST(SplitTest, GroupsOfConfigurationsAreThoseOfEqualValues) {
+  Measurements data = Configurations(3000);
+  std::map<std::vector<double>, int> expected;
+  std::vector<std::vector<int>> members;
+  for (int c = 0; c < 3000; ++c) data.configurations[c].q << 0.25 * (c * 7 % 41 - 20), 1e-3 * (c * 11 % 53 - 26);
+  const std::vector<int> group_of = GroupsOfConfigurations(data);
+  for (int c = 0; c < 3000; ++c) {
+    const Eigen::VectorXd& q = data.configurations[c].q;
+    const int next = static_cast<int>(expected.size());
+    const int group = expected.try_emplace({q[0], q[1]}, next).first->second;
+    EXPECT_EQ(group_of[c], group) << c;
+    if (group == static_cast<int>(members.size())) members.emplace_back();
+    members[group].push_back(c);
+  }
+  EXPECT_EQ(expected.size(), 41u * 53u);
+  EXPECT_EQ(GroupsOfEqualJointValues(data), members);
 }
 
 TEST(SplitTest, ByTimeHoldsOutTheLast) {
