@@ -38,10 +38,22 @@ std::vector<int> AllObservations(const Measurements& data) {
   return all;
 }
 
-// The shortest text that reads back to the same number.
-void AddNumber(double number, std::string* csv) {
-  char buffer[64];
-  if (std::isfinite(number)) csv->append(buffer, std::to_chars(buffer, buffer + sizeof(buffer), number).ptr);
+constexpr size_t kMostLetters = 32;  // of a number: sign, 17 digits, point and exponent are 24
+
+// Appends numbers of columns that follow each other in a line, a comma before each but the line's first: the shortest
+// texts that read back to the same. Returns where they end.
+size_t AddNumbers(const std::vector<const AddedColumn*>& columns, size_t first, size_t row, std::string* buffer,
+                  std::string* csv) {
+  buffer->resize(kMostLetters * columns.size());
+  char* end = buffer->data();
+  size_t c = first;
+  for (; c < columns.size() && columns[c] != nullptr && columns[c]->cells.empty(); ++c) {
+    if (c > 0) *end++ = ',';
+    const double number = columns[c]->numbers[row];
+    if (std::isfinite(number)) end = std::to_chars(end, end + kMostLetters - 1, number).ptr;
+  }
+  csv->append(buffer->data(), end);
+  return c;
 }
 
 // Columns <prefix><axis><suffix> of numbers as they are; <prefix>r<axis><rotation_suffix> in the row of its point where
@@ -104,7 +116,7 @@ void RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added, 
   const std::vector<std::string> names = UnionOfColumns(data, added);
   std::vector<const AddedColumn*> replaced;
   std::vector<std::vector<int>> index(data.files.size());  // of each column in each file, -1: none
-  std::string csv;
+  std::string csv, numbers;
   for (const std::string& name : names) {
     csv += (csv.empty() ? "" : ",") + CsvCell(name);
     replaced.push_back(FindAdded(added, name));
@@ -120,18 +132,22 @@ void RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added, 
     const MeasurementRows::Cells cells = data.files[observation.file].rows[observation.row].cells;
     const size_t together = own_columns[observation.file];
     const bool are_taken = together > 0 && AddCsvCells(FirstCells(cells, together), together, &csv);
-    for (size_t c = are_taken ? together : 0; c < names.size(); ++c) {
-      if (c > 0) csv += ",";
+    for (size_t c = are_taken ? together : 0; c < names.size();) {
+      const size_t next = AddNumbers(replaced, c, i, &numbers, &csv);
+      if (next > c) {
+        c = next;
+        continue;
+      }
+      if (c > 0) csv += ',';
       const int source = index[observation.file][c];
       if (replaced[c] != nullptr) {
-        const AddedColumn& own = *replaced[c];
-        if (own.cells.empty()) AddNumber(own.numbers[i], &csv);
-        if (!own.cells.empty()) AddCsvCell(own.cells[i], &csv);
+        AddCsvCell(replaced[c]->cells[i], &csv);
       } else if (source >= 0) {
         AddCsvCell(cells[source], &csv);
       }
+      ++c;
     }
-    csv += "\n";
+    csv += '\n';
     if (csv.size() < kPiece) continue;
     write(csv);
     csv.clear();

@@ -23,25 +23,20 @@ constexpr std::array<bool, 256> PlainBytes() {
 }
 constexpr std::array<bool, 256> kIsPlain = PlainBytes();
 
-// A cell that stands as it is, byte by byte: of plain bytes alone, as most are, or a negative decimal.
-class PlainCell {
- public:
-  // False: it is none.
-  bool Take(char c) {
-    const bool is_digit = c >= '0' && c <= '9', is_minus = c == '-' && length_ == 0;
-    is_negative_ |= is_minus;
-    digits_ += is_digit ? 1 : 0;
-    points_ += c == '.' ? 1 : 0;
-    ++length_;
-    return is_minus || (is_negative_ ? is_digit || c == '.' : kIsPlain[static_cast<unsigned char>(c)]);
+// Where a cell that stands as it is ends that begins at `at`: of plain bytes alone, as most are, or a negative decimal.
+// What follows is no comma: it may be none.
+size_t EndOfPlainCell(std::string_view cells, size_t at) {
+  constexpr size_t kFinite = 300;  // digits: with many more it is infinite
+  if (at == cells.size() || cells[at] != '-') {
+    while (at < cells.size() && kIsPlain[static_cast<unsigned char>(cells[at])]) ++at;
+    return at;
   }
-  bool IsWhole() const { return !is_negative_ || (digits_ > 0 && digits_ <= kFinite && points_ <= 1); }
-
- private:
-  static constexpr size_t kFinite = 300;  // digits: with many more it is infinite
-  bool is_negative_ = false;
-  size_t length_ = 0, digits_ = 0, points_ = 0;
-};
+  size_t digits = 0, points = 0, end = at + 1;
+  for (; end < cells.size() && (cells[end] == '.' || (cells[end] >= '0' && cells[end] <= '9')); ++end) {
+    ++(cells[end] == '.' ? points : digits);
+  }
+  return digits > 0 && digits <= kFinite && points <= 1 ? end : at;
+}
 
 // C1 in UTF-8 is C2 80 to C2 9F.
 bool IsC1(std::string_view text, size_t i) {
@@ -112,18 +107,9 @@ void AddCsvCell(std::string_view text, std::string* line) {
 }
 
 bool AddCsvCells(std::string_view cells, size_t count, std::string* line) {
-  PlainCell cell;
-  size_t commas = 0;
-  for (const char c : cells) {
-    if (c != ',') {
-      if (!cell.Take(c)) return false;
-      continue;
-    }
-    if (!cell.IsWhole()) return false;
-    cell = PlainCell();
-    ++commas;
-  }
-  if (!cell.IsWhole() || commas + 1 != count) return false;
+  size_t commas = 0, end = EndOfPlainCell(cells, 0);
+  for (; end < cells.size() && cells[end] == ','; ++commas) end = EndOfPlainCell(cells, end + 1);
+  if (end < cells.size() || commas + 1 != count) return false;
   *line += cells;
   return true;
 }
