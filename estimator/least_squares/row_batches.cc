@@ -11,6 +11,9 @@
 namespace sagitta {
 namespace {
 
+// Groups grow by pieces of memory, and nothing is copied: some 100 kB, or an eighth of all units where these are few.
+constexpr int kMostBatchesTogether = 32, kPiecesOfMemory = 8;
+
 int InWholeBlocks(int count) { return (count + kGramBlock - 1) / kGramBlock * kGramBlock; }
 
 // Observations of one shot that follow each other: positions in the list.
@@ -72,15 +75,33 @@ struct RowBatches::Group {
   int num_units = 0;
   std::vector<int> observations;           // unit by unit, positions in the list
   std::vector<Matrix3<double>> whiteners;  // of these, where only the model itself evaluates them
-  std::vector<double> memory;              // numbers of all batches: per batch the shots' blocks one after the other
   int batch_doubles = 0;
+  int batches_together = 1;                 // whose numbers lie in one piece of memory
+  std::vector<std::vector<double>> memory;  // per batch the shots' blocks one after the other
 
   int per_unit() const { return rows / 3; }
   int num_batches() const { return (num_units + kBatchLanes - 1) / kBatchLanes; }
   const double* Data(int batch, int shot) const {
-    const double* data = Aligned(const_cast<double*>(memory.data())) + static_cast<std::size_t>(batch) * batch_doubles;
+    const double* data = Aligned(const_cast<double*>(memory[batch / batches_together].data())) +
+                         static_cast<std::size_t>(batch % batches_together) * batch_doubles;
     for (int s = 0; s < shot; ++s) data += shots[s].program.num_data * kBatchLanes;
     return data;
+  }
+  double* MutableData(int batch, int shot) { return const_cast<double*>(Data(batch, shot)); }
+
+  // Memory for one more unit.
+  void Grow() {
+    const int batch = num_units++ / kBatchLanes;
+    if (batch / batches_together < static_cast<int>(memory.size())) return;
+    memory.emplace_back(static_cast<std::size_t>(batches_together) * batch_doubles + kBatchLanes, 0.0);
+  }
+  // Lanes that are left over repeat the last unit; nobody reads them.
+  void FillUp() {
+    const int last = num_units - 1;
+    double* const data = MutableData(last / kBatchLanes, 0);
+    for (int lane = last % kBatchLanes + 1; lane < kBatchLanes; ++lane) {
+      for (int i = 0; i < batch_doubles; i += kBatchLanes) data[i + lane] = data[i + last % kBatchLanes];
+    }
   }
 };
 
@@ -92,88 +113,78 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
       observations_(observations),
       marginalises_(treatment == LatentTreatment::kMarginalise && !problem.latent.empty()),
       against_(against) {
-  std::vector<BatchReading> readings;  // of the run that is looked at
   // Most readings are as noisy as the one before.
   Matrix3<double> latest = Matrix3<double>::Identity(), whitener = latest;
   const auto whitener_of = [&](const Matrix3<double>& root) -> const Matrix3<double>& {
     if (root != latest) latest = root, whitener = root.inverse();
     return whitener;
   };
-  const auto read = [&](const ShotRun& run) {
-    readings.clear();
+  const auto read = [&](const ShotRun& run, std::vector<BatchReading>* readings) {
+    readings->clear();
     for (int k = run.first; k < run.last; ++k) {
       const Observation& row = problem.data().observations[observations[k]];
       const Vector3<double> target =
           against_ == RowsAgainst::kMeasured ? row.point_in_station : Vector3<double>::Zero().eval();
-      readings.push_back({row.marker, problem.marker_frames()[row.marker], target, whitener_of(noise[k])});
+      readings->push_back({row.marker, problem.marker_frames()[row.marker], target, whitener_of(noise[k])});
     }
   };
-  const auto shot_of = [&](const ShotRun& run) { return problem.data().observations[observations[run.first]].shot; };
   const Units units = UnitsOf(problem, observations, marginalises_);
+  const int batches_together = std::clamp(units.size() / (kPiecesOfMemory * kBatchLanes), 1, kMostBatchesTogether);
   std::map<std::vector<std::int64_t>, int> group_of;
-  std::vector<std::vector<int>> members;
+  std::vector<std::vector<BatchReading>> readings;  // of each run of the unit that is looked at
   std::vector<std::int64_t> key;
   for (int u = 0; u < units.size(); ++u) {
+    const ShotRun* const runs = &units.runs[units.first[u]];
+    const auto num_runs = static_cast<size_t>(units.first[u + 1] - units.first[u]);
+    if (readings.size() < num_runs) readings.resize(num_runs);
+    const auto shot_of = [&](size_t r) { return problem.data().observations[observations[runs[r].first]].shot; };
     key.clear();
     bool by_model = false;
-    for (int r = units.first[u]; r < units.first[u + 1]; ++r) {
-      const ShotRun& run = units.runs[r];
-      read(run);
-      for (int k = run.first; k < run.last; ++k) {
+    for (size_t r = 0; r < num_runs; ++r) {
+      read(runs[r], &readings[r]);
+      for (int k = runs[r].first; k < runs[r].last; ++k) {
         const ReadingKind kind = problem.data().observations[observations[k]].kind;
         by_model |= kind != ReadingKind::kPoint;
         key.push_back(static_cast<int>(kind));
       }
-      key.push_back(problem.data().shots[shot_of(run)].station);
-      key.push_back(run.size());
-      for (const BatchReading& reading : readings) key.push_back(reading.id);
-      by_model |= !AppendStructure(problem.model(), problem.shot_inputs()[shot_of(run)], readings, &key);
+      key.push_back(problem.data().shots[shot_of(r)].station);
+      key.push_back(runs[r].size());
+      for (const BatchReading& reading : readings[r]) key.push_back(reading.id);
+      by_model |= !AppendStructure(problem.model(), problem.shot_inputs()[shot_of(r)], readings[r], &key);
     }
-    const auto found = group_of.find(key);
-    if (found != group_of.end()) {
-      members[found->second].push_back(u);
-      continue;
+    const auto [found, is_new] = group_of.try_emplace(key, num_groups());
+    if (is_new) {
+      groups_.push_back(std::make_unique<Group>());
+      groups_.back()->by_model = by_model;
+      groups_.back()->batches_together = batches_together;
     }
-    group_of.emplace(key, num_groups());
-    auto group = std::make_unique<Group>();
-    group->by_model = by_model;
-    for (int r = units.first[u]; r < units.first[u + 1]; ++r) {
-      const ShotRun& run = units.runs[r];
-      read(run);
+    Group& group = *groups_[found->second];
+    for (size_t r = 0; r < num_runs && is_new; ++r) {
       Group::ShotPart part;
-      part.station = problem.data().shots[shot_of(run)].station;
-      for (const BatchReading& reading : readings) part.markers.push_back(reading.id);
-      for (int k = run.first; k < run.last; ++k) {
+      part.station = problem.data().shots[shot_of(r)].station;
+      for (const BatchReading& reading : readings[r]) part.markers.push_back(reading.id);
+      for (int k = runs[r].first; k < runs[r].last; ++k) {
         part.kinds.push_back(problem.data().observations[observations[k]].kind);
       }
-      if (!by_model) part.program = MakeShotProgram(problem.model(), problem.shot_inputs()[shot_of(run)], readings);
-      group->rows += 3 * run.size();
-      group->batch_doubles += part.program.num_data * kBatchLanes;
-      group->shots.push_back(std::move(part));
+      const ShotInput& input = problem.shot_inputs()[shot_of(r)];
+      if (!group.by_model) part.program = MakeShotProgram(problem.model(), input, readings[r]);
+      group.rows += 3 * runs[r].size();
+      group.batch_doubles += part.program.num_data * kBatchLanes;
+      group.shots.push_back(std::move(part));
     }
-    groups_.push_back(std::move(group));
-    members.push_back({u});
-  }
-  for (size_t g = 0; g < groups_.size(); ++g) {
-    Group& group = *groups_[g];
-    group.num_units = static_cast<int>(members[g].size());
-    group.observations.reserve(members[g].size() * static_cast<size_t>(group.per_unit()));
-    group.memory.assign(static_cast<std::size_t>(group.num_batches()) * group.batch_doubles + kBatchLanes, 0.0);
-    for (int i = 0; i < group.num_batches() * kBatchLanes; ++i) {
-      // Lanes that are left over repeat the last unit; nobody reads them.
-      const ShotRun* const runs = &units.runs[units.first[members[g][std::min(i, group.num_units - 1)]]];
-      for (size_t s = 0; s < group.shots.size(); ++s) {
-        for (int k = runs[s].first; k < runs[s].last && i < group.num_units; ++k) {
-          group.observations.push_back(k);
-          if (group.by_model) group.whiteners.push_back(whitener_of(noise[k]));
-        }
-        if (group.by_model) continue;
-        read(runs[s]);
-        PackShot(problem.model(), group.shots[s].program, problem.shot_inputs()[shot_of(runs[s])], readings,
-                 i % kBatchLanes, const_cast<double*>(group.Data(i / kBatchLanes, static_cast<int>(s))));
+    group.Grow();
+    const int batch = (group.num_units - 1) / kBatchLanes, lane = (group.num_units - 1) % kBatchLanes;
+    for (size_t r = 0; r < num_runs; ++r) {
+      for (int k = runs[r].first; k < runs[r].last; ++k) {
+        group.observations.push_back(k);
+        if (group.by_model) group.whiteners.push_back(whitener_of(noise[k]));
       }
+      if (group.by_model) continue;
+      PackShot(problem.model(), group.shots[r].program, problem.shot_inputs()[shot_of(r)], readings[r], lane,
+               group.MutableData(batch, static_cast<int>(r)));
     }
   }
+  for (const std::unique_ptr<Group>& group : groups_) group->FillUp();
 }
 
 int RowBatches::num_batches(int group) const { return groups_[group]->num_batches(); }

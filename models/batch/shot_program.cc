@@ -250,6 +250,7 @@ bool AppendStructure(const ForwardModel& model, const ShotInput& shot, const std
   const size_t before = key.size();
   key.push_back(model.chain().num_transforms());
   bool known = true;
+  const auto add = [&](auto... numbers) { (key.push_back(numbers), ...); };
   const auto add_wrenches = [&](const std::vector<AppliedWrench>& wrenches) {
     key.push_back(static_cast<std::int64_t>(wrenches.size()));
     for (const AppliedWrench& wrench : wrenches) {
@@ -260,24 +261,24 @@ bool AppendStructure(const ForwardModel& model, const ShotInput& shot, const std
   const auto begin_list = [&](size_t size) { key.push_back(-1 - static_cast<std::int64_t>(size)); };
   begin_list(readings.size());
   for (const BatchReading& reading : readings) {
-    key.insert(key.end(), {reading.id, reading.frame, SeesEqually(reading) ? 1 : 0});
+    add(reading.id, reading.frame, SeesEqually(reading) ? 1 : 0);
   }
   add_wrenches(shot.wrenches);
   begin_list(shot.terms.slots.size());
-  for (const SlotTerm& term : shot.terms.slots) key.insert(key.end(), {term.transform, term.parameter});
+  for (const SlotTerm& term : shot.terms.slots) add(term.transform, term.parameter);
   begin_list(shot.terms.elastic.size());
   for (const ElasticTerm& term : shot.terms.elastic) {
-    key.insert(key.end(), {term.transform, term.parameter, static_cast<int>(term.law)});
+    add(term.transform, term.parameter, static_cast<int>(term.law));
   }
   begin_list(shot.terms.wrenches.size());
   for (const WrenchTerm& term : shot.terms.wrenches) key.push_back(term.parameter), add_wrenches(term.wrenches);
   begin_list(shot.terms.sags.size());
   for (const SagTerm& term : shot.terms.sags) {
-    key.insert(key.end(), {term.transform, term.parameter});
+    add(term.transform, term.parameter);
     add_wrenches(term.wrenches);
   }
   begin_list(shot.terms.markers.size());
-  for (const MarkerTerm& term : shot.terms.markers) key.insert(key.end(), {term.marker, term.parameter});
+  for (const MarkerTerm& term : shot.terms.markers) add(term.marker, term.parameter);
   begin_list(shot.terms.base.size());
   for (const BaseTerm& term : shot.terms.base) key.push_back(term.parameter);
   begin_list(shot.terms.station.size());
