@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 #include <random>
+#include <utility>
 
 namespace sagitta {
 namespace {
@@ -26,14 +27,10 @@ class Splitter {
   std::vector<Split> All(unsigned long long seed, int random_halves) {
     std::mt19937_64 random(seed);
     for (int i = 0; i < random_halves; ++i) AddRandom(&random);
-    for (int j = 0; j < problem_.robot().num_joints(); ++j) AddJoint(j);
-    const std::vector<Pose<double>> bases = Bases();
-    for (int axis = 0; axis < 3; ++axis) {
-      AddMedian(SplitBy::kRegion, std::string(1, "xyz"[axis]), MeanOf([&](int i) { return PlaceOf(i, axis, bases); }));
-    }
+    AddRegions();
     AddStations();
     AddTime();
-    return splits_;
+    return std::move(splits_);
   }
 
  private:
@@ -49,38 +46,44 @@ class Splitter {
     return bases;
   }
 
-  // Of an observation, base frame.
-  double PlaceOf(int i, int axis, const std::vector<Pose<double>>& bases) const {
-    const Pose<double>& base = bases[ShotOf(i).station];
-    return base.rotation.col(axis).dot(problem_.data().observations[i].point_in_station - base.translation);
+  // Means over the rows of each configuration, a column for each of `numbers`. add(row, column): adds the numbers of an
+  // observation to those of its configuration.
+  template <typename Add>
+  Eigen::MatrixXd MeansOf(int numbers, const Add& add) const {
+    Eigen::MatrixXd means = Eigen::MatrixXd::Zero(numbers, num_clusters_);
+    for (size_t k = 0; k < rows_.size(); ++k) add(rows_[k], means.col(clusters_[k]));
+    for (int c = 0; c < num_clusters_; ++c) means.col(c) /= rows_of_cluster_[c];
+    return means.transpose();
   }
 
-  // Mean over the rows of each configuration.
-  template <typename Number>
-  std::vector<double> MeanOf(const Number& number) const {
-    std::vector<double> sum(num_clusters_, 0.0);
-    for (size_t k = 0; k < rows_.size(); ++k) sum[clusters_[k]] += number(rows_[k]);
-    for (int c = 0; c < num_clusters_; ++c) sum[c] /= rows_of_cluster_[c];
-    return sum;
-  }
-
-  void Add(SplitBy by, const std::string& key, const std::vector<bool>& first) {
-    const auto many = static_cast<double>(std::count(first.begin(), first.end(), true));
+  void Add(SplitBy by, const std::string& key, const Clusters& first) {
+    const auto many = static_cast<double>(std::count(first.begin(), first.end(), 1));
     const double least = std::max<double>(kFewestOfPart, kSmallestPart * num_clusters_);
     if (std::min(many, num_clusters_ - many) < least) return;
     Split split{by, key, {}, {}};
-    for (size_t k = 0; k < rows_.size(); ++k) {
-      (first[clusters_[k]] ? split.first : split.second).push_back(static_cast<int>(k));
-    }
+    TakeRows(first, 1, &split.first);
+    TakeRows(first, 0, &split.second);
     splits_.push_back(std::move(split));
+  }
+
+  // Positions of the rows whose clusters are marked by `mark`.
+  void TakeRows(const Clusters& of, char mark, std::vector<int>* positions) const {
+    positions->resize(rows_.size());
+    size_t count = 0;
+    for (size_t k = 0; k < rows_.size(); ++k) {
+      (*positions)[count] = static_cast<int>(k);
+      count += of[clusters_[k]] == mark ? 1 : 0;
+    }
+    positions->resize(count);
+    positions->shrink_to_fit();
   }
 
   void AddRandom(std::mt19937_64* random) {
     std::vector<int> order(num_clusters_);
     std::iota(order.begin(), order.end(), 0);
     for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[(*random)() % i]);
-    std::vector<bool> first(num_clusters_, false);
-    for (int i = 0; i < num_clusters_ / 2; ++i) first[order[i]] = true;
+    Clusters first(num_clusters_, 0);
+    for (int i = 0; i < num_clusters_ / 2; ++i) first[order[i]] = 1;
     Add(SplitBy::kRandom, "", first);
   }
 
@@ -98,17 +101,30 @@ class Splitter {
       if (number > limit) next = std::min(next, number);
     }
     if (above < value.size() && above - middle < middle - below) limit = next;
-    std::vector<bool> first;
-    for (const double number : value) first.push_back(number < limit);
+    Clusters first;
+    first.reserve(value.size());
+    for (const double number : value) first.push_back(number < limit ? 1 : 0);
     Add(by, key, first);
   }
 
-  void AddJoint(int j) {
-    const std::vector<double> q =
-        MeanOf([&](int i) { return problem_.data().ConfigurationOf(problem_.data().observations[i]).q[j]; });
-    if (q.empty() || *std::max_element(q.begin(), q.end()) - *std::min_element(q.begin(), q.end()) < kDividesNothing)
-      return;
-    AddMedian(SplitBy::kRegion, problem_.robot().chain.joints[j].name, q);
+  // By each joint, and by where the points are along each axis of the base.
+  void AddRegions() {
+    const Measurements& data = problem_.data();
+    const int joints = problem_.robot().num_joints();
+    const std::vector<Pose<double>> bases = Bases();
+    const Eigen::MatrixXd means = MeansOf(joints + 3, [&](int i, Eigen::Ref<Eigen::VectorXd> sum) {
+      const Shot& shot = ShotOf(i);
+      const Pose<double>& base = bases[shot.station];
+      sum.head(joints) += data.configurations[shot.configuration].q;
+      const Vector3<double> from_base = data.observations[i].point_in_station - base.translation;
+      for (int axis = 0; axis < 3; ++axis) sum[joints + axis] += base.rotation.col(axis).dot(from_base);
+    });
+    for (int c = 0; c < joints + 3 && means.rows() > 0; ++c) {
+      const bool is_joint = c < joints;
+      if (is_joint && means.col(c).maxCoeff() - means.col(c).minCoeff() < kDividesNothing) continue;
+      const std::string name = is_joint ? problem_.robot().chain.joints[c].name : std::string(1, "xyz"[c - joints]);
+      AddMedian(SplitBy::kRegion, name, {means.col(c).begin(), means.col(c).end()});
+    }
   }
 
   // Series: stations that share no configuration; else their rows share the robot's error there.
@@ -136,10 +152,8 @@ class Splitter {
       if (a[c] != 0 && b[c] != 0) return;
     }
     Split split{by, key, {}, {}};
-    for (size_t k = 0; k < rows_.size(); ++k) {
-      if (a[clusters_[k]] != 0) split.first.push_back(static_cast<int>(k));
-      if (b[clusters_[k]] != 0) split.second.push_back(static_cast<int>(k));
-    }
+    TakeRows(a, 1, &split.first);
+    TakeRows(b, 1, &split.second);
     splits_.push_back(std::move(split));
   }
 
@@ -147,7 +161,8 @@ class Splitter {
   void AddTime() {
     if (rows_.empty() || problem_.data().stations.size() > 1) return;
     if (!std::all_of(rows_.begin(), rows_.end(), [&](int i) { return ShotOf(i).has_time; })) return;
-    AddMedian(SplitBy::kTime, "", MeanOf([&](int i) { return ShotOf(i).time; }));
+    const Eigen::MatrixXd means = MeansOf(1, [&](int i, Eigen::Ref<Eigen::VectorXd> sum) { sum[0] += ShotOf(i).time; });
+    AddMedian(SplitBy::kTime, "", {means.data(), means.data() + means.size()});
   }
 
   const CalibrationProblem& problem_;
