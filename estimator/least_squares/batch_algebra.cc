@@ -34,9 +34,8 @@ template <int kFirst>
 HWY_INLINE void AddBlock(const double* const* rows, std::size_t n, std::size_t a, std::size_t b, double* sums) {
   const Tag d;
   V s[kGramBlock][kWide];
-  for (int i = 0; i < kGramBlock; ++i) {
+  for (int i = 0; i < kGramBlock; ++i)
     for (int j = 0; j < kWide; ++j) s[i][j] = hn::LoadU(d, sums + (i * kGramBlock + kFirst + j) * kBatchLanes);
-  }
   for (std::size_t r = 0; r < n; ++r) {
     V left[kGramBlock];
     for (int i = 0; i < kGramBlock; ++i) left[i] = hn::Load(d, rows[r] + a + i * kBatchLanes);
@@ -45,9 +44,8 @@ HWY_INLINE void AddBlock(const double* const* rows, std::size_t n, std::size_t a
       for (int i = 0; i < kGramBlock; ++i) s[i][j] = hn::MulAdd(left[i], right, s[i][j]);
     }
   }
-  for (int i = 0; i < kGramBlock; ++i) {
+  for (int i = 0; i < kGramBlock; ++i)
     for (int j = 0; j < kWide; ++j) hn::StoreU(s[i][j], d, sums + (i * kGramBlock + kFirst + j) * kBatchLanes);
-  }
 }
 
 }  // namespace
@@ -67,9 +65,8 @@ HWY_INLINE void AddProductsOf(const double* rows, std::size_t count, std::size_t
   const Tag d;
   const std::size_t lanes = hn::Lanes(d);
   V s[kGramBlock][kVectors];
-  for (int i = 0; i < kGramBlock; ++i) {
+  for (int i = 0; i < kGramBlock; ++i)
     for (int j = 0; j < kVectors; ++j) s[i][j] = hn::Load(d, sums + (a + i) * columns + b + j * lanes);
-  }
   for (const double* row = rows; row != rows + count * columns; row += columns) {
     V right[kVectors];
     for (int j = 0; j < kVectors; ++j) right[j] = hn::Load(d, row + b + j * lanes);
@@ -78,9 +75,8 @@ HWY_INLINE void AddProductsOf(const double* rows, std::size_t count, std::size_t
       for (int j = 0; j < kVectors; ++j) s[i][j] = hn::MulAdd(left, right[j], s[i][j]);
     }
   }
-  for (int i = 0; i < kGramBlock; ++i) {
+  for (int i = 0; i < kGramBlock; ++i)
     for (int j = 0; j < kVectors; ++j) hn::Store(s[i][j], d, sums + (a + i) * columns + b + j * lanes);
-  }
 }
 
 void AddProductsOfRows(const double* rows, std::size_t count, std::size_t columns, double* sums) {
@@ -97,55 +93,57 @@ void AddProductsOfRows(const double* rows, std::size_t count, std::size_t column
 // Sums that stay in registers: of 24 vectors by 32 registers, of 8 by 16.
 constexpr int kDeep = hn::MaxLanes(Tag()) >= 8 ? 3 : 2, kAcross = hn::MaxLanes(Tag()) >= 8 ? 8 : 4;
 
-// strip: so many vectors of rows, column after column.
+// strip: so many vectors of rows, a column each `step`.
 template <int kVectors, int kColumns>
-HWY_INLINE void MultiplyFew(const double* strip, std::size_t n, const double* w, std::size_t stride, double* product) {
+HWY_INLINE void MultiplyFew(const double* strip, std::size_t step, std::size_t n, const double* w, std::size_t stride,
+                            double* product) {
   const Tag d;
   const std::size_t lanes = hn::Lanes(d);
   V s[kVectors][kColumns];
-  for (int i = 0; i < kVectors; ++i) {
+  for (int i = 0; i < kVectors; ++i)
     for (int j = 0; j < kColumns; ++j) s[i][j] = hn::Zero(d);
-  }
   for (std::size_t c = 0; c < n; ++c) {
     V own[kVectors];
-    for (int i = 0; i < kVectors; ++i) own[i] = hn::LoadU(d, strip + (c * kVectors + i) * lanes);
+    for (int i = 0; i < kVectors; ++i) own[i] = hn::LoadU(d, strip + c * step + i * lanes);
     for (int j = 0; j < kColumns; ++j) {
       const V factor = hn::Set(d, w[j * n + c]);
       for (int i = 0; i < kVectors; ++i) s[i][j] = hn::MulAdd(own[i], factor, s[i][j]);
     }
   }
-  for (int j = 0; j < kColumns; ++j) {
+  for (int j = 0; j < kColumns; ++j)
     for (int i = 0; i < kVectors; ++i) hn::StoreU(s[i][j], d, product + j * stride + i * lanes);
-  }
 }
 
 // So many columns of W at a time, of the rest half as many.
 template <int kVectors, int kColumns = kAcross>
-void MultiplyStrip(const double* strip, std::size_t n, const double* w, std::size_t k, std::size_t stride,
-                   double* product) {
+void MultiplyStrip(const double* strip, std::size_t step, std::size_t n, const double* w, std::size_t k,
+                   std::size_t stride, double* product) {
   std::size_t j = 0;
   for (; j + kColumns <= k; j += kColumns)
-    MultiplyFew<kVectors, kColumns>(strip, n, w + j * n, stride, product + j * stride);
+    MultiplyFew<kVectors, kColumns>(strip, step, n, w + j * n, stride, product + j * stride);
   if constexpr (kColumns > 1)
-    MultiplyStrip<kVectors, kColumns / 2>(strip, n, w + j * n, k - j, stride, product + j * stride);
+    MultiplyStrip<kVectors, kColumns / 2>(strip, step, n, w + j * n, k - j, stride, product + j * stride);
 }
 
-// A strip of rows is copied together, unless it is by itself, so that it stays in the cache while all columns of W go
-// by; the last one is filled up with zeros to whole vectors.
+constexpr std::size_t kFewColumns = 16;  // of X: they stay in the cache wherever they lie
+
+// A strip of rows is copied together, unless it is by itself or columns are few, so that it stays in the cache while
+// all columns of W go by; the last one is filled up with zeros to whole vectors.
 void MultiplyLanes(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w, std::size_t k,
                    double* product) {
   const std::size_t lanes = hn::Lanes(Tag());
-  const std::unique_ptr<double[]> copy(new double[kDeep * lanes * n]), last(new double[kDeep * lanes * k]);
+  const std::unique_ptr<double[]> copy(new double[kDeep * lanes * (n + k)]);
+  double* const last = copy.get() + kDeep * lanes * n;
   for (std::size_t first = 0; first < rows; first += kDeep * lanes) {
     const std::size_t own = std::min(kDeep * lanes, rows - first), vectors = (own + lanes - 1) / lanes;
     const std::size_t wide = vectors * lanes;
-    for (std::size_t c = 0; c < n && stride != wide; ++c)
+    const bool is_copied = stride != wide && (own < wide || n > kFewColumns);
+    for (std::size_t c = 0; c < n && is_copied; ++c)
       std::fill_n(std::copy_n(x + c * stride + first, own, copy.get() + c * wide), wide - own, 0.0);
     const auto multiply = vectors == 1 ? MultiplyStrip<1> : vectors == 2 ? MultiplyStrip<2> : MultiplyStrip<kDeep>;
-    multiply(stride == wide ? x : copy.get(), n, w, k, own < wide ? wide : stride,
-             own < wide ? last.get() : product + first);
-    for (std::size_t j = 0; j < k && own < wide; ++j)
-      std::copy_n(last.get() + j * wide, own, product + j * stride + first);
+    multiply(is_copied ? copy.get() : x + first, is_copied ? wide : stride, n, w, k, own < wide ? wide : stride,
+             own < wide ? last : product + first);
+    for (std::size_t j = 0; j < k && own < wide; ++j) std::copy_n(last + j * wide, own, product + j * stride + first);
   }
 }
 
