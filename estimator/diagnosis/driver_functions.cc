@@ -8,14 +8,24 @@
 #include "models/effects/bump.h"
 
 namespace sagitta {
+namespace {
+
+Eigen::MatrixXd ByKnots(const Eigen::VectorXd& x, const Knots& knots) {
+  Eigen::MatrixXd functions(x.size(), knots.count);
+  for (int k = 0; k < knots.count; ++k) {
+    functions.col(k) = x.unaryExpr([&](double at) { return knots.Value(k, at); });
+  }
+  return functions;
+}
+
+}  // namespace
 
 Eigen::MatrixXd Bumps(const Eigen::VectorXd& x, double low, double high, int count) {
-  const Knots knots{low, high, count};
-  Eigen::MatrixXd bumps(x.size(), count);
-  for (int k = 0; k < count; ++k) {
-    bumps.col(k) = x.unaryExpr([&](double at) { return knots.Value(k, at); });
-  }
-  return bumps;
+  return ByKnots(x, {low, high, count});
+}
+
+Eigen::MatrixXd Ramps(const Eigen::VectorXd& x, double low, double high, int count) {
+  return ByKnots(x, {low, high, count, true});
 }
 
 Eigen::MatrixXd Waves(const Eigen::VectorXd& x, int orders) {

@@ -10,6 +10,8 @@ namespace sagitta {
 // Gaussian bumps, `count` of them evenly over [low, high], as wide as they are apart: a random smooth function with a
 // correlation length of that distance.
 Eigen::MatrixXd Bumps(const Eigen::VectorXd& x, double low, double high, int count);
+// Ramps, `count` of them one after the other over [low, high]: what changes at once, creeps or wanders (bump.h).
+Eigen::MatrixXd Ramps(const Eigen::VectorXd& x, double low, double high, int count);
 // cos and sin of n x for n = 1 .. orders, in pairs.
 Eigen::MatrixXd Waves(const Eigen::VectorXd& x, int orders);
 // Neighbours among the distinct values of x, at most so many pairs.

@@ -9,6 +9,7 @@
 #include "estimator/diagnosis/selected_effects.h"
 #include "estimator/diagnosis/unnamed_list.h"
 #include "models/effects/catalogue.h"
+#include "models/effects/learnt_deviation.h"
 
 namespace sagitta {
 namespace {
@@ -165,6 +166,7 @@ class Learner {
 
 std::vector<std::pair<EffectSpec, double>> LevelsOf(const EffectSpec& spec, double scale, double gap) {
   std::vector<std::pair<EffectSpec, double>> levels = {{spec, scale}};
+  if (IsOfRamps(spec)) return levels;  // they carry over by themselves
   const int own = spec.IntegerSetting("knots", 0);
   const double range = spec.NumberSetting("to", 0.0) - spec.NumberSetting("from", 0.0);
   int narrowest = own;

@@ -62,6 +62,13 @@ void UnnamedList::AppendBumps(const Eigen::VectorXd& x, const std::string& kind,
   functions->Append(Bumps(x, fitted.minCoeff(), fitted.maxCoeff(), count), kind, {{"knots", std::to_string(count)}});
 }
 
+void UnnamedList::AppendRamps(const Eigen::VectorXd& order, const std::string& kind, int count,
+                              GroupedFunctions* functions) const {
+  const Eigen::VectorXd fitted = OnFitted(order);
+  functions->Append(Ramps(order, fitted.minCoeff(), fitted.maxCoeff(), count), kind,
+                    {{"knots", std::to_string(count)}, {"shape", "ramps"}});
+}
+
 EffectSpec UnnamedList::Over(const Driver& driver, const std::string& effect, const std::string& target) const {
   const Eigen::VectorXd seen = OnFitted(driver.of_shot);
   EffectSpec spec{effect, target, {{"by", SettingOf(driver.kind)}}, {}};

@@ -71,6 +71,7 @@ class JointFunctions : public UnnamedList {
         GroupedFunctions functions;
         if (!Smooth(driver.of_shot, driver.kind == DriverKind::kTime ? "time" : "smooth", &functions)) continue;
         const bool is_torque = driver.kind == DriverKind::kTorque;
+        if (driver.kind == DriverKind::kTime) AppendRamps(driver.of_shot, "time", kRamps, &functions);
         AddFunctions(functions,
                      {"",
                       JointName(j),

@@ -15,6 +15,7 @@ namespace sagitta {
 // Random smooth functions bend over a third or a ninth of the driver's range: a sag and a ripple.
 constexpr int kUnnamedBumps[] = {4, 10};
 constexpr int kFineBumps = 25;  // of a joint's own angle: a bump of 10 degrees
+constexpr int kRamps = 50;      // in time: where something changed at once is known to within visits, some tens
 constexpr int kDigits = 7;      // of a range, a place or a direction, in the settings of an effect
 
 using Settings = std::map<std::string, std::string>;
@@ -58,6 +59,8 @@ class UnnamedList {
   // Smooth functions of x over the range of the fitted shots. False: it does not vary.
   bool Smooth(const Eigen::VectorXd& x, const std::string& kind, GroupedFunctions* functions) const;
   void AppendBumps(const Eigen::VectorXd& x, const std::string& kind, int count, GroupedFunctions* functions) const;
+  // Of what puts the visits in order: a random walk.
+  void AppendRamps(const Eigen::VectorXd& order, const std::string& kind, int count, GroupedFunctions* functions) const;
   // An effect over the range of a driver; its knots go by the group of functions.
   EffectSpec Over(const Driver& driver, const std::string& effect, const std::string& target) const;
   // Every group of functions on one source or on several, each with coefficients of its own.

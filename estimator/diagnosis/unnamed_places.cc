@@ -15,7 +15,8 @@ namespace {
 // Waves in time, in halves over the campaign, and how many of them are weighed.
 constexpr int kMostWaves = 200;
 constexpr size_t kWaves = 6;
-constexpr int kSeats = 25;  // stretches of visits in which a loose part stays in its seat
+constexpr int kMarkerRamps = 16;  // in time, along three axes: jumps besides are marker_shift
+constexpr int kSeats = 25;        // stretches of visits in which a loose part stays in its seat
 
 constexpr int kPlateAxes = 6;
 // Of the seats of a loose part: directions 10 degrees apart, and gaps between shots.
@@ -77,7 +78,9 @@ class PlaceFunctions : public UnnamedList {
         turn.settings["about_x_mm"] = NumberInMillimetres(foot.x());
         turn.settings["about_y_mm"] = NumberInMillimetres(foot.y());
         turn.settings["about_z_mm"] = NumberInMillimetres(foot.z());
-        AppendBumps(time.of_shot, "time", kFineBumps, &functions);
+        GroupedFunctions of_scale = functions;
+        AppendRamps(time.of_shot, "time", kFineBumps, &functions);
+        AppendRamps(time.of_shot, "time", kRamps, &of_scale);
         const UnnamedFunction moves{"",
                                     station,
                                     {"time"},
@@ -91,7 +94,7 @@ class PlaceFunctions : public UnnamedList {
             functions,
             {"", station, {"time"}, BaseTurnsInStation(station), Axes(Source::Kind::kStationTurn, owner), time, {turn}},
             "station in time");
-        AddFunctions(functions,
+        AddFunctions(of_scale,
                      {"",
                       station,
                       {"time"},
@@ -220,7 +223,11 @@ class PlaceFunctions : public UnnamedList {
         const double low = fitted.minCoeff(), high = fitted.maxCoeff();
         if (!(high - low > 1e-9 * (1.0 + std::abs(high)))) continue;
         const bool is_time = driver.kind == DriverKind::kTime;
-        AppendBumps(driver.of_shot, is_time ? "time" : "smooth", kUnnamedBumps[is_time ? 1 : 0], &functions);
+        if (is_time) {
+          AppendRamps(driver.of_shot, "time", kMarkerRamps, &functions);
+        } else {
+          AppendBumps(driver.of_shot, "smooth", kUnnamedBumps[0], &functions);
+        }
         AddFunctions(functions,
                      {"",
                       marker,

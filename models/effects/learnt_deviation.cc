@@ -42,6 +42,8 @@ EffectParameter WeightOfJoint(const Robot& robot, const EffectSpec& spec, const 
   return {name, Quantity::kSmallAngle, kTypicalTurn};
 }
 
+bool IsOfRamps(const EffectSpec& spec) { return spec.TextSetting("shape", "bumps") == "ramps"; }
+
 EffectDefinition Empirical(EffectDefinition effect) {
   effect.is_learnt = true;
   effect.note = "It describes what was measured and is no cause; beyond its range it is zero.";
@@ -63,7 +65,8 @@ int WeightCount(const EffectSpec& spec) {
 // In SI: what files state in deg or mm, N m or N, s, K.
 Knots KnotsOf(const Robot& robot, const EffectSpec& spec) {
   const double unit = IsBy(spec, "q") ? UnitOfJoint(robot, spec.TextSetting("driver", "")) : 1.0;
-  return {unit * spec.NumberSetting("from", 0.0), unit * spec.NumberSetting("to", 1.0), WeightCount(spec)};
+  return {unit * spec.NumberSetting("from", 0.0), unit * spec.NumberSetting("to", 1.0), WeightCount(spec),
+          IsOfRamps(spec)};
 }
 
 double DriverValue(const EffectContext& context) {
@@ -256,7 +259,10 @@ EffectDefinition Learnt(EffectDefinition effect, const std::vector<std::string>&
   SettingDefinition knots{"knots", Kind::kInteger, "", {}};
   knots.least = 2;
   knots.only_with = along_a_line;
-  effect.settings = {{"by", Kind::kChoice, "", drivers}, driver, from, to, knots};
+  SettingDefinition shape{"shape", Kind::kChoice, "bumps", {"bumps", "ramps"}};
+  shape.silent = true;
+  shape.only_with = "by=time_s";
+  effect.settings = {{"by", Kind::kChoice, "", drivers}, driver, from, to, knots, shape};
   effect.missing = Missing;
   return Empirical(std::move(effect));
 }

@@ -31,6 +31,9 @@ double UnitOfJoint(const Robot& robot, const std::string& joint);
 // A weight of a deviation of the target: an angle, or a length of one that slides.
 EffectParameter WeightOfJoint(const Robot& robot, const EffectSpec& spec, const std::string& name);
 
+// A function of time by ramps, not by bumps (bump.h).
+bool IsOfRamps(const EffectSpec& spec);
+
 // What all learnt effects say of themselves.
 EffectDefinition Empirical(EffectDefinition effect);
 

@@ -28,6 +28,14 @@ TEST(LearntLevels, WiderBumpsCarryAFunctionOverGapsThatNarrowOnesLeave) {
   EXPECT_EQ(knots("4", 100.0), (Levels{"4"}));  // nothing is wider
 }
 
+// A walk lies between its visits by itself.
+TEST(LearntLevels, RampsNeedNothingBeside) {
+  EffectSpec walk{"learnt_deviation", "A1", {{"knots", "50"}, {"from", "0"}, {"to", "50"}, {"shape", "ramps"}}, {}};
+  EXPECT_EQ(LevelsOf(walk, 0.3, 90.0).size(), 1u);
+  walk.settings.erase("shape");
+  EXPECT_EQ(LevelsOf(walk, 0.3, 90.0).size(), 3u);
+}
+
 // A bump of height h and width w is as steep as h / w: twice as wide, twice as high.
 TEST(LearntLevels, AreEquallySteep) {
   const auto levels = LevelsOf(BumpsOver240Degrees("25"), 0.3, 90.0);

@@ -254,5 +254,18 @@ TEST(DriverFunctions, BumpsHaveUnitVariance) {
   EXPECT_LT((Bumps(inside, 0.0, 100.0, 10).rowwise().squaredNorm().array() - 1.0).abs().maxCoeff(), 2e-3);
 }
 
+// Of n ramps with independent weights of variance v the walk has the variance (t - u (1 - u) / n) n v at t, u the place
+// within a ramp: n v (1/2 - 1 / 6 n) in the mean; the square of its mean is n v (1/3 - 1 / 12 n^2). With n v = 6 the
+// difference is 1 - 1 / n + 1 / 2 n^2.
+TEST(DriverFunctions, RampsHaveUnitVarianceAboutTheirMean) {
+  const Eigen::VectorXd at = Eigen::VectorXd::LinSpaced(20001, 30.0, 70.0);
+  for (const int n : {4, 50}) {
+    const Eigen::MatrixXd ramps = Ramps(at, 30.0, 70.0, n);
+    const double square = ramps.rowwise().squaredNorm().mean(), of_mean = ramps.colwise().mean().squaredNorm();
+    EXPECT_NEAR(square - of_mean, 1.0 - 1.0 / n + 0.5 / (n * n), 1e-3) << n;
+    EXPECT_EQ(Ramps(at.array() - 40.0, 30.0, 70.0, n).row(0).norm(), 0.0);
+  }
+}
+
 }  // namespace
 }  // namespace sagitta::unnamed_sources_test

@@ -103,6 +103,21 @@ TEST(InstrumentConventions, LearntMotionsOfAStationAndAMarker) {
   ExpectPoint(scene.Seen(), 0.0, 3.4 + 75.112554e-6, 0.5, 1e-11);
 }
 
+// Two ramps from 0 to 50 s and to 100 s, of height sqrt(6 / 2): a quarter of the second one at 62.5 s, all of it from
+// 100 s on. 100 um times sqrt(3) are 173.205081 um.
+TEST(InstrumentConventions, LearntMotionOfAMarkerByRamps) {
+  const double times[4] = {50.0, 62.5, 100.0, 1000.0}, share[4] = {0.0, 0.25, 1.0, 1.0};
+  for (size_t k = 0; k < 4; ++k) {
+    TwoLinkScene scene = Seen2mAway();
+    scene.Add({"learnt_marker_motion",
+               "M1",
+               {{"by", "time_s"}, {"from", "0"}, {"to", "100"}, {"knots", "2"}, {"shape", "ramps"}},
+               AtWeight(6, 1)});
+    scene.shot().time = times[k];
+    ExpectPoint(scene.Seen(), 0.0, 3.4 + share[k] * 173.205081e-6, 0.5, 1e-11);
+  }
+}
+
 // 100 urad times pi^(-1/4) about z of the station: (0, 3.4) moves by -3.4 * 75.112554 urad along x.
 // The nominal flange of the scene turns with J1 and J2 about -y and has the axes of the base at 0 deg: down, -z of the
 // base, is -sin of their sum along x of the flange. At q2 = -30 deg that is 0.5, at -20 deg 0.3420201, at 0 nothing.
