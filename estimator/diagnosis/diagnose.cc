@@ -50,14 +50,13 @@ std::vector<ScreenedCandidate> Screen(const Evidence& evidence, const DiagnosedM
   const ExplanationList& list = evidence.list();
   const ProjectedNormal& normal = evidence.views()[0].beside.normal;
   const ResidualLikelihood likelihood = evidence.LikelihoodOf(0);
-  const Sweep alone(normal, {}, {});
   std::map<std::string, ScreenedCandidate> best;  // by name
   int tests = 0;
   for (size_t k = 0; k < list.math.size(); ++k) {
     if (list.IsUnnamed(static_cast<int>(k))) continue;
     ++tests;
-    const Eigen::MatrixXd information = alone.Information(list.math[k].group);
-    const Eigen::VectorXd gradient = alone.Gradient(list.math[k].group);
+    const Eigen::MatrixXd information = OwnInformation(normal, list.math[k].group);
+    const Eigen::VectorXd gradient = OwnGradient(normal, list.math[k].group);
     const double log_evidence = AverageGain(likelihood, normal.residual, information, gradient);
     const auto entry = best.find(list.name[k]);
     if (entry != best.end() && entry->second.log_evidence >= log_evidence) continue;

@@ -238,8 +238,8 @@ double ResidualAtBest(const Evidence& evidence, const WeightedModel& model) {
   const Eigen::VectorXd values = -ValuesOf(normal, groups, scales).values;  // measured minus predicted
   ColumnGroup all = *groups[0];
   for (size_t k = 1; k < groups.size(); ++k) all = Joined(all, *groups[k]);
-  const Sweep sweep(normal, {}, {});
-  return normal.residual - 2.0 * values.dot(sweep.Gradient(all)) + values.dot(sweep.Information(all) * values);
+  return normal.residual - 2.0 * values.dot(OwnGradient(normal, all)) +
+         values.dot(OwnInformation(normal, all) * values);
 }
 
 std::vector<GivenOthers> EachGivenOthers(const Evidence& evidence, const WeightedModel& model) {

@@ -34,8 +34,8 @@ class Places {
   SetPrior prior_;
   ResidualLikelihood likelihood_;
   std::vector<int> members_;
-  MovingSweep sweep_;
-  std::vector<MovingSweep::WithoutOne> without_;  // each member
+  Sweep sweep_;
+  std::vector<Sweep::WithoutOne> without_;  // each member
 };
 // Of a model's set among all explanations.
 Places PlacesOf(const Evidence& evidence, const WeightedModel& model);

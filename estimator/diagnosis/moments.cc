@@ -46,14 +46,13 @@ std::map<std::string, Best> BestMoments(const CalibrationProblem& problem, const
   std::set<std::vector<int>> own;
   for (size_t c = 0; c < candidates.size(); ++c) own.insert(columns.ColumnsOf(static_cast<int>(c)));
   const BesideBelieved beside = columns.ProjectAll(StatedScatter(problem), own);
-  const Sweep alone(beside.normal, {}, {});
   const ResidualLikelihood known_sigma(beside.normal.dof, std::numeric_limits<double>::infinity(), 0.0);
   std::map<std::string, Best> best;
   for (size_t c = 0; c < candidates.size(); ++c) {
     const ColumnGroup group{columns.ColumnsOf(static_cast<int>(c)), {}};
     if (group.columns.empty()) continue;
-    const double log_evidence =
-        AverageGain(known_sigma, beside.normal.residual, alone.Information(group), alone.Gradient(group));
+    const double log_evidence = AverageGain(known_sigma, beside.normal.residual, OwnInformation(beside.normal, group),
+                                            OwnGradient(beside.normal, group));
     EffectSpec others = candidates[c].spec;
     others.settings.erase(MomentOf(problem.robot(), others));
     Best& known = best[others.Path()];

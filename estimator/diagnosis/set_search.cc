@@ -125,11 +125,11 @@ WeightedSet SetSearch::Evaluate(const std::vector<int>& given_members, const std
   return EvaluateFrom(given_members, std::move(members));
 }
 
-const MovingSweep& SetSearch::SweepOf(const WeightedSet& set) {
+const Sweep& SetSearch::SweepOf(const WeightedSet& set) {
   const Difference difference = place_ ? DifferenceOf(place_->set, set) : Difference();
   // A move costs a pass over the matrix, and so does a member of the first sweep.
   if (!place_ || difference.gone.size() + difference.come.size() > set.members.size() + 1) {
-    place_ = std::make_unique<Place>(Place{set, MovingSweep(normal_, GroupsOf(set.members), set.scales)});
+    place_ = std::make_unique<Place>(Place{set, Sweep(normal_, GroupsOf(set.members), set.scales)});
     return place_->sweep;
   }
   for (const size_t k : difference.gone) place_->sweep.Remove(k);
@@ -231,8 +231,7 @@ std::vector<double> SetSearch::Additions(const WeightedSet& given, std::vector<d
 }
 
 // log w(set + k) = log L(set) + log B_k + log P(set + k), B_k by what the sweep leaves of G_kk and g_k.
-template <typename Given>
-std::vector<double> SetSearch::AdditionsTo(const WeightedSet& set, const Given& sweep,
+std::vector<double> SetSearch::AdditionsTo(const WeightedSet& set, const Sweep& sweep,
                                            std::vector<double>* scales) const {
   std::vector<double> shares = SharesOf(set.members);
   shares.push_back(1.0);
@@ -243,20 +242,11 @@ std::vector<double> SetSearch::AdditionsTo(const WeightedSet& set, const Given& 
     const Explanation& candidate = explanations_[k];
     if (IsExcluded(set.members, static_cast<int>(k)) || !(candidate.share > 0.0)) continue;
     double scale = 1.0;
-    weights[k] = base + GainOfOwn(Left(sweep, k), sweep.residual(), &scale) + std::log(candidate.share);
+    const Own left{OwnOf(k).information - sweep.Taken(candidate.group), sweep.Gradient(candidate.group)};
+    weights[k] = base + GainOfOwn(left, sweep.residual(), &scale) + std::log(candidate.share);
     if (scales != nullptr) (*scales)[k] = scale;
   }
   return weights;
-}
-
-// A candidate's own, given the groups of a sweep.
-SetSearch::Own SetSearch::Left(const Sweep& sweep, size_t candidate) const {
-  Own own = OwnOf(candidate);
-  if (sweep.taken().size() == 0) return own;
-  const Eigen::MatrixXd taken = sweep.Taken(explanations_[candidate].group);
-  own.information.noalias() -= taken.transpose() * taken;
-  own.gradient.noalias() -= taken.transpose() * sweep.taken();
-  return own;
 }
 
 void SetSearch::Record(WeightedSet set, bool replaces) {
@@ -335,9 +325,9 @@ std::vector<double> SetSearch::LossesOf(const WeightedSet& set) const {
 // Every member's place for every candidate: each is taken out of what is left of the candidates given all, at the
 // others' scales. Without a member G is no less than given all: what a candidate can add at most is first asked with
 // that of all, which a factor for all places says.
-std::vector<SetSearch::Swap> SetSearch::SwapsOf(const WeightedSet& set, const MovingSweep& sweep,
+std::vector<SetSearch::Swap> SetSearch::SwapsOf(const WeightedSet& set, const Sweep& sweep,
                                                 const std::vector<WeightedSet>& without) {
-  std::vector<MovingSweep::WithoutOne> sweeps;
+  std::vector<Sweep::WithoutOne> sweeps;
   std::vector<double> bases;  // without the likelihood of what is left
   for (size_t m = 0; m < set.members.size(); ++m) {
     sweeps.push_back(sweep.Without(m));
@@ -377,7 +367,7 @@ std::vector<SetSearch::Swap> SetSearch::SwapsOf(const WeightedSet& set, const Mo
 
 bool SetSearch::Exchange(const WeightedSet& set) {
   if (set.members.empty() || !exchanged_.emplace(set.members, true).second) return false;
-  const MovingSweep& sweep = SweepOf(set);
+  const Sweep& sweep = SweepOf(set);
   const std::vector<WeightedSet> without = WithoutEach(set, sweep.members());
   for (const WeightedSet& others : without) Record(others);
   std::vector<Swap> swaps = SwapsOf(set, sweep, without);

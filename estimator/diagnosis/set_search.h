@@ -110,15 +110,9 @@ class SetSearch {
   WeightedSet EvaluateFrom(const std::vector<int>& given_members, Members conditioned) const;
   double AverageOverScales(Members* members) const;
   const Own& OwnOf(size_t candidate) const;
-  Own Left(const Sweep& sweep, size_t candidate) const;
-  Own Left(const MovingSweep& sweep, size_t candidate) const {
-    const ColumnGroup& group = explanations_[candidate].group;
-    return {OwnOf(candidate).information - sweep.Taken(group), sweep.Gradient(group)};
-  }
-  template <typename Given>
-  std::vector<double> AdditionsTo(const WeightedSet& set, const Given& sweep, std::vector<double>* scales) const;
+  std::vector<double> AdditionsTo(const WeightedSet& set, const Sweep& sweep, std::vector<double>* scales) const;
   // Given a set: by what comes to the set before, and goes from it.
-  const MovingSweep& SweepOf(const WeightedSet& set);
+  const Sweep& SweepOf(const WeightedSet& set);
   // Conditioned; by what comes to those of the sweep, and goes from them.
   Members MembersOf(const WeightedSet& set) const;
   // Of the same members, from their scales before.
@@ -142,7 +136,7 @@ class SetSearch {
   };
   // Sweeps that swap or drop a member. True: a better set was found.
   bool Exchange(const WeightedSet& set);
-  std::vector<Swap> SwapsOf(const WeightedSet& set, const MovingSweep& sweep, const std::vector<WeightedSet>& without);
+  std::vector<Swap> SwapsOf(const WeightedSet& set, const Sweep& sweep, const std::vector<WeightedSet>& without);
   void SwapTogether(const WeightedSet& set, const Members& all, const std::vector<Swap>& swaps);
   bool Climb(WeightedSet from, int most_moves = std::numeric_limits<int>::max());
   void SettleAll();
@@ -159,7 +153,7 @@ class SetSearch {
   mutable std::vector<Own> own_;  // as they are asked for
   struct Place {
     WeightedSet set;
-    MovingSweep sweep;
+    Sweep sweep;
   };
   std::unique_ptr<Place> place_;  // where a climb is, and from where the sets beside it are explored
 };

@@ -5,51 +5,27 @@
 #include <cmath>
 #include <map>
 
+#include "estimator/least_squares/normal_algebra.h"
 #include "estimator/least_squares/row_sums.h"
 
 namespace sagitta {
 namespace {
 
-constexpr long kColumnsAtOnce = 48;  // of an inverse: a few of them leave out most zeros, and each is a fast product
-constexpr long kSpareRows = 32;      // of a smooth function without a name, the widest groups: one more has room
+constexpr long kSpareRows = 32;  // of a smooth function without a name, the widest groups: one more has room
 
 // s M'G of one group.
 Eigen::MatrixXd ScaledRowsOf(const ProjectedNormal& normal, const ColumnGroup& group, double scale) {
-  const Eigen::MatrixXd rows = normal.information.Rows(group.columns);
-  if (group.mixing.size() == 0) return scale * rows;
-  return scale * (group.mixing.transpose() * rows);
+  return scale * group.Mixed(normal.information.Rows(group.columns));
 }
 
 Eigen::MatrixXd Cross(const ProjectedNormal& normal, const ColumnGroup& a, const ColumnGroup& b) {
-  Eigen::MatrixXd block = normal.information.Between(a.columns, b.columns);
-  if (b.mixing.size() > 0) block = block * b.mixing;
-  if (a.mixing.size() > 0) block = a.mixing.transpose() * block;
-  return block;
+  return a.Mixed(b.Mixed(normal.information.Between(a.columns, b.columns).transpose()).transpose());
 }
 
 // Of no columns none: a solver would ask where the first one lies.
 Eigen::MatrixXd Solved(const Eigen::LLT<Eigen::MatrixXd>& root, const Eigen::MatrixXd& right) {
   if (right.cols() == 0) return right;
   return root.solve(right);
-}
-
-// (L L')^-1 = X'X, X = L^-1: both lower halves, some columns at a time.
-Eigen::MatrixXd InverseOf(const Eigen::MatrixXd& lower) {
-  const long n = lower.rows();
-  Eigen::MatrixXd root = Eigen::MatrixXd::Identity(n, n), inverse(n, n);
-  for (long first = 0; first < n; first += kColumnsAtOnce) {
-    const long left = n - first, columns = std::min(kColumnsAtOnce, left);
-    auto own = root.block(first, first, left, columns);
-    lower.bottomRightCorner(left, left).triangularView<Eigen::Lower>().solveInPlace(own);
-  }
-  for (long first = 0; first < n; first += kColumnsAtOnce) {
-    const long left = n - first, columns = std::min(kColumnsAtOnce, left);
-    const Eigen::MatrixXd half =
-        root.bottomRightCorner(left, left).transpose() * root.block(first, first, left, columns);
-    inverse.block(first, first, left, columns) = half;
-    inverse.block(first, first, columns, left) = half.transpose();
-  }
-  return inverse;
 }
 
 // Square, without the rows and columns of one group.
@@ -94,6 +70,16 @@ Eigen::VectorXd WithPart(long first, const Eigen::VectorXd& part, const Eigen::V
 
 }  // namespace
 
+Eigen::MatrixXd ColumnGroup::Mixed(Eigen::MatrixXd rows) const {
+  if (mixing.size() == 0) return rows;
+  return mixing.transpose() * rows;
+}
+
+Eigen::MatrixXd ColumnGroup::MixedBlock(Eigen::MatrixXd block) const {
+  if (mixing.size() == 0) return block;
+  return mixing.transpose() * block * mixing;
+}
+
 Eigen::MatrixXd ColumnsOf(const ColumnGroup& group, const Eigen::MatrixXd& matrix) {
   Eigen::MatrixXd own(matrix.rows(), static_cast<long>(group.columns.size()));
   for (long c = 0; c < own.cols(); ++c) own.col(c) = matrix.col(group.columns[static_cast<size_t>(c)]);
@@ -102,15 +88,11 @@ Eigen::MatrixXd ColumnsOf(const ColumnGroup& group, const Eigen::MatrixXd& matri
 }
 
 Eigen::MatrixXd OwnInformation(const ProjectedNormal& normal, const ColumnGroup& group) {
-  const Eigen::MatrixXd block = normal.information.Own(group.columns);
-  if (group.mixing.size() == 0) return block;
-  return group.mixing.transpose() * block * group.mixing;
+  return group.MixedBlock(normal.information.Own(group.columns));
 }
 
 Eigen::VectorXd OwnGradient(const ProjectedNormal& normal, const ColumnGroup& group) {
-  const Eigen::VectorXd own = normal.gradient(group.columns);
-  if (group.mixing.size() == 0) return own;
-  return group.mixing.transpose() * own;
+  return group.Mixed(normal.gradient(group.columns));
 }
 
 // log L(s_k) = log f(R - quad(s_k)) - 1/2 (log |Q| + log |I + s_k^2 G_k|), R, Q, G_k given the others.
@@ -170,17 +152,16 @@ Eigen::MatrixXd Members::ScaledRows() const {
   return rows;
 }
 
-// Q = I + D M'GM D = L L';  t = Q^-1 D M'g,  log |Q| = 2 sum log L_ii.
+// Q = I + D M'GM D,  W W' = Q^-1,  t = Q^-1 D M'g,  log |Q| = -2 sum log W_ii.
 void Members::Condition(const std::vector<double>& scales) {
   scales_ = scales;
   const Eigen::VectorXd diagonal = Scales();
   Eigen::MatrixXd inner = diagonal.asDiagonal() * Information() * diagonal.asDiagonal();
   inner.diagonal().array() += 1.0;
-  const Eigen::LLT<Eigen::MatrixXd> root(inner);
-  factor_ = root.matrixL();
-  inverse_ = InverseOf(factor_);
-  solved_ = root.solve(diagonal.cwiseProduct(gradient_));
-  log_det_ = 2.0 * factor_.diagonal().array().log().sum();
+  const Eigen::MatrixXd root = InverseRoot(inner);
+  inverse_ = SquareOfRoot(root);
+  solved_ = inverse_ * diagonal.cwiseProduct(gradient_);
+  log_det_ = -2.0 * root.diagonal().array().log().sum();
   SetResidual();
 }
 
@@ -269,38 +250,6 @@ GivenOthers Members::Of(size_t group) const {
 
 Sweep::Sweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given,
              const std::vector<double>& scales)
-    : normal_(normal), residual_(normal.residual) {
-  if (given.empty()) return;
-  Members members(normal, given);
-  members.Condition(scales);
-  const auto lower = members.factor_.triangularView<Eigen::Lower>();
-  const Eigen::Index count = members.num_columns();
-  const Eigen::MatrixXd inverse = lower.solve(Eigen::MatrixXd::Identity(count, count));
-  // L^-1 of the rows: the information is symmetric.
-  root_ = TallProduct(members.ScaledRows().transpose(), inverse.transpose()).transpose();
-  along_ = lower.solve(members.Scales().cwiseProduct(members.gradient_));
-  residual_ = members.residual();
-  log_det_ = members.log_det();
-}
-
-Eigen::MatrixXd Sweep::Taken(const ColumnGroup& group) const { return ColumnsOf(group, root_); }
-
-Eigen::MatrixXd Sweep::Information(const ColumnGroup& group) const {
-  Eigen::MatrixXd own = OwnInformation(normal_, group);
-  if (root_.rows() == 0) return own;
-  const Eigen::MatrixXd taken = Taken(group);
-  own.noalias() -= taken.transpose() * taken;
-  return own;
-}
-
-Eigen::VectorXd Sweep::Gradient(const ColumnGroup& group) const {
-  Eigen::VectorXd own = OwnGradient(normal_, group);
-  if (root_.rows() > 0) own.noalias() -= Taken(group).transpose() * along_;
-  return own;
-}
-
-MovingSweep::MovingSweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given,
-                         const std::vector<double>& scales)
     : members_(normal, given), gradient_(normal.gradient) {
   members_.Condition(scales);
   tops_.assign(members_.first_.begin(), members_.first_.end() - 1);
@@ -310,7 +259,7 @@ MovingSweep::MovingSweep(const ProjectedNormal& normal, const std::vector<const 
 }
 
 // rows: W = L^-1 s M'G, then T_k = L^-T W;  along: w;  beside: U = s T M, M of the new group.
-void MovingSweep::Insert(size_t place, const ColumnGroup& group, double scale) {
+void Sweep::Insert(size_t place, const ColumnGroup& group, double scale) {
   const Eigen::MatrixXd own = ScaledRowsOf(*members_.normal_, group, scale);
   Eigen::MatrixXd rows = own;  // s M'G of what is left
   rows -= scale * TallProduct(ColumnsOf(group, rows_).transpose(), solved_);
@@ -332,7 +281,7 @@ void MovingSweep::Insert(size_t place, const ColumnGroup& group, double scale) {
 }
 
 // The first gap that is large enough, or below all others: then there is room for some more.
-long MovingSweep::FreeRows(long size) {
+long Sweep::FreeRows(long size) {
   std::map<long, long> taken;  // end of each, by its top
   for (size_t k = 0; k < tops_.size(); ++k) taken[tops_[k]] = tops_[k] + members_.SizeOf(k);
   long top = 0;
@@ -350,7 +299,7 @@ long MovingSweep::FreeRows(long size) {
   return top;
 }
 
-void MovingSweep::Remove(size_t group) {
+void Sweep::Remove(size_t group) {
   const long size = members_.SizeOf(group), top = tops_[group];
   const WithoutOne without = Without(group);
   gradient_ += without.Gradient(solved_);
@@ -368,26 +317,21 @@ void MovingSweep::Remove(size_t group) {
   tops_.erase(tops_.begin() + static_cast<long>(group));
 }
 
-Eigen::MatrixXd MovingSweep::Taken(const ColumnGroup& group) const {
+Eigen::MatrixXd Sweep::Taken(const ColumnGroup& group) const {
   if (latest_.columns != group.columns) {
     const ColumnGroup plain{group.columns, {}};
     latest_ = {group.columns, ColumnsOf(plain, rows_).transpose() * ColumnsOf(plain, solved_)};
   }
-  if (group.mixing.size() == 0) return latest_.taken;
-  return group.mixing.transpose() * latest_.taken * group.mixing;
+  return group.MixedBlock(latest_.taken);
 }
 
-Eigen::MatrixXd MovingSweep::Information(const ColumnGroup& group) const {
+Eigen::MatrixXd Sweep::Information(const ColumnGroup& group) const {
   return OwnInformation(*members_.normal_, group) - Taken(group);
 }
 
-Eigen::VectorXd MovingSweep::Gradient(const ColumnGroup& group) const {
-  const Eigen::VectorXd own = gradient_(group.columns);
-  if (group.mixing.size() == 0) return own;
-  return group.mixing.transpose() * own;
-}
+Eigen::VectorXd Sweep::Gradient(const ColumnGroup& group) const { return group.Mixed(gradient_(group.columns)); }
 
-MovingSweep::WithoutOne MovingSweep::Without(size_t group) const {
+Sweep::WithoutOne Sweep::Without(size_t group) const {
   const long first = members_.First(group), size = members_.SizeOf(group);
   const Eigen::VectorXd solved = members_.solved_.segment(first, size);
   WithoutOne without;
@@ -400,16 +344,16 @@ MovingSweep::WithoutOne MovingSweep::Without(size_t group) const {
 }
 
 // X'X,  X = C^(-1/2) T_k.
-Eigen::MatrixXd MovingSweep::WithoutOne::Information(const Eigen::MatrixXd& solved) const {
+Eigen::MatrixXd Sweep::WithoutOne::Information(const Eigen::MatrixXd& solved) const {
   const Eigen::MatrixXd x = root.matrixL().solve(solved.middleRows(top, own.size()));
   return x.transpose() * x;
 }
 
-Eigen::VectorXd MovingSweep::WithoutOne::Gradient(const Eigen::MatrixXd& solved) const {
+Eigen::VectorXd Sweep::WithoutOne::Gradient(const Eigen::MatrixXd& solved) const {
   return solved.middleRows(top, own.size()).transpose() * own;
 }
 
-Eigen::MatrixXd MovingSweep::Gradients(const std::vector<WithoutOne>& without) const {
+Eigen::MatrixXd Sweep::Gradients(const std::vector<WithoutOne>& without) const {
   Eigen::MatrixXd gradients(static_cast<long>(without.size()), gradient_.size());
   for (size_t m = 0; m < without.size(); ++m) {
     gradients.row(static_cast<long>(m)) = (gradient_ + without[m].Gradient(solved_)).transpose();

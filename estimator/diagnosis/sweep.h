@@ -1,7 +1,6 @@
 // Normal equations given that some explanations hold: with columns M of the group, scaled by s,
 //
 //   L L' = I + s^2 M'GM,  W = L^-1 s M'G,  w = L^-1 s M'g:   G <- G - W'W,  g <- g - W'w,  R <- R - w'w.
-//
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -18,9 +17,12 @@ struct ColumnGroup {
   Eigen::MatrixXd mixing;
 
   int size() const { return static_cast<int>(mixing.size() > 0 ? mixing.cols() : static_cast<long>(columns.size())); }
+  // mixing' X of rows X, one per column; mixing' B mixing of a block B.
+  Eigen::MatrixXd Mixed(Eigen::MatrixXd rows) const;
+  Eigen::MatrixXd MixedBlock(Eigen::MatrixXd block) const;
 };
 
-// Columns of a group out of a matrix over all columns.
+// The columns of a group out of a matrix over all columns.
 Eigen::MatrixXd ColumnsOf(const ColumnGroup& group, const Eigen::MatrixXd& matrix);
 Eigen::MatrixXd OwnInformation(const ProjectedNormal& normal, const ColumnGroup& group);
 Eigen::VectorXd OwnGradient(const ProjectedNormal& normal, const ColumnGroup& group);
@@ -81,7 +83,6 @@ class Members {
 
  private:
   friend class Sweep;
-  friend class MovingSweep;
   friend GroupValues ValuesOf(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& groups,
                               const std::vector<double>& scales);
 
@@ -95,31 +96,9 @@ class Members {
   std::vector<long> first_;   // column of each, and the end
   Eigen::VectorXd gradient_;  // M'g
   std::vector<double> scales_;
-  Eigen::MatrixXd factor_, inverse_;  // L, of the last Condition, and Q^-1
-  Eigen::VectorXd solved_;            // t
+  Eigen::MatrixXd inverse_;  // Q^-1
+  Eigen::VectorXd solved_;   // t
   double residual_ = 0.0, log_det_ = 0.0;
-};
-
-// All other columns given groups and the scale of each. Blocks of what is left are computed when asked for.
-class Sweep {
- public:
-  Sweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given, const std::vector<double>& scales);
-
-  // Of one more group, given those.
-  Eigen::MatrixXd Information(const ColumnGroup& group) const;
-  Eigen::VectorXd Gradient(const ColumnGroup& group) const;
-  // What conditioning takes from a group's own:  X'X and X'x.
-  Eigen::MatrixXd Taken(const ColumnGroup& group) const;   // X
-  const Eigen::VectorXd& taken() const { return along_; }  // x
-  double residual() const { return residual_; }
-  double log_det() const { return log_det_; }
-
- private:
-  const ProjectedNormal& normal_;
-  Eigen::MatrixXd root_;   // W
-  Eigen::VectorXd along_;  // w
-  double residual_ = 0.0;
-  double log_det_ = 0.0;  // of Q
 };
 
 // All columns given groups that come and go one at a time. With Z = D M'G and T = Q^-1 Z of all columns, G - Z'T is
@@ -127,10 +106,9 @@ class Sweep {
 //
 //   a group comes:  as above, G, g, R what is left before; T_k = L^-T W, T <- T - U T_k
 //   a group goes:   with C = A_kk: g += T_k' C^-1 t_k, R += t_k' C^-1 t_k, log |Q| += log |C|, T <- T - A_k C^-1 T_k
-class MovingSweep {
+class Sweep {
  public:
-  MovingSweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given,
-              const std::vector<double>& scales);
+  Sweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given, const std::vector<double>& scales);
 
   void Insert(size_t place, const ColumnGroup& group, double scale);
   void Remove(size_t group);
