@@ -22,66 +22,53 @@ bool AnyLoad(const CalibrationProblem& problem) {
                      [](const ShotInput& shot) { return !shot.wrenches.empty() || !shot.terms.torques.empty(); });
 }
 
+// Names of all joints, or of all but one.
+std::vector<std::string> JointsBut(const CalibrationProblem& problem, const std::string& one = "") {
+  std::vector<std::string> names;
+  for (const Joint& joint : problem.robot().chain.joints) {
+    if (joint.name != one) names.push_back(joint.name);
+  }
+  return names;
+}
+
+std::vector<std::string> HeldErrors(const CalibrationProblem& problem) {
+  std::vector<std::string> errors;
+  for (const Coordinate& coordinate : problem.parameters.coordinates()) {
+    if (coordinate.kind == CoordinateKind::kGeometry && !coordinate.estimated())
+      errors.push_back(coordinate.name.substr(coordinate.name.find('/') + 1));
+  }
+  return errors;
+}
+
 std::vector<std::string> TargetsOf(const EffectDefinition& definition, const CalibrationProblem& problem) {
-  std::vector<std::string> targets;
   switch (definition.target) {
     case EffectTarget::kJoint:
-      for (const Joint& joint : problem.robot().chain.joints) targets.push_back(joint.name);
-      break;
+      return JointsBut(problem);
     case EffectTarget::kError:
-      for (const Coordinate& coordinate : problem.parameters.coordinates()) {
-        if (coordinate.kind == CoordinateKind::kGeometry && !coordinate.estimated())
-          targets.push_back(coordinate.name.substr(coordinate.name.find('/') + 1));
-      }
-      break;
+      return HeldErrors(problem);
     case EffectTarget::kBase:
-      targets = {"base"};
-      break;
+      return {"base"};
     case EffectTarget::kRobot:
-      targets = {"robot"};
-      break;
+      return {"robot"};
     case EffectTarget::kStation:
-      targets = problem.data().stations;
-      break;
-    case EffectTarget::kLoad: {
-      std::set<std::string> loads;
-      for (const Shot& shot : problem.data().shots) {
-        if (IsLoaded(shot)) loads.insert(shot.load);
-      }
-      targets.assign(loads.begin(), loads.end());
-      break;
-    }
+      return problem.data().stations;
+    case EffectTarget::kLoad:
+      return LoadsCarried(problem.data());
     case EffectTarget::kMarker:
-      targets = problem.data().markers;
-      break;
+      return problem.data().markers;
   }
-  return targets;
+  return {};
 }
 
 std::vector<std::string> Choices(const SettingDefinition& setting, const std::string& target,
                                  const CalibrationProblem& problem) {
-  std::vector<std::string> choices;
-  const int orders = setting.most_scanned > 0 ? setting.most_scanned : ResolvedOrders(problem);
-  switch (setting.kind) {
-    case SettingDefinition::Kind::kInteger:
-      for (int n = 1; n <= orders; ++n) choices.push_back(std::to_string(n));
-      break;
-    case SettingDefinition::Kind::kMoment:
-      choices = ChangePoints(problem);
-      break;
-    case SettingDefinition::Kind::kNumber:
-      choices = setting.choices;
-      break;
-    case SettingDefinition::Kind::kJoint:
-      for (const Joint& joint : problem.robot().chain.joints) {
-        if (joint.name != target) choices.push_back(joint.name);
-      }
-      break;
-    case SettingDefinition::Kind::kChoice:
-      choices = setting.choices;
-      break;
-  }
-  return choices;
+  if (setting.kind == SettingDefinition::Kind::kMoment) return ChangePoints(problem);
+  if (setting.kind == SettingDefinition::Kind::kJoint) return JointsBut(problem, target);
+  if (setting.kind != SettingDefinition::Kind::kInteger) return setting.choices;
+  std::vector<std::string> orders;
+  const int most = setting.most_scanned > 0 ? setting.most_scanned : ResolvedOrders(problem);
+  for (int n = 1; n <= most; ++n) orders.push_back(std::to_string(n));
+  return orders;
 }
 
 bool Stands(const CalibrationProblem& problem, const EffectSpec& spec) {
@@ -236,6 +223,14 @@ int ResolvedOrders(const CalibrationProblem& problem) {
   const auto fitted = std::count_if(configurations.begin(), configurations.end(),
                                     [](const Configuration& c) { return !c.is_validation; });
   return std::min(kMostHarmonicOrders, std::max(kHarmonicOrders, static_cast<int>(fitted) / kConfigurationsPerOrder));
+}
+
+std::vector<std::string> LoadsCarried(const Measurements& data) {
+  std::set<std::string> loads;
+  for (const Shot& shot : data.shots) {
+    if (IsLoaded(shot)) loads.insert(shot.load);
+  }
+  return {loads.begin(), loads.end()};
 }
 
 std::vector<EffectSpec> SpecsOf(const std::vector<Candidate>& candidates) {

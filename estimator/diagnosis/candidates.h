@@ -32,6 +32,9 @@ struct CandidateList {
   std::vector<NotTestable> not_testable;
 };
 
+// Names of the loads that shots carry, in their order.
+std::vector<std::string> LoadsCarried(const Measurements& data);
+
 // Their specs, in their order.
 std::vector<EffectSpec> SpecsOf(const std::vector<Candidate>& candidates);
 

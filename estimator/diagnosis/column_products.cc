@@ -4,13 +4,16 @@
 
 namespace sagitta {
 
+ColumnProducts::ColumnProducts(const Eigen::MatrixXd& whole) {
+  for (const auto& row : whole.rowwise()) known_.push_back(row);
+}
+
 Eigen::MatrixXd ColumnProducts::Own(const std::vector<int>& columns) const {
   const auto own = own_.find(columns);
   return own != own_.end() ? own->second : Between(columns, columns);
 }
 
 Eigen::MatrixXd ColumnProducts::Between(const std::vector<int>& a, const std::vector<int>& b) const {
-  if (!rows_of_) return whole_(a, b);
   if (!AreKnown(a) && AreKnown(b)) return Between(b, a).transpose();
   Ask(a);
   Eigen::MatrixXd between(static_cast<long>(a.size()), static_cast<long>(b.size()));
@@ -19,7 +22,6 @@ Eigen::MatrixXd ColumnProducts::Between(const std::vector<int>& a, const std::ve
 }
 
 Eigen::MatrixXd ColumnProducts::Rows(const std::vector<int>& columns) const {
-  if (!rows_of_) return whole_(columns, Eigen::all);
   Ask(columns);
   Eigen::MatrixXd rows(static_cast<long>(columns.size()),
                        columns.empty() ? 0 : known_[static_cast<size_t>(columns[0])].size());
@@ -28,7 +30,6 @@ Eigen::MatrixXd ColumnProducts::Rows(const std::vector<int>& columns) const {
 }
 
 void ColumnProducts::AskTogether(const std::vector<const std::vector<int>*>& lists) const {
-  if (!rows_of_) return;
   std::vector<int> all;
   int unknown = 0;
   for (const std::vector<int>* list : lists) {

@@ -18,7 +18,7 @@ class ColumnProducts {
   using OwnBlocks = std::map<std::vector<int>, Eigen::MatrixXd>;
 
   ColumnProducts() = default;
-  ColumnProducts(Eigen::MatrixXd whole) : whole_(std::move(whole)) {}  // NOLINT: a matrix is one
+  ColumnProducts(const Eigen::MatrixXd& whole);  // NOLINT: a matrix is one
   ColumnProducts(OwnBlocks own, RowsOf rows_of) : own_(std::move(own)), rows_of_(std::move(rows_of)) {}
 
   Eigen::MatrixXd Own(const std::vector<int>& columns) const;
@@ -34,10 +34,9 @@ class ColumnProducts {
   bool AreKnown(const std::vector<int>& columns) const;
   void Ask(const std::vector<int>& columns) const;  // for those that are not known
 
-  Eigen::MatrixXd whole_;  // empty where rows are asked for
   OwnBlocks own_;
   RowsOf rows_of_;
-  mutable std::vector<Eigen::VectorXd> known_;  // rows that were asked for, by column; empty of the others
+  mutable std::vector<Eigen::VectorXd> known_;  // rows that were asked for, or of the whole, by column; else empty
 };
 
 }  // namespace sagitta

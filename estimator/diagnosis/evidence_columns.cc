@@ -165,11 +165,7 @@ void EvidenceColumns::AddMotions(const std::vector<Candidate>& candidates, const
 }
 
 void EvidenceColumns::SetLinearized() {
-  std::set<std::string> loads;
-  for (const Shot& shot : extended_.data().shots) {
-    if (IsLoaded(shot)) loads.insert(shot.load);
-  }
-  loads_.assign(loads.begin(), loads.end());
+  loads_ = LoadsCarried(extended_.data());
   const ParameterSet& all = extended_.parameters;
   linearized_ = believed_;
   linearized_.insert(linearized_.end(), catalogue_.begin(), catalogue_.end());

@@ -75,8 +75,8 @@ JointScatter StatedScatter(const CalibrationProblem& problem);
 
 // Sums over rows, whitened: rows of [believed, explaining, residual] times themselves.
 struct RowSums {
-  Eigen::MatrixXd products;  // upper triangle
-  double log_det = 0.0;      // of the covariance that whitened them
+  Eigen::MatrixXd products;
+  double log_det = 0.0;  // of the covariance that whitened them
   int rows = 0;
 };
 
@@ -85,9 +85,8 @@ struct RowSums {
 // l.
 struct FilledBlock {
   Eigen::MatrixXd rows;
-  std::vector<Eigen::MatrixXd> strips;  // of its columns, transposed
-  Eigen::VectorXd growth;               // l of each row
-  double log_det = 0.0;                 // of C_0
+  Eigen::VectorXd growth;  // l of each row
+  double log_det = 0.0;    // of C_0
 };
 
 // Beside what is believed, which is eliminated with a flat prior (or its stated one).

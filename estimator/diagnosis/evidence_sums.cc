@@ -6,35 +6,13 @@
 #include <set>
 
 #include "estimator/diagnosis/evidence_columns.h"
-#include "estimator/least_squares/batch_algebra.h"
+#include "estimator/least_squares/normal_algebra.h"
 
 namespace sagitta {
 namespace {
 
-constexpr Eigen::Index kRowsAtOnce = 24;  // of a product: what the widest vectors have registers for
 // Of J'J scaled to a unit diagonal: below, a direction is rounding.
 constexpr double kRankOfSums = 1e-13;
-
-// Columns by a few, transposed.
-std::vector<Eigen::MatrixXd> StripsOf(const Eigen::MatrixXd& rows) {
-  std::vector<Eigen::MatrixXd> strips;
-  for (Eigen::Index first = 0; first < rows.cols(); first += kRowsAtOnce) {
-    strips.push_back(rows.middleCols(first, std::min(kRowsAtOnce, rows.cols() - first)).transpose());
-  }
-  return strips;
-}
-
-// The products of each strip with the rows, from its diagonal on, are added to the upper triangle.
-void AddUpperProducts(const std::vector<Eigen::MatrixXd>& strips, const Eigen::MatrixXd& rows, Eigen::MatrixXd* upper) {
-  Eigen::Index first = 0;
-  for (const Eigen::MatrixXd& strip : strips) {
-    const Eigen::Index height = strip.rows(), columns = rows.cols() - first;
-    Eigen::MatrixXd product(height, columns);
-    MultiplyColumns(strip.data(), height, height, strip.cols(), rows.col(first).data(), columns, product.data());
-    upper->block(first, first, height, columns) += product;
-    first += height;
-  }
-}
 
 }  // namespace
 
@@ -110,7 +88,7 @@ RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>
       }
     }
     sums.log_det += Whiten(RootsOf(block.observations, block.here.latent, scatter), &rows);
-    AddUpperProducts(StripsOf(rows), rows, &sums.products);
+    sums.products += SelfProduct(rows);
     sums.rows += block.here.num_rows();
   }
   return sums;
@@ -160,7 +138,6 @@ std::vector<FilledBlock> EvidenceColumns::Fill(const std::vector<int>& columns, 
       auto rows = own.rows.middleRows(poses[p].top, poses[p].height);
       rows = eigen.eigenvectors().transpose() * Eigen::MatrixXd(rows);
     }
-    own.strips = StripsOf(own.rows);
   }
   return filled;
 }
@@ -171,7 +148,7 @@ RowSums EvidenceColumns::Sum(double variance, const std::vector<FilledBlock>& fi
   for (const FilledBlock& block : filled) {
     const Eigen::VectorXd variances = (1.0 + variance * block.growth.array()).matrix();
     sums.log_det += block.log_det + variances.array().log().sum();
-    AddUpperProducts(block.strips, variances.cwiseInverse().asDiagonal() * block.rows, &sums.products);
+    sums.products += SelfProduct(variances.cwiseInverse().cwiseSqrt().asDiagonal() * block.rows);
     sums.rows += static_cast<int>(block.rows.rows());
   }
   return sums;
@@ -199,7 +176,7 @@ Eigen::MatrixXd EvidenceColumns::RowsAt(const std::vector<int>& observations, co
 }
 
 Eigen::MatrixXd EvidenceColumns::FittedProducts(const JointScatter& scatter, const std::vector<int>& columns) const {
-  Eigen::MatrixXd products = Sum(scatter, &columns).products.selfadjointView<Eigen::Upper>();
+  Eigen::MatrixXd products = Sum(scatter, &columns).products;
   const long believed = num_believed(), last = products.cols() - 1;
   Eigen::MatrixXd own = products.topLeftCorner(believed, believed);
   Eigen::VectorXd along = products.col(last).head(believed);
@@ -232,9 +209,9 @@ EvidenceColumns::Eliminated EvidenceColumns::Eliminate(Eigen::MatrixXd own, Eige
 // [G g; g' R] = [A r]'C^-1 [A r] - along' along.
 BesideBelieved EvidenceColumns::Project(const RowSums& sums) const {
   const long believed = static_cast<long>(believed_.size()), width = sums.products.cols(), count = width - believed - 1;
-  const Eigen::MatrixXd own = sums.products.topLeftCorner(believed, believed).selfadjointView<Eigen::Upper>();
-  const Eliminated out = Eliminate(own, sums.products.topRightCorner(believed, count + 1),
-                                   sums.products(count + believed, count + believed), sums);
+  const Eliminated out =
+      Eliminate(sums.products.topLeftCorner(believed, believed), sums.products.topRightCorner(believed, count + 1),
+                sums.products(count + believed, count + believed), sums);
   Eigen::MatrixXd left = sums.products.bottomRightCorner(count + 1, count + 1);
   left(count, count) = out.square;
   const Eigen::VectorXd before = left.diagonal();

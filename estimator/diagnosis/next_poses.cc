@@ -12,6 +12,7 @@
 
 #include "estimator/diagnosis/pose_choice.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/planning/pose_space.h"
 #include "models/effects/catalogue.h"
 #include "problems/loads.h"
 
@@ -66,29 +67,15 @@ std::vector<ProposedPose> DrawPoses(const CalibrationProblem& problem, unsigned 
 CalibrationProblem WithPoses(const CalibrationProblem& problem, const std::vector<ProposedPose>& poses) {
   Measurements data = problem.data();
   NoiseRoots roots = problem.resolved_noise;
+  const std::vector<std::vector<int>> shots = ShotsByConfiguration(problem.data());
   for (const ProposedPose& pose : poses) {
-    const int configuration = static_cast<int>(data.configurations.size());
-    data.configurations.push_back({"next" + std::to_string(configuration), pose.q, true});
-    const size_t shots = problem.data().shots.size();
-    for (size_t s = 0; s < shots; ++s) {
-      if (problem.data().shots[s].configuration != pose.like) continue;
-      Shot shot = problem.data().shots[s];
-      shot.configuration = configuration;
-      shot.observations.clear();
-      const int first = static_cast<int>(data.observations.size());
-      const std::vector<int>& own = problem.data().shots[s].observations;
-      for (const int o : problem.data().shots[s].observations) {
-        Observation observation = problem.data().observations[static_cast<size_t>(o)];
-        observation.shot = static_cast<int>(data.shots.size());
-        if (observation.partner >= 0) {  // the other reading of a pose comes along
-          observation.partner =
-              first + static_cast<int>(std::find(own.begin(), own.end(), observation.partner) - own.begin());
-        }
-        shot.observations.push_back(static_cast<int>(data.observations.size()));
-        data.observations.push_back(observation);
-        if (!problem.resolved_noise.empty()) roots.push_back(problem.resolved_noise[static_cast<size_t>(o)]);
-      }
-      data.shots.push_back(std::move(shot));
+    const std::vector<int>& own = shots[static_cast<size_t>(pose.like)];
+    const std::string id = "next" + std::to_string(data.configurations.size());
+    AppendConfiguration(problem.data(), pose.like, own, pose.q, id, &data);
+    data.configurations.back().is_validation = true;
+    if (roots.empty()) continue;
+    for (const int shot : own) {
+      for (const int o : problem.data().shots[shot].observations) roots.push_back(problem.resolved_noise[o]);
     }
   }
   CalibrationProblem extended = problem;
@@ -129,10 +116,16 @@ class FewColumns {
   // where two say equally much of these, rounding may list another.
   bool AreListed() const { return list_.functions.empty() || list_.functions.size() == given_.functions.size(); }
 
-  // The same set by the numbers of this list.
-  WeightedSet Here(WeightedSet set) const {
-    for (int& member : set.members) member = NumberOf(member);
-    return set;
+  // Of a member in this list. What has no name comes last in both lists, all of it in the same order; of the catalogue
+  // one start has one place.
+  int NumberOf(int member) const {
+    const int here = static_cast<int>(list_.math.size());
+    if (given_.IsUnnamed(member)) return here - static_cast<int>(given_.functions.size()) + given_.unnamed[member];
+    const EffectSpec& start = given_.start[member];
+    int k = 0;
+    while (k < here && (list_.start[k].Path() != start.Path() || list_.start[k].values != start.values)) ++k;
+    CHECK_LT(k, here);
+    return k;
   }
 
  private:
@@ -158,17 +151,6 @@ class FewColumns {
     });
   }
 
-  // What has no name comes last in both lists, all of it in the same order; of the catalogue one start has one place.
-  int NumberOf(int member) const {
-    const int here = static_cast<int>(list_.math.size());
-    if (given_.IsUnnamed(member)) return here - static_cast<int>(given_.functions.size()) + given_.unnamed[member];
-    const EffectSpec& start = given_.start[member];
-    int k = 0;
-    while (k < here && (list_.start[k].Path() != start.Path() || list_.start[k].values != start.values)) ++k;
-    CHECK_LT(k, here);
-    return k;
-  }
-
   const ExplanationList& given_;
   const CandidateList candidates_;
   EvidenceColumns columns_;
@@ -182,61 +164,25 @@ struct Rival {
   int name = 0;  // of the answer
 };
 
-// Columns of the members of some sets, each once.
-std::vector<int> ColumnsOf(const ExplanationList& list, const std::vector<WeightedSet>& sets) {
-  std::set<int> columns;
-  for (const WeightedSet& set : sets) {
-    for (const int m : set.members) {
-      const std::vector<int>& own = list.math[static_cast<size_t>(m)].group.columns;
-      columns.insert(own.begin(), own.end());
-    }
-  }
-  return {columns.begin(), columns.end()};
-}
+// Rows of a set's unit prior coefficients behind the believed ones, of rows that are for [believed, columns]. groups:
+// within those columns.
+struct Coefficients {
+  std::vector<const ColumnGroup*> groups;
+  std::vector<double> scales;
+  long believed = 0, size = 0;  // of the set, without the believed
 
-// A set's unit prior coefficients behind the believed parameters.
-class Coefficients {
- public:
-  // columns: of several sets.
-  Coefficients(const ExplanationList& list, const WeightedSet& set, const std::vector<int>& columns, long believed)
-      : list_(list), set_(set), believed_(believed) {
-    for (const int m : set.members) {
-      std::vector<long>& own = places_.emplace_back();
-      for (const int c : GroupOf(m).columns) {
-        own.push_back(believed + (std::lower_bound(columns.begin(), columns.end(), c) - columns.begin()));
-      }
-      size_ += GroupOf(m).size();
-    }
-  }
-
-  // Of rows that are for [believed, columns].
   Eigen::MatrixXd Of(const Eigen::MatrixXd& rows) const {
-    Eigen::MatrixXd mixed(believed_ + size_, rows.cols());
-    mixed.topRows(believed_) = rows.topRows(believed_);
-    long first = believed_;
-    for (size_t k = 0; k < set_.members.size(); ++k) {
-      const ColumnGroup& group = GroupOf(set_.members[k]);
-      auto own = mixed.middleRows(first, group.size());
-      const Eigen::MatrixXd raw = set_.scales[k] * rows(places_[k], Eigen::all);
-      if (group.mixing.size() > 0) {
-        own.noalias() = group.mixing.transpose() * raw;
-      } else {
-        own = raw;
-      }
-      first += group.size();
+    Eigen::MatrixXd mixed(believed + size, rows.cols());
+    mixed.topRows(believed) = rows.topRows(believed);
+    const auto of_columns = rows.bottomRows(rows.rows() - believed);
+    long first = believed;
+    for (size_t k = 0; k < groups.size(); ++k) {
+      mixed.middleRows(first, groups[k]->size()) =
+          groups[k]->Mixed(scales[k] * of_columns(groups[k]->columns, Eigen::all));
+      first += groups[k]->size();
     }
     return mixed;
   }
-  long size() const { return size_; }
-
- private:
-  const ColumnGroup& GroupOf(int member) const { return list_.math[static_cast<size_t>(member)].group; }
-
-  const ExplanationList& list_;
-  const WeightedSet& set_;
-  const long believed_;
-  long size_ = 0;
-  std::vector<std::vector<long>> places_;  // of each member
 };
 
 // What is known of a set's coefficients, and of all poses by it. sums: of the fitted rows with [believed, columns,
@@ -246,7 +192,7 @@ void Predict(const Coefficients& coefficients, const Eigen::MatrixXd& sums, cons
              RivalRows* rows) {
   const Eigen::MatrixXd half = coefficients.Of(sums);
   Eigen::MatrixXd precision = coefficients.Of(half.leftCols(turned.rows()).transpose());
-  precision.diagonal().tail(coefficients.size()).array() += 1.0;
+  precision.diagonal().tail(coefficients.size).array() += 1.0;
   // What hardly anything tells must not decide: a flat prior is one of a thousand times what the data say.
   precision.diagonal() *= 1.0 + 1e-9;
   const Eigen::LDLT<Eigen::MatrixXd> factor(precision);
@@ -308,17 +254,6 @@ std::vector<double> ProbabilitiesOf(const std::vector<Rival>& rivals) {
   return probabilities;
 }
 
-// Observations of each of the poses, the last configurations of the extended problem.
-std::vector<std::vector<int>> ObservationsOf(const CalibrationProblem& extended, size_t poses) {
-  const size_t first = extended.data().configurations.size() - poses;
-  std::vector<std::vector<int>> observations(poses);
-  for (size_t o = 0; o < extended.data().observations.size(); ++o) {
-    const size_t c = static_cast<size_t>(extended.data().shots[extended.data().observations[o].shot].configuration);
-    if (c >= first) observations[c - first].push_back(static_cast<int>(o));
-  }
-  return observations;
-}
-
 std::optional<PoseChoice> ChoiceOf(const Evidence& evidence, const std::vector<Rival>& rivals,
                                    const CalibrationProblem& extended, const ParameterSet& parameters, size_t poses) {
   std::vector<const WeightedSet*> sets;
@@ -326,10 +261,16 @@ std::optional<PoseChoice> ChoiceOf(const Evidence& evidence, const std::vector<R
   const FewColumns few(evidence, sets, extended, parameters);
   if (!few.AreListed()) return std::nullopt;
   const JointScatter& scatter = evidence.views()[evidence.models()[rivals[0].model].view].scatter;
-  std::vector<WeightedSet> here;
-  for (const WeightedSet* set : sets) here.push_back(few.Here(*set));
-  const std::vector<int> columns = ColumnsOf(few.list(), here);
-  const std::vector<std::vector<int>> observations = ObservationsOf(extended, poses);
+  std::vector<int> chosen;  // members of all sets, each once
+  for (const WeightedSet* set : sets) {
+    for (const int m : set->members) chosen.push_back(few.NumberOf(m));
+  }
+  std::sort(chosen.begin(), chosen.end());
+  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+  const FewExplanations explanations = WithTheirColumns(few.list().math, chosen);
+  const std::vector<int>& columns = explanations.columns;
+  const std::vector<std::vector<int>> all = ObservationsByConfiguration(extended.data());
+  const std::vector<std::vector<int>> observations(all.end() - static_cast<long>(poses), all.end());
   std::vector<long> first_row = {0};
   for (const std::vector<int>& own : observations) {
     first_row.push_back(first_row.back() + 3 * static_cast<long>(own.size()));
@@ -345,7 +286,13 @@ std::optional<PoseChoice> ChoiceOf(const Evidence& evidence, const std::vector<R
   for (size_t i = 0; i < rivals.size(); ++i) {
     rows[i].probability = rivals[i].probability;
     rows[i].name = rivals[i].name;
-    Predict(Coefficients(few.list(), here[i], columns, believed), sums, turned, &rows[i]);
+    Coefficients coefficients{{}, sets[i]->scales, believed, 0};
+    for (const int m : sets[i]->members) {
+      const auto at = std::lower_bound(chosen.begin(), chosen.end(), few.NumberOf(m)) - chosen.begin();
+      coefficients.groups.push_back(&explanations.explanations[static_cast<size_t>(at)].group);
+      coefficients.size += coefficients.groups.back()->size();
+    }
+    Predict(coefficients, sums, turned, &rows[i]);
   }
   return PoseChoice(std::move(rows), std::move(first_row));
 }

@@ -41,42 +41,27 @@ Eigen::MatrixXd PoseChoice::OwnOf(const Eigen::MatrixXd& spread) const {
   return own;
 }
 
-Eigen::MatrixXd PoseChoice::SpreadAt(size_t rival, const std::vector<size_t>& poses) const {
-  const Eigen::MatrixXd& spread = rivals_[rival].spread;
-  long count = 0;
-  for (const size_t pose : poses) count += RowsOf(pose).size;
-  Eigen::MatrixXd chosen(spread.rows(), count);
-  long at = 0;
+std::vector<long> PoseChoice::RowsOf(const std::vector<size_t>& poses) const {
+  std::vector<long> rows;
   for (const size_t pose : poses) {
-    const Block rows = RowsOf(pose);
-    chosen.middleCols(at, rows.size) = spread.middleCols(rows.first, rows.size);
-    at += rows.size;
+    for (long row = first_row_[pose]; row < first_row_[pose + 1]; ++row) rows.push_back(row);
   }
-  return chosen;
-}
-
-Eigen::VectorXd PoseChoice::MeansAt(size_t rival, const std::vector<size_t>& poses) const {
-  std::vector<double> means;
-  for (const size_t pose : poses) {
-    const Block rows = RowsOf(pose);
-    const auto own = rivals_[rival].means.segment(rows.first, rows.size);
-    means.insert(means.end(), own.begin(), own.end());
-  }
-  return Eigen::Map<const Eigen::VectorXd>(means.data(), static_cast<long>(means.size()));
+  return rows;
 }
 
 // With V of the rows taken (1) and those of one pose (2), V_11 = L L', B = L^-1 V_12, y = L^-1 d_1:
 // D = y'y + e' (V_22 - B'B)^-1 e,  e = d_2 - B'y.
 std::vector<Eigen::MatrixXd> PoseChoice::ApartWith(const std::vector<size_t>& poses) const {
   const long n = static_cast<long>(rivals_.size());
-  std::vector<Eigen::MatrixXd> across, taken(rivals_.size());  // of each rival, halved
+  const std::vector<long> rows_taken = RowsOf(taken_), rows_asked = RowsOf(poses);
+  std::vector<Eigen::MatrixXd> across, taken;  // of each rival, halved
   std::vector<Eigen::VectorXd> means, taken_means;
-  for (size_t i = 0; i < rivals_.size(); ++i) {
-    taken[i] = SpreadAt(i, taken_);
-    across.push_back(0.5 * taken[i].transpose() * SpreadAt(i, poses));
-    taken[i] = Eigen::MatrixXd(0.5 * taken[i].transpose() * taken[i]);
-    means.push_back(MeansAt(i, poses));
-    taken_means.push_back(MeansAt(i, taken_));
+  for (const RivalRows& rival : rivals_) {
+    const Eigen::MatrixXd spread = rival.spread(Eigen::all, rows_taken);
+    across.push_back(0.5 * spread.transpose() * rival.spread(Eigen::all, rows_asked).eval());
+    taken.push_back(0.5 * spread.transpose() * spread);
+    means.push_back(rival.means(rows_asked));
+    taken_means.push_back(rival.means(rows_taken));
   }
   std::vector<Eigen::MatrixXd> aparts(poses.size(), Eigen::MatrixXd::Zero(n, n));
   Eigen::MatrixXd left;  // of one pose, as its root: their memory serves all
@@ -130,14 +115,15 @@ size_t PoseChoice::Take() {
 
 Eigen::MatrixXd PoseChoice::ApartAfter(double visits) const {
   const long n = static_cast<long>(rivals_.size());
+  const std::vector<long> rows = RowsOf(taken_);
   Eigen::MatrixXd apart = Eigen::MatrixXd::Zero(n, n);
   for (long i = 0; i < n; ++i) {
     for (long j = 0; j < i; ++j) {
       if (names_[i] == names_[j]) continue;
-      const Eigen::MatrixXd one = SpreadAt(i, taken_), other = SpreadAt(j, taken_);
+      const Eigen::MatrixXd one = rivals_[i].spread(Eigen::all, rows), other = rivals_[j].spread(Eigen::all, rows);
       Eigen::MatrixXd covariance = 0.5 * (one.transpose() * one + other.transpose() * other);
       covariance.diagonal().array() += 1.0 / visits;
-      const Eigen::VectorXd difference = MeansAt(i, taken_) - MeansAt(j, taken_);
+      const Eigen::VectorXd difference = rivals_[i].means(rows) - rivals_[j].means(rows);
       apart(i, j) = apart(j, i) = difference.dot(covariance.llt().solve(difference));
     }
   }

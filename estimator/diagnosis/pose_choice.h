@@ -46,8 +46,7 @@ class PoseChoice {
   };
   Block RowsOf(size_t pose) const { return {first_row_[pose], first_row_[pose + 1] - first_row_[pose]}; }
   Eigen::MatrixXd OwnOf(const Eigen::MatrixXd& spread) const;
-  Eigen::MatrixXd SpreadAt(size_t rival, const std::vector<size_t>& poses) const;  // columns of Y
-  Eigen::VectorXd MeansAt(size_t rival, const std::vector<size_t>& poses) const;
+  std::vector<long> RowsOf(const std::vector<size_t>& poses) const;  // one pose after the other
   // D of the poses that are taken with each of these beside them.
   std::vector<Eigen::MatrixXd> ApartWith(const std::vector<size_t>& poses) const;
   Eigen::MatrixXd ApartAfter(double visits) const;
