@@ -5,9 +5,9 @@
 #include <functional>
 #include <limits>
 
+#include "estimator/diagnosis/gap.h"
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/diagnosis/refit.h"
-#include "estimator/diagnosis/selected_effects.h"
 #include "estimator/inspection/load_lint.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/report/diagnosis_caution_words.h"

@@ -29,10 +29,6 @@ constexpr int kMostPredicted = 5;         // candidates, each refitted by itself
 constexpr double kSettledScatter = 0.05;  // of sigma: what a hundred degrees of freedom leave open is more
 constexpr int kMostRounds = 2;            // outliers beside the believed model, then beside the extended one
 
-bool IsSigmaStated(const CalibrationProblem& problem) {
-  return problem.sigma_is_stated() && problem.experiment().noise.from != NoiseSpec::From::kVarianceComponents;
-}
-
 // Where nothing states sigma the scatter about the baseline scales the rows; its level has no say (Student).
 CalibrationProblem WithWorkingSigma(const DiagnosedModel& baseline, bool is_stated) {
   CalibrationProblem working = *baseline.problem;
@@ -261,8 +257,8 @@ class Session {
   // Of the selected effects; -1: all hold.
   int NotNamed() {
     if (!IsUsable(d_.final.estimate.status)) return static_cast<int>(selected_.size()) - 1;
-    const auto idle = LeastSupported();
-    if (idle != selected_.end()) return static_cast<int>(idle - selected_.begin());
+    const int idle = LeastSupported();
+    if (idle >= 0) return idle;
     const int worse = MeasurePrefixes();
     if (worse >= 0) return worse;
     return CountHeldOut(d_.final) >= kFewHeldOut && MayLeaveARest() ? LeastConfirmed() : -1;
@@ -287,15 +283,15 @@ class Session {
     d_.unconfirmed.emplace_back(effect.candidate.spec, posterior_.Of(evidence_->list().name[effect.explanation]));
   }
 
-  // The effect whose values the full estimator takes for chance, if there is one.
-  std::vector<SelectedEffect>::iterator LeastSupported() {
-    auto least = selected_.end();
+  // The effect whose values the full estimator takes for chance most; -1: none.
+  int LeastSupported() const {
+    int least = -1;
     double largest = kIntervalMisses;
-    for (auto effect = selected_.begin(); effect != selected_.end(); ++effect) {
-      const double p = WaldP(effect->candidate.spec, d_.final.estimate);
+    for (size_t k = 0; k < selected_.size(); ++k) {
+      const double p = WaldP(selected_[k].candidate.spec, d_.final.estimate);
       if (p <= largest) continue;
       largest = p;
-      least = effect;
+      least = static_cast<int>(k);
     }
     return least;
   }

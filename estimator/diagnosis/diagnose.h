@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "estimator/diagnosis/effect_checks.h"
-#include "estimator/diagnosis/effect_view.h"
 #include "estimator/diagnosis/gap.h"
 #include "estimator/diagnosis/gap_map.h"
 #include "estimator/diagnosis/learnt_function.h"
@@ -21,13 +20,6 @@
 #include "problems/choices.h"
 
 namespace sagitta {
-
-// Where the misfit is: the share of one configuration, marker, joint, ….
-struct WhereShare {
-  std::string by;  // config, marker, axis, joint, load, station, time
-  std::string key;
-  double share = 0.0;  // of the excess chi-square
-};
 
 // A candidate alone beside the believed model.
 struct ScreenedCandidate {
@@ -141,8 +133,5 @@ void CheckOptions(const DiagnosisOptions& options);
 
 // Which effects the model lacks. The problem needs held-out configurations for the gap (HoldOutForDiagnosis).
 Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& options);
-
-// Where the chi-square beyond the noise is, by configuration, marker, joint, …; largest shares first.
-std::vector<WhereShare> FindWhere(const DiagnosedModel& model);
 
 }  // namespace sagitta

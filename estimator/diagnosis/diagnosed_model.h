@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "estimator/calibration/joint_estimator.h"
-#include "estimator/diagnosis/quick_refit.h"
 
 namespace sagitta {
 
@@ -12,12 +11,6 @@ struct DiagnosedModel {
   std::shared_ptr<CalibrationProblem> problem;
   Estimate estimate;
 };
-
-// Measured minus predicted, m, one column per point that was held out (Measurements::PointsAmong): as the estimate has
-// predicted it where it has.
-Eigen::Matrix3Xd HoldoutMisfit(const DiagnosedModel& model);
-// With a prediction of these points, where the model is asked for them several times.
-DiagnosedModel PredictingHoldout(DiagnosedModel model);
 
 // The full estimator from the problem's own starting values.
 DiagnosedModel FitFully(const CalibrationProblem& problem, const JointOptions& options);
@@ -30,7 +23,13 @@ DiagnosedModel JudgeFully(std::shared_ptr<CalibrationProblem> problem, const Par
 // A problem that has changed a little, from an estimate of what it was.
 DiagnosedModel RefitFully(const CalibrationProblem& problem, const Estimate& start, const JointOptions& options);
 
-// What a quick refit says: parameters, chi-square, degrees of freedom, and whether it converged.
-Estimate QuickEstimate(const QuickRefit& refit);
+// A cheap refit for choosing among effects, from a nearby optimum. Effects are nearly linear, so that a few steps do;
+// where they do not, the status is not usable and the full estimator has to say. What was held stays held.
+struct QuickRefit {
+  Estimate estimate;       // status, parameters, chi-square (priors included), rows, degrees of freedom
+  Eigen::VectorXd sigmas;  // per coordinate of the parameters, SI, at the stated noise; 0 unless estimated
+};
+// Estimates what `start` estimates, beginning there.
+QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& start);
 
 }  // namespace sagitta

@@ -23,13 +23,6 @@ constexpr double kPriorMatters = 0.01;
 constexpr double kTakesItsPlace = 0.5;  // of what the effect explains
 constexpr size_t kRivalsOnHalves = 40;  // names that are asked on a half
 
-std::vector<const ColumnGroup*> GroupsOf(const std::vector<Explanation>& explanations,
-                                         const std::vector<int>& members) {
-  std::vector<const ColumnGroup*> groups;
-  for (const int m : members) groups.push_back(&explanations[m].group);
-  return groups;
-}
-
 // What is asked on the halves: the set, then the rivals in each place; positions in `all` of what is asked there, the
 // member first.
 struct Asked {
@@ -69,8 +62,8 @@ HalfResult OnHalf(const Evidence& evidence, const Asked& asked, size_t k, const 
   return result;
 }
 
-// d = a_1 - a_2:  d'(C_1 + C_2)^-1 d ~ chi^2 of as many degrees of freedom as there are values.
-// Of the halves' values being one.
+// Of the halves' values being one:  d = a_1 - a_2,  d'(C_1 + C_2)^-1 d ~ chi^2 of as many degrees of freedom as there
+// are values.
 double CompatibleP(const std::vector<HalfResult>& halves) {
   if (halves.size() < 2) return kNotKnown;
   const Eigen::VectorXd apart = halves[0].values - halves[1].values;
@@ -186,19 +179,19 @@ std::vector<NamedProbability> InPlaceOf(const Evidence& evidence, const Places& 
   return ByName(evidence, places.Weights(place, all));
 }
 
-std::vector<NamedProbability> ShapesInPlaceOf(const Evidence& evidence, const WeightedModel& model, int member) {
+std::vector<int> OthersOfItsName(const Evidence& evidence, const WeightedModel& model, int member) {
+  const std::vector<std::string>& name = evidence.list().name;
   const auto& members = model.set.members;
   const auto place = static_cast<size_t>(std::find(members.begin(), members.end(), member) - members.begin());
-  std::vector<int> own;
-  for (size_t k = 0; k < evidence.list().name.size(); ++k) {
-    if (evidence.list().name[k] == evidence.list().name[member]) own.push_back(static_cast<int>(k));
+  std::vector<int> others;
+  for (size_t k = 0; k < name.size(); ++k) {
+    if (name[k] == name[member] && static_cast<int>(k) != member) others.push_back(static_cast<int>(k));
   }
-  const std::vector<double> weights = PlacesOf(evidence, model).Weights(place, own);
-  std::vector<NamedProbability> shapes;
-  for (size_t k = 0; k < own.size(); ++k) shapes.push_back({evidence.list().name[own[k]], own[k], weights[k]});
-  std::stable_sort(shapes.begin(), shapes.end(),
-                   [](const auto& a, const auto& b) { return a.probability > b.probability; });
-  return shapes;
+  const std::vector<double> weights = PlacesOf(evidence, model).Weights(place, others);
+  std::map<int, double> weight;
+  for (size_t k = 0; k < others.size(); ++k) weight[others[k]] = weights[k];
+  std::stable_sort(others.begin(), others.end(), [&](int a, int b) { return weight[a] > weight[b]; });
+  return others;
 }
 
 // With c = A a the effect's contribution, a its values given the others:  |P_rival c|^2 / |c|^2.
@@ -229,7 +222,7 @@ std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Poster
 double ResidualAtBest(const Evidence& evidence, const WeightedModel& model) {
   const ProjectedNormal& normal = evidence.views()[model.view].beside.normal;
   if (model.set.members.empty()) return normal.residual;
-  const std::vector<const ColumnGroup*> groups = evidence.GroupsOf(model.set);
+  const std::vector<const ColumnGroup*> groups = GroupsOf(evidence.list().math, model.set.members);
   std::vector<double> scales = model.set.scales;
   for (size_t k = 0; k < groups.size(); ++k) {
     const bool is_spring = IsGravityCompensator(evidence.list().start[model.set.members[k]]);
@@ -243,10 +236,9 @@ double ResidualAtBest(const Evidence& evidence, const WeightedModel& model) {
 }
 
 std::vector<GivenOthers> EachGivenOthers(const Evidence& evidence, const WeightedModel& model) {
+  const Members members(evidence.views()[model.view].beside.normal, GroupsOf(evidence.list().math, model.set.members),
+                        model.set.scales);
   std::vector<GivenOthers> each;
-  Members members(evidence.views()[model.view].beside.normal, evidence.GroupsOf(model.set));
-  if (model.set.members.empty()) return each;
-  members.Condition(model.set.scales);
   for (size_t k = 0; k < members.size(); ++k) each.push_back(members.Of(k));
   return each;
 }
@@ -282,6 +274,7 @@ std::vector<Confirmation> ConfirmEach(const Evidence& evidence, const WeightedMo
   const FewExplanations few = WithTheirColumns(evidence.list().math, asked.all);
   WeightedSet set{{}, model.set.scales, 0.0, 0.0};
   for (size_t k = 0; k < model.set.members.size(); ++k) set.members.push_back(static_cast<int>(k));
+  const std::vector<const ColumnGroup*> groups = GroupsOf(few.explanations, set.members);
   const std::vector<double> widest(set.members.size(), kScales[kNumScales - 1]);
   const int middle = columns.num_poses() / 2;
   for (int half = 0; half < 2 && !places.empty(); ++half) {
@@ -291,14 +284,12 @@ std::vector<Confirmation> ConfirmEach(const Evidence& evidence, const WeightedMo
     const BesideBelieved beside =
         columns.Project(columns.Sum(evidence.views()[model.view].scatter, &few.columns, poses));
     const Places there(beside.normal, few.explanations, evidence.prior(), evidence.Likelihood(beside.normal.dof), set);
-    const GroupValues values = ValuesOf(beside.normal, GroupsOf(few.explanations, set.members), widest);
+    const GroupValues values = ValuesOf(beside.normal, groups, widest);
     for (size_t k = 0; k < places.size(); ++k) {
       HalfResult result = OnHalf(evidence, asked, k, there.Weights(places[k], asked.of[k]));
-      long first = 0;
-      for (size_t m = 0; m < places[k]; ++m) first += few.explanations[m].group.size();
-      const long size = few.explanations[places[k]].group.size();
-      result.values = values.values.segment(first, size);
-      result.covariance = values.covariance.block(first, first, size, size);
+      const GroupValues own = values.Of(places[k], groups);
+      result.values = own.values;
+      result.covariance = own.covariance;
       confirmations[k].halves.push_back(std::move(result));
     }
   }

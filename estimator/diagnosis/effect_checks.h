@@ -43,8 +43,8 @@ Places PlacesOf(const Evidence& evidence, const WeightedModel& model);
 // Probability of each name in the effect's place, given the others of the set: most probable first, the effect's own
 // included, unnamed ones too. place: of the effect in the set.
 std::vector<NamedProbability> InPlaceOf(const Evidence& evidence, const Places& places, size_t place);
-// Explanations of the member's own name in its place, best first; `probability` is a log weight.
-std::vector<NamedProbability> ShapesInPlaceOf(const Evidence& evidence, const WeightedModel& model, int member);
+// The other explanations of a member's name, best first in its place.
+std::vector<int> OthersOfItsName(const Evidence& evidence, const WeightedModel& model, int member);
 
 // Those of the catalogue with a probability of kWorthListing or more in the effect's place.
 std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Posterior& posterior, const Places& places,

@@ -273,26 +273,16 @@ void Evidence::AddReadings() {
   }
 }
 
-std::vector<const ColumnGroup*> Evidence::GroupsOf(const WeightedSet& set) const {
-  std::vector<const ColumnGroup*> groups;
-  for (const int m : set.members) groups.push_back(&list_.math[m].group);
-  return groups;
-}
-
 GroupValues Evidence::ValuesOfMember(const WeightedModel& model, int member) const {
-  const GroupValues all = ValuesOf(views_[model.view].beside.normal, GroupsOf(model.set), model.set.scales);
-  long first = 0;
-  for (size_t k = 0; model.set.members[k] != member; ++k) first += list_.math[model.set.members[k]].group.size();
-  const long size = list_.math[member].group.size();
-  return {all.values.segment(first, size), all.covariance.block(first, first, size, size)};
+  const auto& members = model.set.members;
+  const std::vector<const ColumnGroup*> groups = GroupsOf(list_.math, members);
+  const auto place = static_cast<size_t>(std::find(members.begin(), members.end(), member) - members.begin());
+  return ValuesOf(views_[model.view].beside.normal, groups, model.set.scales).Of(place, groups);
 }
 
 double Evidence::ResidualOf(const WeightedModel& model) const {
   const ProjectedNormal& normal = views_[model.view].beside.normal;
-  if (model.set.members.empty()) return normal.residual;
-  Members members(normal, GroupsOf(model.set));
-  members.Condition(model.set.scales);
-  return members.residual();
+  return Members(normal, GroupsOf(list_.math, model.set.members), model.set.scales).residual();
 }
 
 double Evidence::SigmaIsWrong(const WeightedModel& model) const {

@@ -93,7 +93,6 @@ class Evidence {
   double SigmaIsWrong(const WeightedModel& model) const;
   // Square of the residual that a model leaves.
   double ResidualOf(const WeightedModel& model) const;
-  std::vector<const ColumnGroup*> GroupsOf(const WeightedSet& set) const;
 
  private:
   struct Trial {

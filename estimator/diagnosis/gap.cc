@@ -4,54 +4,109 @@
 #include <cmath>
 #include <random>
 
+#include "estimator/least_squares/linearization.h"
+#include "estimator/statistics/distributions.h"
 #include "models/constants.h"
 
 namespace sagitta {
 namespace {
 
+constexpr double kWorseBeyondChance = 0.01;
+constexpr double kBetterBeyondChance = 0.05;  // as of an effect's interval: neither may say that it is chance
 constexpr int kBootstrapDraws = 400;
-constexpr size_t kFewestResampled = 3;
 
-// Squared hold-out residuals per configuration, m^2, and how many coordinates.
-std::vector<std::pair<double, int>> HoldoutByConfiguration(const DiagnosedModel& model) {
-  std::vector<std::pair<double, int>> sums(model.problem->data().configurations.size(), {0.0, 0});
-  for (const int i : model.problem->data().PointsAmong(model.problem->ValidationObservations())) {
-    const Observation& observation = model.problem->data().observations[i];
-    auto& sum = sums[model.problem->data().shots[observation.shot].configuration];
-    sum.first += (observation.point_in_station - model.estimate.predicted.col(i)).squaredNorm();
-    sum.second += 3;
-  }
-  return sums;
+std::vector<int> PointsHeldOut(const DiagnosedModel& model) {
+  return model.problem->data().PointsAmong(model.problem->ValidationObservations());
 }
 
-// max(0, sum |r|^2 / n - floor^2), n coordinates.
-double SquaredGap(const std::vector<std::pair<double, int>>& sums, const std::vector<int>& picked, double floor) {
-  double sum = 0.0;
-  int count = 0;
+int Count(const HoldoutSums& sums) { return static_cast<int>((sums.coordinates.array() > 0.0).count()); }
+
+// Of picked configurations: max(0, sum |r|^2 / n - floor^2), n coordinates.
+double SquaredGap(const HoldoutSums& sums, const std::vector<int>& picked, double floor) {
+  double sum = 0.0, count = 0.0;
   for (const int i : picked) {
-    sum += sums[i].first;
-    count += sums[i].second;
+    sum += sums.squares[i];
+    count += sums.coordinates[i];
   }
-  return count > 0 ? std::max(0.0, sum / count - floor * floor) : 0.0;
+  return count > 0.0 ? std::max(0.0, sum / count - floor * floor) : 0.0;
 }
 
 }  // namespace
 
+HoldoutSums SumHoldout(const DiagnosedModel& model) {
+  const Measurements& data = model.problem->data();
+  const std::vector<int> held_out = PointsHeldOut(model);
+  const Eigen::Matrix3Xd& known = model.estimate.predicted;
+  const Eigen::Matrix3Xd predicted = known.size() > 0
+                                         ? Eigen::Matrix3Xd(known(Eigen::all, held_out))
+                                         : PredictPoints(*model.problem, model.estimate.parameters, held_out);
+  const Eigen::Matrix3Xd misfit = ResidualsOf(data, held_out, predicted);
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(static_cast<long>(data.configurations.size()));
+  HoldoutSums sums{none, none};
+  for (size_t k = 0; k < held_out.size(); ++k) {
+    const int c = data.shots[data.observations[held_out[k]].shot].configuration;
+    sums.squares[c] += misfit.col(static_cast<long>(k)).squaredNorm();
+    sums.coordinates[c] += 3.0;
+  }
+  return sums;
+}
+
+int CountHeldOut(const DiagnosedModel& model) { return Count(SumHoldout(model)); }
+
 double HoldoutRms(const DiagnosedModel& model) {
-  const Eigen::Matrix3Xd misfit = HoldoutMisfit(model);
-  return std::sqrt(misfit.squaredNorm() / static_cast<double>(misfit.size()));
+  const HoldoutSums sums = SumHoldout(model);
+  return std::sqrt(sums.squares.sum() / sums.coordinates.sum());
+}
+
+DiagnosedModel PredictingHoldout(DiagnosedModel model) {
+  Eigen::Matrix3Xd& predicted = model.estimate.predicted;
+  if (!IsUsable(model.estimate.status) || predicted.size() > 0) return model;
+  const std::vector<int> held_out = PointsHeldOut(model);
+  predicted.setConstant(3, static_cast<long>(model.problem->data().observations.size()), kNotKnown);
+  predicted(Eigen::all, held_out) = PredictPoints(*model.problem, model.estimate.parameters, held_out);
+  return model;
+}
+
+double HoldoutGain(const DiagnosedModel& before, const DiagnosedModel& after) {
+  const Eigen::VectorXd gains = SumHoldout(before).squares - SumHoldout(after).squares;
+  const double scatter = gains.norm();
+  return scatter > 0.0 ? gains.sum() / scatter : 0.0;
+}
+
+bool IsBeyondChance(double gain) { return gain > NormalQuantile(1.0 - kBetterBeyondChance); }
+
+bool MakesHoldoutWorse(const DiagnosedModel& before, const DiagnosedModel& after) {
+  const HoldoutSums sums = SumHoldout(after);
+  const int held_out = Count(sums);
+  if (held_out < kFewHeldOut) return false;
+  const Eigen::VectorXd &now = sums.squares, then = SumHoldout(before).squares;
+  const double limit = NormalQuantile(1.0 - kWorseBeyondChance);
+  if ((now - then).sum() > limit * (now - then).norm()) return true;
+  // A few configurations that are far off say nothing by their own scatter. Root mean squares of n points scatter by
+  // 1 / sqrt(6 n) of themselves, and two of the same points by less.
+  const double growth = 1.0 + limit / std::sqrt(6.0 * static_cast<double>(held_out));
+  return now.sum() > growth * growth * then.sum();
+}
+
+bool IsFarFromFloor(const DiagnosedModel& model, bool is_sigma_stated, double significance) {
+  if (!is_sigma_stated || model.estimate.validation.observations == 0) return false;
+  const int held_out = CountHeldOut(model);
+  if (held_out < kFewHeldOut) return false;
+  // Rows of one configuration may share what they deviate by: three coordinates each count.
+  const double floor = model.estimate.noise_floor, rms = model.estimate.validation.rms;
+  return floor > 0.0 && ChiSquareSurvival(3.0 * static_cast<double>(held_out) * rms * rms / (floor * floor),
+                                          3.0 * static_cast<double>(held_out)) < 0.1 * significance;
 }
 
 // The interval: configurations drawn with replacement, 2.5 and 97.5 % of the draws (Efron and Tibshirani 1993,
 // section 13.3).
 GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extended, bool is_noise_stated) {
   GapReport gap;
-  const auto before = HoldoutByConfiguration(baseline);
-  const auto after = HoldoutByConfiguration(extended);
+  const HoldoutSums before = SumHoldout(baseline), after = SumHoldout(extended);
   const double floor = extended.estimate.noise_floor;
   std::vector<int> held_out;
-  for (size_t c = 0; c < before.size(); ++c) {
-    if (before[c].second > 0) held_out.push_back(static_cast<int>(c));
+  for (int c = 0; c < before.coordinates.size(); ++c) {
+    if (before.coordinates[c] > 0.0) held_out.push_back(c);
   }
   const auto closed = [&](const std::vector<int>& picked) {
     const double b = SquaredGap(before, picked, floor);
@@ -63,7 +118,7 @@ GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extende
   gap.closed_ci95 = {kNotKnown, kNotKnown};
   if (held_out.empty()) gap.before = gap.after = gap.closed = kNotKnown;
   if (!is_noise_stated) gap.closed = kNotKnown;
-  if (held_out.size() < kFewestResampled || !is_noise_stated) return gap;
+  if (held_out.size() < kFewHeldOut || !is_noise_stated) return gap;
   std::mt19937_64 random(1);
   std::vector<double> draws;
   for (int d = 0; d < kBootstrapDraws; ++d) {

@@ -1,10 +1,37 @@
-// The gap on configurations that nothing was chosen or fitted on:
-// gap^2 = holdout rms^2 - noise floor^2, closed = 1 - after^2 / before^2.
+// What configurations say that nothing was chosen or fitted on: how well a model predicts them, whether another does so
+// better or worse beyond chance, and the gap,
+//
+//   gap^2 = holdout rms^2 - noise floor^2,   closed = 1 - after^2 / before^2
 #pragma once
 
 #include "estimator/diagnosis/diagnosed_model.h"
 
 namespace sagitta {
+
+inline constexpr int kFewHeldOut = 3;  // configurations: fewer decide nothing
+
+// Of each configuration's points that were held out (Measurements::PointsAmong): the sum of squared residuals, m^2, and
+// how many coordinates.
+struct HoldoutSums {
+  Eigen::VectorXd squares, coordinates;
+};
+// As the estimate has predicted these points where it has.
+HoldoutSums SumHoldout(const DiagnosedModel& model);
+int CountHeldOut(const DiagnosedModel& model);  // configurations
+// RMS over the coordinates of the hold-out, m; not a number without one.
+double HoldoutRms(const DiagnosedModel& model);
+// With a prediction of these points, where the model is asked for them several times.
+DiagnosedModel PredictingHoldout(DiagnosedModel model);
+
+// By how much the second model predicts untouched configurations better than the first, in units of the scatter of the
+// differences between configurations; whether that is beyond chance (5 %, one-sided).
+double HoldoutGain(const DiagnosedModel& before, const DiagnosedModel& after);
+bool IsBeyondChance(double gain);
+// Whether the second model predicts untouched configurations worse than the first, beyond chance (1 %, one-sided, by
+// the scatter of the differences between configurations).
+bool MakesHoldoutWorse(const DiagnosedModel& before, const DiagnosedModel& after);
+// Whether untouched rows scatter more than noise and parameters explain, beyond chance at this level.
+bool IsFarFromFloor(const DiagnosedModel& model, bool is_sigma_stated, double significance);
 
 // Not a number without a hold-out, and where nothing states the noise: a floor that is the model's own scatter would
 // call every gap closed. No interval below three held-out configurations.
@@ -13,9 +40,6 @@ struct GapReport {
   double closed = 0.0;               // share of the squared gap
   Interval closed_ci95;              // bootstrap over hold-out configurations
 };
-
-// RMS over the coordinates of the hold-out, m; not a number without one.
-double HoldoutRms(const DiagnosedModel& model);
 
 // How much of the gap of the baseline the extended model closes on the hold-out.
 GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extended, bool is_noise_stated);

@@ -1,36 +1,70 @@
 #include "estimator/diagnosis/gap_map.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
 
-#include "estimator/diagnosis/model_rows.h"
+#include "estimator/diagnosis/refit.h"
+#include "estimator/least_squares/linearization.h"
+#include "models/constants.h"
+#include "models/effects/catalogue.h"
 
 namespace sagitta {
 namespace {
 
+constexpr int kTimeSlices = 6;
 // Of l' l: too small a part to divide by, which would draw noise.
-constexpr double kHardlySeen = 1e-3;  // of the shot that sees the joint best
+constexpr double kHardlySeen = 1e-3;  // of the shot (visit) that sees it best
 constexpr double kUnseen = 1e-12;     // of the joint seen best: rounding
 
-// Of one joint, per shot.
+// A model's fitted rows, whitened, for its estimated coordinates; and how a deviation of each joint on its encoder side
+// moves them, per urad (um), a column per joint.
+struct ModelRows {
+  Linearization here;
+  Eigen::MatrixXd deviations;
+};
+
+// Order 0: the cosine column of a harmonic is that of a constant joint deviation.
+ModelRows RowsOf(const DiagnosedModel& model, LatentTreatment treatment) {
+  const auto linearize = [treatment](const CalibrationProblem& problem, const ParameterSet& parameters,
+                                     const std::vector<int>& columns) {
+    const std::vector<int> observations = problem.CalibrationObservations();
+    return Linearize(problem, parameters, observations, columns,
+                     ObservationNoise(problem, observations, kFallbackSigma), treatment);
+  };
+  const ParameterSet& parameters = model.estimate.parameters;
+  std::vector<EffectSpec> specs;
+  for (const Joint& joint : model.problem->robot().chain.joints) {
+    specs.push_back({"joint_harmonic", joint.name, {{"order", "0"}}, {}});
+  }
+  CalibrationProblem extended = model.problem->WithEffects(specs);
+  extended.parameters.CopyByName(parameters);
+  std::vector<int> cosines;
+  for (const EffectSpec& spec : specs) cosines.push_back(extended.parameters.FindCoordinate(spec.Path() + "/cos"));
+  return {linearize(*model.problem, parameters, parameters.EstimatedCoordinates()),
+          kMicro * linearize(extended, extended.parameters, cosines).jacobian};
+}
+
+// Of one joint, per group of shots.
 struct AlongJoint {
   Eigen::VectorXd information;  // l' l
   Eigen::VectorXd gradient;     // l' r
 };
 
-std::vector<AlongJoint> AlongJoints(const DiagnosedModel& model) {
-  const CalibrationProblem& problem = *model.problem;
-  const ParameterSet& parameters = model.estimate.parameters;
-  // The rows as they are: what the joints of one visit share is part of what is looked for.
-  const Linearization here = LinearizeEstimate(problem, parameters, LatentTreatment::kIgnore);
-  const Eigen::MatrixXd columns = JointDeviationColumns(problem, parameters, LatentTreatment::kIgnore);
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(static_cast<long>(problem.data().shots.size()));
-  std::vector<AlongJoint> along(columns.cols(), {none, none});
-  for (size_t k = 0; k < here.observations.size(); ++k) {
-    const int shot = problem.data().observations[here.observations[k]].shot;
+// Of every joint; group: of each shot.
+std::vector<AlongJoint> AlongJoints(const CalibrationProblem& problem, const ModelRows& model,
+                                    const std::vector<int>& group) {
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(1 + *std::max_element(group.begin(), group.end()));
+  std::vector<AlongJoint> along(model.deviations.cols(), {none, none});
+  for (size_t k = 0; k < model.here.observations.size(); ++k) {
+    const int g = group[problem.data().observations[model.here.observations[k]].shot];
     const auto rows = Eigen::seqN(static_cast<long>(3 * k), 3);
-    for (long j = 0; j < columns.cols(); ++j) {
-      along[j].information[shot] += columns(rows, j).squaredNorm();
-      along[j].gradient[shot] -= columns(rows, j).dot(here.residual(rows));  // residual: predicted - measured
+    for (size_t j = 0; j < along.size(); ++j) {
+      const auto l = model.deviations(rows, static_cast<long>(j));
+      along[j].information[g] += l.squaredNorm();
+      along[j].gradient[g] -= l.dot(model.here.residual(rows));  // residual: predicted - measured
     }
   }
   return along;
@@ -50,11 +84,187 @@ std::vector<Driver> DriversOf(const CalibrationProblem& problem, int joint, cons
   return drivers;
 }
 
+struct Group {
+  double chi2 = 0.0;
+  double expected = 0.0;
+};
+
+void AppendShares(const std::string& by, const std::map<std::string, Group>& groups, std::vector<WhereShare>* where) {
+  double total = 0.0;
+  for (const auto& [key, group] : groups) total += std::max(0.0, group.chi2 - group.expected);
+  std::vector<WhereShare> shares;
+  for (const auto& [key, group] : groups) {
+    const double excess = std::max(0.0, group.chi2 - group.expected);
+    if (excess > 0.0 && total > 0.0) shares.push_back({by, key, excess / total});
+  }
+  std::stable_sort(shares.begin(), shares.end(), [](const auto& a, const auto& b) { return a.share > b.share; });
+  if (shares.size() > 10) shares.resize(10);
+  where->insert(where->end(), shares.begin(), shares.end());
+}
+
+// The residual mapped into joint space: per visit, what a deviation of one joint alone would explain, (l' r)^2 / l' l,
+// chi-square of one where nothing is wrong.
+std::map<std::string, Group> ByJoint(const CalibrationProblem& problem, const ModelRows& rows) {
+  const std::vector<AlongJoint> along = AlongJoints(problem, rows, problem.latent.visit_of_shot);
+  std::map<std::string, Group> groups;
+  for (size_t j = 0; j < along.size(); ++j) {
+    Group& group = groups[problem.robot().chain.joints[j].name];
+    for (long visit = 0; visit < along[j].information.size(); ++visit) {
+      if (along[j].information[visit] <= 0.0) continue;
+      group.chi2 += along[j].gradient[visit] * along[j].gradient[visit] / along[j].information[visit];
+      group.expected += 1.0;
+    }
+  }
+  return groups;
+}
+
+// First and last, s; both 0 where no shot states one.
+Interval TimesOf(const CalibrationProblem& problem) {
+  std::vector<double> times;
+  for (const ShotInput& shot : problem.shot_inputs()) {
+    if (shot.conditions.has_time) times.push_back(shot.conditions.time);
+  }
+  if (times.empty()) return {0.0, 0.0};
+  const auto [first, last] = std::minmax_element(times.begin(), times.end());
+  return {*first, *last};
+}
+
+// What each row has of chi-square, r'C^-1 r = sum of r_i (C^-1 r)_i: whatever the order of the rows that share a
+// visit's deviations, C = I + L L'. A row that others explain may have less than none.
+// here: whitened by the root of C, w = root^-1 r.
+Eigen::VectorXd ShareOfRows(const CalibrationProblem& problem, const Linearization& here) {
+  Eigen::VectorXd shares = here.residual.cwiseAbs2();
+  if (here.latent.cols() == 0) return shares;
+  for (const auto& [visit, rows] : RowsByVisit(problem, here.observations)) {
+    const Eigen::MatrixXd l = here.latent(rows, Eigen::all);
+    const Eigen::MatrixXd c = Eigen::MatrixXd::Identity(l.rows(), l.rows()) + l * l.transpose();
+    const Eigen::LLT<Eigen::MatrixXd> root(c);
+    const Eigen::VectorXd whitened = here.residual(rows);
+    const Eigen::VectorXd residual = root.matrixL() * whitened;
+    shares(rows) = residual.cwiseProduct(root.matrixU().solve(whitened));
+  }
+  return shares;
+}
+
+// The joint that a setting names, or else the target.
+std::string DrivingJoint(const EffectDefinition& definition, const EffectSpec& spec) {
+  for (const SettingDefinition& setting : definition.settings) {
+    if (setting.kind == SettingDefinition::Kind::kJoint) return spec.TextSetting(setting.name, spec.target);
+  }
+  return spec.target;
+}
+
+Driver DriverOf(const CalibrationProblem& problem, const EffectSpec& spec) {
+  const EffectDefinition* definition = FindEffect(problem.robot(), spec.effect);  // none of the compensator
+  const EffectDriver by = definition == nullptr ? EffectDriver::kJoint : definition->driven_by;
+  if (by == EffectDriver::kTemperature) return TemperatureOf(problem);
+  if (by == EffectDriver::kTime) return TimeOf(problem);
+  const std::string name = definition == nullptr ? spec.target : DrivingJoint(*definition, spec);
+  const int joint = problem.robot().chain.FindJoint(name);
+  return joint >= 0 ? AngleOf(problem, joint) : ConfigurationNumberOf(problem);
+}
+
+// The effect's contribution to the whitened rows: its columns times its values (neutral: 0). The torque of a
+// compensator is proportional to its rate.
+Eigen::VectorXd Contribution(const DiagnosedModel& with, const EffectSpec& spec, const Linearization& here) {
+  const bool spring = IsGravityCompensator(spec);
+  Eigen::VectorXd contribution = Eigen::VectorXd::Zero(here.num_rows());
+  for (int c = 0; c < here.num_columns(); ++c) {
+    const Coordinate& coordinate = with.estimate.parameters.coordinates()[here.columns[c]];
+    if (!IsParameterOf(spec, coordinate.name)) continue;
+    if (spring && coordinate.compensator_part != CompensatorPart::kKc) continue;
+    contribution += here.jacobian.col(c) * with.estimate.parameters.Value(here.columns[c]);
+  }
+  return contribution;
+}
+
+struct VisitSums {
+  double squared = 0.0, measured = 0.0, simulated = 0.0, x = 0.0;
+};
+
+EffectView ViewEffect(const DiagnosedModel& with, const ModelRows& of_model, const EffectSpec& spec) {
+  const CalibrationProblem& problem = *with.problem;
+  const Linearization& here = of_model.here;
+  const Eigen::VectorXd contribution = Contribution(with, spec, here);
+  const Driver driver = DriverOf(problem, spec);
+  EffectView view{driver.name, driver.unit, "share of what was found", "", {}, {}, {}};
+  Eigen::VectorXd along = contribution;
+  const int joint = problem.robot().chain.FindJoint(spec.target);
+  if (joint >= 0) {
+    const bool turns = IsRevolute(problem, joint);
+    along = of_model.deviations.col(joint);
+    view.quantity = "deviation of " + spec.target;
+    view.unit = turns ? "urad" : "um";
+  }
+  // Residuals are predicted - measured: without the effect they would be lower by its contribution.
+  std::map<int, VisitSums> visits;
+  for (size_t k = 0; k < here.observations.size(); ++k) {
+    const int s = problem.data().observations[here.observations[k]].shot;
+    VisitSums& sums = visits[problem.latent.visit_of_shot[s]];
+    const auto rows = Eigen::seqN(static_cast<long>(3 * k), 3);
+    sums.x = driver.of_shot[s];
+    sums.squared += along(rows).squaredNorm();
+    sums.simulated += along(rows).dot(contribution(rows));
+    sums.measured += along(rows).dot(contribution(rows) - here.residual(rows));
+  }
+  double largest = 0.0;
+  for (const auto& [visit, sums] : visits) largest = std::max(largest, sums.squared);
+  for (const auto& [visit, sums] : visits) {
+    if (sums.squared < kHardlySeen * largest) continue;  // hardly seen in this visit
+    view.x.push_back(sums.x);
+    view.measured.push_back(sums.measured / sums.squared);
+    view.simulated.push_back(sums.simulated / sums.squared);
+  }
+  return view;
+}
+
 }  // namespace
+
+std::vector<WhereShare> FindWhere(const DiagnosedModel& model) {
+  const CalibrationProblem& problem = *model.problem;
+  const ModelRows rows = RowsOf(model, LatentTreatment::kMarginalise);
+  const Linearization& here = rows.here;
+  const Eigen::VectorXd shares = ShareOfRows(problem, here);
+  const double per_row = model.estimate.dof / std::max(1.0, static_cast<double>(model.estimate.rows));
+  std::map<std::string, std::map<std::string, Group>> by;
+  const Interval times = TimesOf(problem);
+  const double slice_length = (times.high - times.low) / kTimeSlices;
+  for (size_t k = 0; k < here.observations.size(); ++k) {
+    const Observation& observation = problem.data().observations[here.observations[k]];
+    const Shot& shot = problem.data().shots[observation.shot];
+    const auto add = [&](const std::string& family, const std::string& key, double chi2, double count) {
+      Group& group = by[family][key];
+      group.chi2 += chi2;
+      group.expected += count * per_row;
+    };
+    const Eigen::Vector3d of_axis = shares.segment<3>(3 * static_cast<long>(k));
+    const double chi2 = of_axis.sum();
+    add("config", problem.data().configurations[shot.configuration].id, chi2, 3.0);
+    add("marker", problem.data().markers[observation.marker], chi2, 3.0);
+    add("load", shot.load, chi2, 3.0);
+    add("station", problem.data().stations[shot.station], chi2, 3.0);
+    for (int axis = 0; axis < 3; ++axis) {
+      add("axis", (observation.is_point() ? "" : "r") + std::string(1, "xyz"[axis]), of_axis[axis], 1.0);
+    }
+    const ShotConditions& conditions = problem.shot_inputs()[observation.shot].conditions;
+    if (!conditions.has_time || !(slice_length > 0.0)) continue;
+    const int slice = std::min(kTimeSlices - 1, static_cast<int>((conditions.time - times.low) / slice_length));
+    add("time", std::to_string(std::lround(times.low + slice * slice_length)) + " s", chi2, 3.0);
+  }
+  by["joint"] = ByJoint(problem, rows);
+  std::vector<WhereShare> where;
+  for (const auto& [family, groups] : by) AppendShares(family, groups, &where);
+  return where;
+}
 
 std::vector<JointGap> MapGap(const DiagnosedModel& baseline, const DiagnosedModel& final) {
   const CalibrationProblem& problem = *baseline.problem;
-  const std::vector<AlongJoint> before = AlongJoints(baseline), after = AlongJoints(final);
+  std::vector<int> shots(problem.data().shots.size());
+  std::iota(shots.begin(), shots.end(), 0);
+  // The rows as they are: what the joints of one visit share is part of what is looked for.
+  const LatentTreatment as_they_are = LatentTreatment::kIgnore;
+  const std::vector<AlongJoint> before = AlongJoints(problem, RowsOf(baseline, as_they_are), shots),
+                                after = AlongJoints(*final.problem, RowsOf(final, as_they_are), shots);
   const Eigen::MatrixXd torques = JointTorques(problem, baseline.estimate.parameters);
   const double rounding = kUnseen * BestInformation(before);
   std::vector<JointGap> gaps;
@@ -74,6 +284,14 @@ std::vector<JointGap> MapGap(const DiagnosedModel& baseline, const DiagnosedMode
     gaps.push_back(std::move(gap));
   }
   return gaps;
+}
+
+std::vector<EffectView> ViewEffects(const DiagnosedModel& with, const std::vector<EffectSpec>& specs) {
+  std::vector<EffectView> views;
+  if (specs.empty()) return views;
+  const ModelRows rows = RowsOf(with, LatentTreatment::kMarginalise);
+  for (const EffectSpec& spec : specs) views.push_back(ViewEffect(with, rows, spec));
+  return views;
 }
 
 }  // namespace sagitta

@@ -83,8 +83,7 @@ WeightedSet NamelessCauses::WithOneSize(const WeightedSet& set, const Cause& cau
   for (const int m : cause.pieces) shown_by_pieces += shown(m) / static_cast<double>(cause.pieces.size());
   std::vector<const ColumnGroup*> groups;
   for (const int m : set.members) groups.push_back(&list_.math[m].group);
-  Members members(normal, groups);
-  members.Condition(set.scales);
+  Members members(normal, groups, set.scales);
   std::vector<double> units;  // of the scales; 0: of another cause
   double lost = 0.0;
   for (size_t k = 0; k < groups.size(); ++k) {

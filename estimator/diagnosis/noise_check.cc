@@ -114,31 +114,6 @@ std::vector<DeviationGroup> CommonDeviations(const CalibrationProblem& problem) 
   return groups;
 }
 
-}  // namespace
-
-// scale^2 = sum of what rigid motions leave / dof: F with dof and the degrees of freedom of the stated sigma.
-std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                               double significance) {
-  NoiseScale noise;
-  double sum = 0.0;
-  for (const ShotResidual& shot : ResidualsByShot(problem, parameters, problem.CalibrationObservations())) {
-    int dof = 0;
-    sum += WithoutRigidMotion(shot, &dof).squaredNorm();
-    noise.dof += dof;
-  }
-  noise.dof -= ShapeCost(problem);
-  if (noise.dof < 20) return std::nullopt;
-  noise.scale = std::sqrt(sum / noise.dof);
-  const double of_sigma = SigmaDof(problem.repeat_scatter);
-  noise.low = noise.scale / std::sqrt(FQuantile(0.975, noise.dof, of_sigma));
-  noise.high = noise.scale / std::sqrt(FQuantile(0.025, noise.dof, of_sigma));
-  const double upper = FSurvival(sum / noise.dof, noise.dof, of_sigma);
-  noise.differs = std::min(upper, 1.0 - upper) < 0.5 * significance;
-  return noise;
-}
-
-namespace {
-
 // An instrument scatters differently along its line of sight and across it, there in proportion to the range (angles)
 // or not, or along the axes of its frame, and stated is often one figure for all. Each direction has its own factor,
 // the median of the squares over that of chi-square with 1 or 2 degrees of freedom, at least 1. A point is far off only
@@ -186,6 +161,28 @@ DirectedScatter ScatterOf(const std::vector<ShotResidual>& shots) {
 }
 
 }  // namespace
+
+bool IsSigmaStated(const CalibrationProblem& problem) {
+  return problem.sigma_is_stated() && problem.experiment().noise.from != NoiseSpec::From::kVarianceComponents;
+}
+
+// scale^2 = sum of what rigid motions leave / dof: F with dof and the degrees of freedom of the stated sigma.
+std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  NoiseScale noise;
+  double sum = 0.0;
+  for (const ShotResidual& shot : ResidualsByShot(problem, parameters, problem.CalibrationObservations())) {
+    int dof = 0;
+    sum += WithoutRigidMotion(shot, &dof).squaredNorm();
+    noise.dof += dof;
+  }
+  noise.dof -= ShapeCost(problem);
+  if (noise.dof < 20) return std::nullopt;
+  noise.scale = std::sqrt(sum / noise.dof);
+  const double of_sigma = SigmaDof(problem.repeat_scatter);
+  noise.low = noise.scale / std::sqrt(FQuantile(0.975, noise.dof, of_sigma));
+  noise.high = noise.scale / std::sqrt(FQuantile(0.025, noise.dof, of_sigma));
+  return noise;
+}
 
 // limit = chi^2_3(1 - significance / n) for squares over their scatter: among n points one without cause in
 // 1 / significance experiments (Bonferroni).
@@ -246,14 +243,13 @@ std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const Para
                                    const std::vector<int>& outliers, double significance) {
   std::vector<int> explained;
   if (outliers.empty()) return explained;
-  const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, outliers);
+  const Eigen::Matrix3Xd residuals =
+      ResidualsOf(problem.data(), outliers, PredictPoints(problem, parameters, outliers));
   const NoiseRoots noise = ObservationNoise(problem, outliers, kFallbackSigma);
   const double n = static_cast<double>(problem.CalibrationObservations().size() + outliers.size());
   const double limit = ChiSquareQuantile(1.0 - significance / n, 3.0);
   for (size_t k = 0; k < outliers.size(); ++k) {
-    const Vector3<double> residual =
-        MeasuredMinusPredicted(problem.data().observations[outliers[k]].reading(), predicted.col(k));
-    if ((noise[k].inverse() * residual).squaredNorm() < limit) explained.push_back(outliers[k]);
+    if ((noise[k].inverse() * residuals.col(k)).squaredNorm() < limit) explained.push_back(outliers[k]);
   }
   return explained;
 }

@@ -1,7 +1,6 @@
-// Is the stated noise right? Markers of one shot on one body (mostly the flange) move together: what is
-// left after the best rigid motion of their residuals is the instrument's
-// noise alone, whatever the robot does. n markers leave 3 n - 6 degrees of
-// freedom (two: one; one: none).
+// Is the stated noise right? Markers of one shot on one body (mostly the flange) move together: what is left after the
+// best rigid motion of their residuals is the instrument's noise alone, whatever the robot does. n markers leave 3 n -
+// 6 degrees of freedom (two: one; one: none).
 #pragma once
 
 #include <optional>
@@ -15,11 +14,11 @@ struct NoiseScale {
   double scale = 1.0;            // true sigma over stated sigma
   double low = 0.0, high = 0.0;  // 95 %
   int dof = 0;
-  bool differs = false;  // from 1, at the significance
 };
 
-std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                               double significance);
+// Whether something states the instrument's sigma, which is not to be estimated.
+bool IsSigmaStated(const CalibrationProblem& problem);
+std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem, const ParameterSet& parameters);
 
 // Those of `observations` far outside the robust scatter (median) and alone so among the markers of their shot and
 // body, the worst first: indices into Measurements::observations. None where so many points are off, those `removed`

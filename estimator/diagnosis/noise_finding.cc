@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/statistics/distributions.h"
@@ -10,7 +9,6 @@
 namespace sagitta {
 namespace {
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kOnePercent = 1.314;  // arms of an interval of 99 % over those of 95 %
 constexpr double kNearlyAll = 0.999;   // of the probability: best models first
 
@@ -69,7 +67,7 @@ CalibrationProblem WithNoiseOf(const Evidence& evidence, const WeightedModel& mo
 NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& stated,
                        const DiagnosedModel& final) {
   NoiseFinding noise;
-  noise.is_stated = stated.sigma_is_stated() && stated.experiment().noise.from != NoiseSpec::From::kVarianceComponents;
+  noise.is_stated = IsSigmaStated(stated);
   noise.asks_repeatability = stated.experiment().repeatability.IsEstimated();
   noise.is_told_from_pose = evidence.columns().HasRevisits();
   double seen = 0.0;
@@ -85,7 +83,7 @@ NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, con
   noise.scale_differs = noise.is_stated && evidence.SigmaIsWrong(model) > kEvenOdds;
   const double applied =
       noise.scale_differs ? evidence.LikelihoodOf(model.view).Factor(evidence.ResidualOf(model)) : 1.0;
-  const auto rigid = InstrumentNoiseScale(*final.problem, final.estimate.parameters, 1.0);
+  const auto rigid = InstrumentNoiseScale(*final.problem, final.estimate.parameters);
   if (rigid) {
     noise.scale = applied * rigid->scale;
     noise.low = applied * rigid->low;
@@ -105,16 +103,16 @@ NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, con
 //   (chi^2 - chi^2_r) / (dof - r) over chi^2_r / r ~ F(dof - r, r).
 double LackOfFit(const CalibrationProblem& stated, const DiagnosedModel& model, const NoiseFinding& noise) {
   const Estimate& estimate = model.estimate;
-  if (estimate.dof <= 0) return kUnknown;
+  if (estimate.dof <= 0) return kNotKnown;
   const double of_sigma = SigmaDof(stated.repeat_scatter);
   const double reduced = estimate.chi2 / estimate.dof;
   if (!noise.scale_differs) return FSurvival(reduced, estimate.dof, of_sigma);
   // Joints move bodies as a whole: what rigid bodies leave is the instrument alone, and the two sums are independent.
-  const auto rigid = InstrumentNoiseScale(*model.problem, model.estimate.parameters, 1.0);
-  if (!rigid) return kUnknown;
+  const auto rigid = InstrumentNoiseScale(*model.problem, model.estimate.parameters);
+  if (!rigid) return kNotKnown;
   const double pure = rigid->scale * rigid->scale;
   const int rest = estimate.dof - rigid->dof;
-  if (rest <= 0) return kUnknown;
+  if (rest <= 0) return kNotKnown;
   return FSurvival((estimate.chi2 - pure * rigid->dof) / (rest * pure), rest, rigid->dof);
 }
 

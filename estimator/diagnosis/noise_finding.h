@@ -1,23 +1,21 @@
 // What the posterior says of the noise, with intervals.
 #pragma once
 
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "estimator/diagnosis/diagnosed_model.h"
 #include "estimator/diagnosis/posterior.h"
+#include "models/constants.h"
 
 namespace sagitta {
-
-constexpr double kNotTold = std::numeric_limits<double>::quiet_NaN();
 
 struct NoiseFinding {
   bool is_stated = true;
   bool asks_repeatability = false;  // to be estimated: what is found is no finding
   double probability = 0.0;         // that the noise is other than stated, whatever else is missing
   // Of the instrument's sigma over the stated one, or over the scatter that is taken where none is stated.
-  double scale = 1.0, low = kNotTold, high = kNotTold;
+  double scale = 1.0, low = kNotKnown, high = kNotKnown;
   bool scale_differs = false;
   bool is_bound = false;                     // a rest without a name is part of the scatter: an upper bound
   bool repeatability_is_overstated = false;  // the joints deviate less than stated

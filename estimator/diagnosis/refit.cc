@@ -11,19 +11,14 @@ namespace {
 
 // Whether nothing new has become so uncertain that the full estimator would hold it.
 bool TellsAll(const QuickRefit& refit) {
-  for (const int i : refit.parameters.EstimatedCoordinates()) {
-    if (refit.sigmas[i] > refit.parameters.coordinates()[i].hold_limit) return false;
+  const ParameterSet& parameters = refit.estimate.parameters;
+  for (const int i : parameters.EstimatedCoordinates()) {
+    if (refit.sigmas[i] > parameters.coordinates()[i].hold_limit) return false;
   }
   return true;
 }
 
-}  // namespace
-
-bool IsParameterOf(const EffectSpec& spec, const std::string& name) {
-  const std::string home = IsGravityCompensator(spec) ? "compensator" : spec.Path();
-  return name.rfind(home + "/", 0) == 0;
-}
-
+// The problem with these effects; what the data tell poorly of them (Candidate::loose) has its widest prior.
 CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vector<Candidate>& added) {
   CalibrationProblem believed = *model.problem;
   believed.parameters.CopyByName(model.estimate.parameters);
@@ -46,16 +41,23 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
   return problem;
 }
 
+}  // namespace
+
+bool IsParameterOf(const EffectSpec& spec, const std::string& name) {
+  const std::string home = IsGravityCompensator(spec) ? "compensator" : spec.Path();
+  return name.rfind(home + "/", 0) == 0;
+}
+
 DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>& added, const JointOptions& options) {
   if (added.empty()) return model;
   DiagnosedModel extended;
   extended.problem = std::make_shared<CalibrationProblem>(ExtendedProblem(model, added));
-  const QuickRefit quick = RefitQuickly(*extended.problem, extended.problem->parameters);
-  if (!quick.converged || !TellsAll(quick)) {
-    const ParameterSet& start = extended.problem->parameters;
+  const ParameterSet& start = extended.problem->parameters;
+  QuickRefit quick = RefitQuickly(*extended.problem, start);
+  if (!IsUsable(quick.estimate.status) || !TellsAll(quick)) {
     return JudgeFully(extended.problem, start, start, options);
   }
-  extended.estimate = QuickEstimate(quick);
+  extended.estimate = std::move(quick.estimate);
   return extended;
 }
 

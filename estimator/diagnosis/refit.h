@@ -11,10 +11,8 @@ namespace sagitta {
 // Whether a coordinate of this name is a parameter of the effect.
 bool IsParameterOf(const EffectSpec& spec, const std::string& name);
 
-// The problem with these effects; what the data tell poorly of them (Candidate::loose) has its widest prior.
-CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vector<Candidate>& added);
-
-// Refitted from the model's own optimum: parameters, chi-square and degrees of freedom, by Gauss-Newton where that
+// Refitted from the model's own optimum, what the data tell poorly of these effects (Candidate::loose) with its widest
+// prior: parameters, chi-square and degrees of freedom, by Gauss-Newton where that
 // converges and nothing becomes so uncertain that it has to be held. What is reported comes from JudgeFully.
 DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>& added, const JointOptions& options);
 

@@ -3,8 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <set>
 
 #include "estimator/diagnosis/compensator_shapes.h"
 #include "estimator/statistics/distributions.h"
@@ -13,10 +11,8 @@
 namespace sagitta {
 namespace {
 
-constexpr double kWorseBeyondChance = 0.01;
-constexpr double kBetterBeyondChance = 0.05;  // as of its interval: neither may say that it is chance
-constexpr size_t kMostSprings = 8;            // of 144 shapes: neighbours in ratio and in direction
-constexpr size_t kMostGroups = 5;             // FORMATS section 6
+constexpr size_t kMostSprings = 8;  // of 144 shapes: neighbours in ratio and in direction
+constexpr size_t kMostGroups = 5;   // FORMATS section 6
 
 // The spring whose torque moves the joint as the set's columns with their values do.
 EffectSpec SeededSpring(const Evidence& evidence, const WeightedModel& model, int member,
@@ -39,21 +35,6 @@ EffectSpec SeededSpring(const Evidence& evidence, const WeightedModel& model, in
   };
   SeedSpring(vector(angles), vector(torques), &spring);
   return spring;
-}
-
-// Squared untouched residuals per configuration, m^2; 0 of the others.
-Eigen::VectorXd HoldoutSquares(const DiagnosedModel& model, std::vector<int>* counts) {
-  const Measurements& data = model.problem->data();
-  const std::vector<int> held_out = data.PointsAmong(model.problem->ValidationObservations());
-  const Eigen::Matrix3Xd misfit = HoldoutMisfit(model);
-  Eigen::VectorXd squares = Eigen::VectorXd::Zero(static_cast<long>(data.configurations.size()));
-  counts->assign(data.configurations.size(), 0);
-  for (size_t k = 0; k < held_out.size(); ++k) {
-    const int c = data.shots[data.observations[held_out[k]].shot].configuration;
-    squares[c] += misfit.col(static_cast<long>(k)).squaredNorm();
-    (*counts)[c] += 3;
-  }
-  return squares;
 }
 
 }  // namespace
@@ -85,13 +66,9 @@ std::vector<SelectedEffect> SelectedEffectsOf(const Evidence& evidence, const We
 
 std::vector<EffectSpec> OtherSprings(const Evidence& evidence, const WeightedModel& model, const SelectedEffect& effect,
                                      const DiagnosedModel& lacking) {
-  std::vector<int> shapes;
-  for (const NamedProbability& shape : ShapesInPlaceOf(evidence, model, effect.explanation)) {
-    if (shape.explanation != effect.explanation) shapes.push_back(shape.explanation);
-  }
-  shapes.resize(std::min(shapes.size(), kMostSprings));
   std::vector<EffectSpec> springs;
-  for (const int shape : shapes) {
+  for (const int shape : OthersOfItsName(evidence, model, effect.explanation)) {
+    if (springs.size() == kMostSprings) break;
     WeightedModel with = model;
     std::replace(with.set.members.begin(), with.set.members.end(), effect.explanation, shape);
     springs.push_back(SeededSpring(evidence, with, shape, lacking));
@@ -152,47 +129,6 @@ double WaldP(const EffectSpec& spec, const Estimate& estimate) {
   return ChiSquareSurvival(square, static_cast<double>(own.size()));
 }
 
-int CountHeldOut(const DiagnosedModel& model) {
-  const Measurements& data = model.problem->data();
-  std::set<int> configurations;
-  for (const int k : data.PointsAmong(model.problem->ValidationObservations())) {
-    configurations.insert(data.shots[data.observations[k].shot].configuration);
-  }
-  return static_cast<int>(configurations.size());
-}
-
-double HoldoutGain(const DiagnosedModel& before, const DiagnosedModel& after) {
-  std::vector<int> counts;
-  const Eigen::VectorXd gains = HoldoutSquares(before, &counts) - HoldoutSquares(after, &counts);
-  const double scatter = gains.norm();
-  return scatter > 0.0 ? gains.sum() / scatter : 0.0;
-}
-
-bool IsBeyondChance(double gain) { return gain > NormalQuantile(1.0 - kBetterBeyondChance); }
-
-bool MakesHoldoutWorse(const DiagnosedModel& before, const DiagnosedModel& after) {
-  std::vector<int> counts;
-  const Eigen::VectorXd now = HoldoutSquares(after, &counts), then = HoldoutSquares(before, &counts);
-  const int held_out = CountHeldOut(after);
-  if (held_out < kFewHeldOut) return false;
-  const double limit = NormalQuantile(1.0 - kWorseBeyondChance);
-  if ((now - then).sum() > limit * (now - then).norm()) return true;
-  // A few configurations that are far off say nothing by their own scatter. Root mean squares of n points scatter by
-  // 1 / sqrt(6 n) of themselves, and two of the same points by less.
-  const double growth = 1.0 + limit / std::sqrt(6.0 * static_cast<double>(held_out));
-  return now.sum() > growth * growth * then.sum();
-}
-
-bool IsFarFromFloor(const DiagnosedModel& model, bool is_sigma_stated, double significance) {
-  if (!is_sigma_stated || model.estimate.validation.observations == 0) return false;
-  const int held_out = CountHeldOut(model);
-  if (held_out < kFewHeldOut) return false;
-  // Rows of one configuration may share what they deviate by: three coordinates each count.
-  const double floor = model.estimate.noise_floor, rms = model.estimate.validation.rms;
-  return floor > 0.0 && ChiSquareSurvival(3.0 * static_cast<double>(held_out) * rms * rms / (floor * floor),
-                                          3.0 * static_cast<double>(held_out)) < 0.1 * significance;
-}
-
 std::vector<EffectGroup> GroupEffects(const std::vector<FoundEffect>& effects, const DiagnosedModel& lacking,
                                       const DiagnosedModel& baseline, const DiagnosedModel& final,
                                       const JointOptions& joint) {
@@ -209,11 +145,10 @@ std::vector<EffectGroup> GroupEffects(const std::vector<FoundEffect>& effects, c
     own->effects.push_back(static_cast<int>(k));
   }
   if (baseline.estimate.validation.observations == 0) return groups;
-  std::vector<int> counts;
   const double floor = final.estimate.noise_floor;
   const auto beyond_floor = [&](const DiagnosedModel& model) {
-    const double sum = HoldoutSquares(model, &counts).sum();
-    return std::max(0.0, sum - floor * floor * std::accumulate(counts.begin(), counts.end(), 0));
+    const HoldoutSums sums = SumHoldout(model);
+    return std::max(0.0, sums.squares.sum() - floor * floor * sums.coordinates.sum());
   };
   const double all = beyond_floor(baseline);
   double last = all;

@@ -8,8 +8,6 @@
 
 namespace sagitta {
 
-inline constexpr int kFewHeldOut = 3;  // configurations: fewer decide nothing
-
 struct SelectedEffect {
   int explanation = 0;
   Candidate candidate;
@@ -38,17 +36,6 @@ bool IsEstimated(const EffectSpec& spec, const Estimate& estimate);
 
 // P that values as far from 0 come about by chance, by the full estimator's covariance: what it says against an effect.
 double WaldP(const EffectSpec& spec, const Estimate& estimate);
-
-int CountHeldOut(const DiagnosedModel& model);  // configurations
-// By how much the second model predicts untouched configurations better than the first, in units of the scatter of the
-// differences between configurations; whether that is beyond chance (5 %, one-sided).
-double HoldoutGain(const DiagnosedModel& before, const DiagnosedModel& after);
-bool IsBeyondChance(double gain);
-// Whether the second model predicts untouched configurations worse than the first, beyond chance (1 %, one-sided, by
-// the scatter of the differences between configurations).
-bool MakesHoldoutWorse(const DiagnosedModel& before, const DiagnosedModel& after);
-// Whether untouched rows scatter more than noise and parameters explain, beyond chance at this level.
-bool IsFarFromFloor(const DiagnosedModel& model, bool is_sigma_stated, double significance);
 
 std::vector<EffectGroup> GroupEffects(const std::vector<FoundEffect>& effects, const DiagnosedModel& lacking,
                                       const DiagnosedModel& baseline, const DiagnosedModel& final,

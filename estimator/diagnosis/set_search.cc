@@ -94,6 +94,12 @@ FewExplanations WithTheirColumns(const std::vector<Explanation>& list, const std
   return few;
 }
 
+std::vector<const ColumnGroup*> GroupsOf(const std::vector<Explanation>& list, const std::vector<int>& members) {
+  std::vector<const ColumnGroup*> groups;
+  for (const int m : members) groups.push_back(&list[m].group);
+  return groups;
+}
+
 double SetPrior::Log(const std::vector<double>& shares) const {
   if (shares.empty()) return std::log(nothing);
   const double m = static_cast<double>(shares.size());
@@ -119,17 +125,16 @@ std::vector<double> SetSearch::SharesOf(const Key& members) const {
 
 // Coordinate ascent over the scales, each member's given the others at theirs; then the average over each.
 WeightedSet SetSearch::Evaluate(const std::vector<int>& given_members, const std::vector<double>& scales) const {
-  Members members(normal_, GroupsOf(given_members));
   const std::vector<double> ones(given_members.size(), 1.0);
-  members.Condition(scales.size() == given_members.size() ? scales : ones);
-  return EvaluateFrom(given_members, std::move(members));
+  return EvaluateFrom(given_members, Members(normal_, GroupsOf(explanations_, given_members),
+                                             scales.size() == given_members.size() ? scales : ones));
 }
 
 const Sweep& SetSearch::SweepOf(const WeightedSet& set) {
   const Difference difference = place_ ? DifferenceOf(place_->set, set) : Difference();
   // A move costs a pass over the matrix, and so does a member of the first sweep.
   if (!place_ || difference.gone.size() + difference.come.size() > set.members.size() + 1) {
-    place_ = std::make_unique<Place>(Place{set, Sweep(normal_, GroupsOf(set.members), set.scales)});
+    place_ = std::make_unique<Place>(Place{set, Sweep(normal_, GroupsOf(explanations_, set.members), set.scales)});
     return place_->sweep;
   }
   for (const size_t k : difference.gone) place_->sweep.Remove(k);
@@ -151,9 +156,7 @@ Members SetSearch::MembersOf(const WeightedSet& set) const {
   const Difference difference = place_ ? DifferenceOf(place_->set, set) : Difference();
   // Moves of all members cost what the inverse does anew.
   if (!place_ || difference.gone.size() + difference.come.size() > set.members.size()) {
-    Members members(normal_, GroupsOf(set.members));
-    members.Condition(set.scales);
-    return members;
+    return Members(normal_, GroupsOf(explanations_, set.members), set.scales);
   }
   Members members = place_->sweep.members();
   for (const size_t k : difference.gone) members.Remove(k);
@@ -206,28 +209,15 @@ double SetSearch::AverageOverScales(Members* members) const {
   return LogSumExp(logs) - std::log(static_cast<double>(logs.size()));
 }
 
-std::vector<const ColumnGroup*> SetSearch::GroupsOf(const std::vector<int>& members) const {
-  std::vector<const ColumnGroup*> groups;
-  for (const int m : members) groups.push_back(&explanations_[m].group);
-  return groups;
-}
-
-const SetSearch::Own& SetSearch::OwnOf(size_t candidate) const {
+const Eigen::MatrixXd& SetSearch::OwnOf(size_t candidate) const {
   if (own_.empty()) own_.resize(explanations_.size());
-  Own& own = own_[candidate];
-  if (own.gradient.size() == 0) {
-    own = {OwnInformation(normal_, explanations_[candidate].group),
-           OwnGradient(normal_, explanations_[candidate].group)};
-  }
+  Eigen::MatrixXd& own = own_[candidate];
+  if (own.size() == 0) own = OwnInformation(normal_, explanations_[candidate].group);
   return own;
 }
 
-double SetSearch::GainOfOwn(const Own& own, double residual, double* scale) const {
-  return AverageGain(likelihood_, residual, own.information, own.gradient, scale);
-}
-
 std::vector<double> SetSearch::Additions(const WeightedSet& given, std::vector<double>* scales) const {
-  return AdditionsTo(given, Sweep(normal_, GroupsOf(given.members), given.scales), scales);
+  return AdditionsTo(given, Sweep(normal_, GroupsOf(explanations_, given.members), given.scales), scales);
 }
 
 // log w(set + k) = log L(set) + log B_k + log P(set + k), B_k by what the sweep leaves of G_kk and g_k.
@@ -242,8 +232,10 @@ std::vector<double> SetSearch::AdditionsTo(const WeightedSet& set, const Sweep& 
     const Explanation& candidate = explanations_[k];
     if (IsExcluded(set.members, static_cast<int>(k)) || !(candidate.share > 0.0)) continue;
     double scale = 1.0;
-    const Own left{OwnOf(k).information - sweep.Taken(candidate.group), sweep.Gradient(candidate.group)};
-    weights[k] = base + GainOfOwn(left, sweep.residual(), &scale) + std::log(candidate.share);
+    const Eigen::MatrixXd information = OwnOf(k) - sweep.Taken(candidate.group);
+    weights[k] = base +
+                 AverageGain(likelihood_, sweep.residual(), information, sweep.Gradient(candidate.group), &scale) +
+                 std::log(candidate.share);
     if (scales != nullptr) (*scales)[k] = scale;
   }
   return weights;
@@ -257,14 +249,14 @@ void SetSearch::Record(WeightedSet set, bool replaces) {
 }
 
 WeightedSet SetSearch::Settled(const WeightedSet& set, const Members* conditioned) {
-  if (settled_.emplace(set.members, true).second) {
+  if (settled_.insert(set.members).second) {
     Record(EvaluateFrom(set.members, conditioned == nullptr ? MembersOf(set) : *conditioned), true);
   }
   return *found_.Find(set.members);
 }
 
 void SetSearch::Expand(const WeightedSet& given) {
-  if (!expanded_.emplace(given.members, true).second || given.members.size() >= kMostMembers) return;
+  if (!expanded_.insert(given.members).second || given.members.size() >= kMostMembers) return;
   std::vector<double> scales;
   const std::vector<double> weights = AdditionsTo(given, SweepOf(given), &scales);
   const double most = std::max(BestWeight(), *std::max_element(weights.begin(), weights.end()));
@@ -310,8 +302,7 @@ std::vector<WeightedSet> SetSearch::WithoutEach(const WeightedSet& set, const Me
 }
 
 std::vector<double> SetSearch::LossesOf(const WeightedSet& set) const {
-  Members all(normal_, GroupsOf(set.members));
-  all.Condition(set.scales);
+  const Members all(normal_, GroupsOf(explanations_, set.members), set.scales);
   const double whole = EvaluateFrom(set.members, all).log_weight;
   std::vector<double> losses;
   for (size_t m = 0; m < set.members.size(); ++m) {
@@ -340,7 +331,7 @@ std::vector<SetSearch::Swap> SetSearch::SwapsOf(const WeightedSet& set, const Sw
   double most = BestWeight();
   for (size_t k = 0; k < explanations_.size(); ++k) {
     if (!(explanations_[k].share > 0.0)) continue;
-    const Eigen::MatrixXd given_all = OwnOf(k).information - sweep.Taken(explanations_[k].group);
+    const Eigen::MatrixXd given_all = OwnOf(k) - sweep.Taken(explanations_[k].group);
     const Eigen::MatrixXd gradients = ColumnsOf(explanations_[k].group, of_all).transpose();
     const Eigen::VectorXd most_quads = MostQuads(given_all, gradients);
     const double log_share = std::log(explanations_[k].share);
@@ -351,9 +342,10 @@ std::vector<SetSearch::Swap> SetSearch::SwapsOf(const WeightedSet& set, const Sw
       const auto place = static_cast<long>(m);
       if (base + likelihood_.Log(residual - most_quads[place]) < most - kWorthKeeping) continue;
       if (solved.size() == 0) solved = sweep.Solved(explanations_[k].group);
-      const Own own{given_all + sweeps[m].Information(solved), gradients.col(place)};
       double scale = 1.0;
-      const double weight = base + likelihood_.Log(residual) + GainOfOwn(own, residual, &scale);
+      const double gain =
+          AverageGain(likelihood_, residual, given_all + sweeps[m].Information(solved), gradients.col(place), &scale);
+      const double weight = base + likelihood_.Log(residual) + gain;
       if (weight < most - kWorthKeeping) continue;
       most = std::max(most, weight);
       swaps.push_back({m, static_cast<int>(k), scale, weight});
@@ -366,7 +358,7 @@ std::vector<SetSearch::Swap> SetSearch::SwapsOf(const WeightedSet& set, const Sw
 }
 
 bool SetSearch::Exchange(const WeightedSet& set) {
-  if (set.members.empty() || !exchanged_.emplace(set.members, true).second) return false;
+  if (set.members.empty() || !exchanged_.insert(set.members).second) return false;
   const Sweep& sweep = SweepOf(set);
   const std::vector<WeightedSet> without = WithoutEach(set, sweep.members());
   for (const WeightedSet& others : without) Record(others);

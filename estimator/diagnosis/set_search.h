@@ -26,6 +26,9 @@ struct FewExplanations {
 // Of a list, those at the places `chosen`.
 FewExplanations WithTheirColumns(const std::vector<Explanation>& list, const std::vector<int>& chosen);
 
+// Of a list, the groups of those at the places `members`.
+std::vector<const ColumnGroup*> GroupsOf(const std::vector<Explanation>& list, const std::vector<int>& members);
+
 // nothing: no explanation holds. further: each one beside the first. P(set of m) = (1 - nothing) further^(m-1) m! times
 // the product of the shares: m draws in any order.
 struct SetPrior {
@@ -100,16 +103,10 @@ class SetSearch {
 
   bool IsExcluded(const Key& members, int candidate) const;
   std::vector<double> SharesOf(const Key& members) const;
-  // A candidate's normal equations, in units of its typical sizes.
-  struct Own {
-    Eigen::MatrixXd information;
-    Eigen::VectorXd gradient;
-  };
-  std::vector<const ColumnGroup*> GroupsOf(const Key& members) const;
   // conditioned: the members, at scales to begin with.
   WeightedSet EvaluateFrom(const std::vector<int>& given_members, Members conditioned) const;
   double AverageOverScales(Members* members) const;
-  const Own& OwnOf(size_t candidate) const;
+  const Eigen::MatrixXd& OwnOf(size_t candidate) const;  // information, in units of its typical sizes
   std::vector<double> AdditionsTo(const WeightedSet& set, const Sweep& sweep, std::vector<double>* scales) const;
   // Given a set: by what comes to the set before, and goes from it.
   const Sweep& SweepOf(const WeightedSet& set);
@@ -117,15 +114,12 @@ class SetSearch {
   Members MembersOf(const WeightedSet& set) const;
   // Of the same members, from their scales before.
   static Members MembersAt(const WeightedSet& set, const WeightedSet& before, Members members);
-  // Log of the evidence that it adds to a residual of this square, averaged over its scale.
-  double GainOfOwn(const Own& own, double residual, double* scale) const;
   void Expand(const WeightedSet& given);
   void RecordGrown(WeightedSet set, int candidate, double scale, double log_weight);
   // replaces: an evaluation, which is better than what an addition says.
   void Record(WeightedSet set, bool replaces = false);
-  WeightedSet Settled(const WeightedSet& set) { return Settled(set, nullptr); }
   // conditioned: its members, at its scales, where they are at hand.
-  WeightedSet Settled(const WeightedSet& set, const Members* conditioned);
+  WeightedSet Settled(const WeightedSet& set, const Members* conditioned = nullptr);
   // A set without each of its members, the others' scales and averages kept unless the set is small. all: its members,
   // at its scales.
   std::vector<WeightedSet> WithoutEach(const WeightedSet& set, const Members& all) const;
@@ -147,10 +141,8 @@ class SetSearch {
   SetPrior prior_;
   ResidualLikelihood likelihood_;
   FoundSets found_;
-  std::map<Key, bool> expanded_;
-  std::map<Key, bool> settled_;
-  std::map<Key, bool> exchanged_;
-  mutable std::vector<Own> own_;  // as they are asked for
+  std::set<Key> expanded_, settled_, exchanged_;
+  mutable std::vector<Eigen::MatrixXd> own_;  // of candidates, as they are asked for
   struct Place {
     WeightedSet set;
     Sweep sweep;

@@ -110,11 +110,12 @@ double LossOfScale(const ResidualLikelihood& likelihood, const GivenOthers& give
   return LogSumExp(logs) - std::log(kNumScales) - *std::max_element(logs.begin(), logs.end());
 }
 
-Members::Members(const ProjectedNormal& normal, std::vector<const ColumnGroup*> groups)
-    : normal_(&normal), groups_(std::move(groups)), residual_(normal.residual) {
+Members::Members(const ProjectedNormal& normal, std::vector<const ColumnGroup*> groups, std::vector<double> scales)
+    : normal_(&normal), groups_(std::move(groups)), scales_(std::move(scales)) {
   SetFirst();
   gradient_.resize(first_.back());
   for (size_t k = 0; k < size(); ++k) gradient_.segment(first_[k], SizeOf(k)) = OwnGradient(normal, *groups_[k]);
+  Condition();
 }
 
 void Members::SetFirst() {
@@ -153,8 +154,7 @@ Eigen::MatrixXd Members::ScaledRows() const {
 }
 
 // Q = I + D M'GM D,  W W' = Q^-1,  t = Q^-1 D M'g,  log |Q| = -2 sum log W_ii.
-void Members::Condition(const std::vector<double>& scales) {
-  scales_ = scales;
+void Members::Condition() {
   const Eigen::VectorXd diagonal = Scales();
   Eigen::MatrixXd inner = diagonal.asDiagonal() * Information() * diagonal.asDiagonal();
   inner.diagonal().array() += 1.0;
@@ -250,8 +250,7 @@ GivenOthers Members::Of(size_t group) const {
 
 Sweep::Sweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given,
              const std::vector<double>& scales)
-    : members_(normal, given), gradient_(normal.gradient) {
-  members_.Condition(scales);
+    : members_(normal, given, scales), gradient_(normal.gradient) {
   tops_.assign(members_.first_.begin(), members_.first_.end() - 1);
   rows_ = members_.ScaledRows();
   solved_ = TallProduct(rows_.transpose(), members_.inverse_).transpose();
@@ -364,10 +363,16 @@ Eigen::MatrixXd Sweep::Gradients(const std::vector<WithoutOne>& without) const {
 // (M'GM + D^-2)^-1 = D Q^-1 D:  values -D t,  covariance D A D.
 GroupValues ValuesOf(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& groups,
                      const std::vector<double>& scales) {
-  Members members(normal, groups);
-  members.Condition(scales);
+  const Members members(normal, groups, scales);
   const Eigen::VectorXd scale = members.Scales();
   return {-scale.cwiseProduct(members.solved_), scale.asDiagonal() * members.inverse_ * scale.asDiagonal()};
+}
+
+GroupValues GroupValues::Of(size_t group, const std::vector<const ColumnGroup*>& groups) const {
+  long first = 0;
+  for (size_t k = 0; k < group; ++k) first += groups[k]->size();
+  const long size = groups[group]->size();
+  return {values.segment(first, size), covariance.block(first, first, size, size)};
 }
 
 }  // namespace sagitta

@@ -32,6 +32,9 @@ Eigen::VectorXd OwnGradient(const ProjectedNormal& normal, const ColumnGroup& gr
 struct GroupValues {
   Eigen::VectorXd values;
   Eigen::MatrixXd covariance;
+
+  // Of one of the groups.
+  GroupValues Of(size_t group, const std::vector<const ColumnGroup*>& groups) const;
 };
 // scales: prior standard deviation of each group, in typical sizes.
 GroupValues ValuesOf(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& groups,
@@ -62,10 +65,9 @@ double LossOfScale(const ResidualLikelihood& likelihood, const GivenOthers& give
 //   A <- [A + U i U', -U i; -i U', i],   t_k = i (s_k g_k - q't),  t <- t - U t_k,   log |Q| -= log |i|
 class Members {
  public:
-  Members(const ProjectedNormal& normal, std::vector<const ColumnGroup*> groups);
+  Members(const ProjectedNormal& normal, std::vector<const ColumnGroup*> groups, std::vector<double> scales);
 
-  void Condition(const std::vector<double>& scales);
-  // After Condition: the same with another scale of one group; without one; with one more at a place.
+  // The same with another scale of one group; without one; with one more at a place.
   void Rescale(size_t group, double scale);
   void Remove(size_t group);
   void Insert(size_t place, const ColumnGroup& group, double scale);
@@ -86,6 +88,7 @@ class Members {
   friend GroupValues ValuesOf(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& groups,
                               const std::vector<double>& scales);
 
+  void Condition();
   Eigen::MatrixXd Information() const;  // M'GM
   Eigen::VectorXd Scales() const;       // of every column
   void SetFirst();

@@ -19,6 +19,8 @@ constexpr double kBetweenShots = 60.0;                      // s, where no time 
 struct LaggedFit {
   double lag = 0.0;
   QuickRefit refit;
+
+  double chi2() const { return refit.estimate.chi2; }
 };
 
 bool IsDrivenByTemperature(const Robot& robot, const EffectSpec& spec) {
@@ -48,20 +50,21 @@ std::vector<LaggedFit> FitLags(const DiagnosedModel& final) {
     LagTemperatures(lag, late.mutable_data());
     late.RenewShots();
     QuickRefit refit = RefitQuickly(late, final.estimate.parameters);
-    if (!refit.converged && lag == 0.0) break;
-    if (refit.converged) fits.push_back({lag, std::move(refit)});
+    const bool has_converged = IsUsable(refit.estimate.status);
+    if (!has_converged && lag == 0.0) break;
+    if (has_converged) fits.push_back({lag, std::move(refit)});
   }
   return fits;
 }
 
 double LeastChiSquare(const std::vector<LaggedFit>& fits) {
-  const auto less = [](const LaggedFit& a, const LaggedFit& b) { return a.refit.chi2 < b.refit.chi2; };
-  return std::min_element(fits.begin(), fits.end(), less)->refit.chi2;
+  const auto less = [](const LaggedFit& a, const LaggedFit& b) { return a.chi2() < b.chi2(); };
+  return std::min_element(fits.begin(), fits.end(), less)->chi2();
 }
 
 // Of the noise that the row's interval goes by, in that of the refits; 0 where they do not tell the row.
 double ScaleOfFits(const std::vector<LaggedFit>& fits, const ParameterEstimate& row) {
-  const int c = fits[0].refit.parameters.FindCoordinate(row.name);
+  const int c = fits[0].refit.estimate.parameters.FindCoordinate(row.name);
   const double sigma = c < 0 ? 0.0 : fits[0].refit.sigmas[c];
   return sigma > 0.0 ? row.sigma / sigma : 0.0;
 }
@@ -72,12 +75,12 @@ double ScaleOfFits(const std::vector<LaggedFit>& fits, const ParameterEstimate& 
 void Widen(const std::vector<LaggedFit>& fits, double least, ParameterEstimate* row) {
   const double noise = ScaleOfFits(fits, *row);
   if (!(noise > 0.0)) return;
-  const int c = fits[0].refit.parameters.FindCoordinate(row->name);
+  const int c = fits[0].refit.estimate.parameters.FindCoordinate(row->name);
   const double q = 0.5 * (row->ci95.high - row->ci95.low) / row->sigma;
   for (const LaggedFit& fit : fits) {
-    const double left = q * q - (fit.refit.chi2 - least) / (noise * noise);
+    const double left = q * q - (fit.chi2() - least) / (noise * noise);
     if (left < 0.0) continue;
-    const double half = std::sqrt(left) * noise * fit.refit.sigmas[c], value = fit.refit.parameters.Value(c);
+    const double half = std::sqrt(left) * noise * fit.refit.sigmas[c], value = fit.refit.estimate.parameters.Value(c);
     row->ci95 = {std::min(row->ci95.low, value - half), std::max(row->ci95.high, value + half)};
   }
   row->sigma = 0.5 * (row->ci95.high - row->ci95.low) / q;
@@ -111,8 +114,8 @@ std::optional<ThermalLag> AllowForLag(const DiagnosedModel& final, const EffectS
   const double within = ChiSquareQuantile(0.95, 1.0) * noise * noise;
   ThermalLag lag{0.0, kLongestLag, 0.0, IsTimed(final.problem->data())};
   for (const LaggedFit& fit : fits) {
-    if (fit.refit.chi2 == least) lag.best = fit.lag;
-    if (fit.refit.chi2 > least + within) continue;
+    if (fit.chi2() == least) lag.best = fit.lag;
+    if (fit.chi2() > least + within) continue;
     lag.shortest = std::min(lag.shortest, fit.lag);
     lag.longest = std::max(lag.longest, fit.lag);
   }

@@ -182,11 +182,11 @@ TEST(DiagnosisNoise, BodiesAreRigidEachForItself) {
   for (Observation& observation : problem.mutable_data()->observations) {
     if (observation.marker == 2) observation.point_in_station.y() += 3e-3 * std::sin(observation.shot);
   }
-  const auto together = InstrumentNoiseScale(problem, model.estimate.parameters, 0.01);
+  const auto together = InstrumentNoiseScale(problem, model.estimate.parameters);
   ASSERT_TRUE(together);
   EXPECT_GT(together->scale, 10.0);
   problem.set_marker_frame(2, problem.marker_frames()[0] - 1);  // as if on the link before
-  const auto apart = InstrumentNoiseScale(problem, model.estimate.parameters, 0.01);
+  const auto apart = InstrumentNoiseScale(problem, model.estimate.parameters);
   ASSERT_TRUE(apart);
   EXPECT_EQ(apart->dof, 29);
   EXPECT_LT(apart->low, 1.0);

@@ -174,8 +174,7 @@ TEST(Sweep, MembersFollowOneScaleAndOneGroup) {
   const ProjectedNormal normal = small.Normal();
   const ColumnGroup first{{1, 4}, {}}, second{{0, 2, 5}, Random(3, 2, 77)}, third{{3}, {}};
   const std::vector<const ColumnGroup*> groups = {&first, &second, &third};
-  Members stepwise(normal, groups);
-  stepwise.Condition({1.0, 1.0, 1.0});
+  Members stepwise(normal, groups, {1.0, 1.0, 1.0});
   const auto expect_same = [](const Members& found, const Members& expected) {
     EXPECT_NEAR(found.residual(), expected.residual(), 1e-9);
     for (size_t k = 0; k < expected.scales().size(); ++k) {
@@ -189,15 +188,13 @@ TEST(Sweep, MembersFollowOneScaleAndOneGroup) {
   for (const double scale : {3.0, 0.03, 1.0, 0.1, 3.0, 0.3}) {
     for (size_t k = 0; k < groups.size(); ++k) {
       stepwise.Rescale(k, scale);
-      Members anew(normal, groups);
-      anew.Condition(stepwise.scales());
+      const Members anew(normal, groups, stepwise.scales());
       expect_same(stepwise, anew);
       std::vector<const ColumnGroup*> others = groups;
       std::vector<double> theirs = stepwise.scales();
       others.erase(others.begin() + static_cast<long>(k));
       theirs.erase(theirs.begin() + static_cast<long>(k));
-      Members of_others(normal, others);
-      of_others.Condition(theirs);
+      const Members of_others(normal, others, theirs);
       Members left = stepwise;
       left.Remove(k);
       expect_same(left, of_others);
@@ -261,8 +258,7 @@ TEST(Sweep, WithoutOneIsTheSweepOfTheOthers) {
   const std::vector<const ColumnGroup*> groups = {&first, &second, &third};
   const std::vector<double> scales = {0.3, 2.0, 1.0};
   const Sweep all(normal, groups, scales);
-  Members members(normal, groups);
-  members.Condition(scales);
+  const Members members(normal, groups, scales);
   for (size_t k = 0; k < groups.size(); ++k) {
     std::vector<const ColumnGroup*> others = groups;
     std::vector<double> theirs = scales;
