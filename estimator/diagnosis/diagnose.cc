@@ -10,12 +10,14 @@
 #include "estimator/diagnosis/moments.h"
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/diagnosis/refit.h"
-#include "estimator/diagnosis/refitted_set.h"
+#include "estimator/diagnosis/selected_effects.h"
 #include "estimator/diagnosis/set_aside.h"
 #include "estimator/noise/rotation_noise.h"
 #include "estimator/report/diagnosis_caution_words.h"
 #include "estimator/report/diagnosis_function_words.h"
 #include "estimator/statistics/distributions.h"
+#include "problems/input_error.h"
+#include "problems/range.h"
 
 namespace sagitta {
 namespace {
@@ -341,11 +343,16 @@ class Session {
     d_.candidates = Screen(*evidence_, d_.baseline);
     PredictHoldout(&d_.candidates);
     d_.where = FindWhere(d_.baseline);
-    DescribePlaces();
+    d_.effects.resize(selected_.size());
+    std::vector<int> members;
+    for (const SelectedEffect& effect : selected_) members.push_back(effect.explanation);
+    const std::vector<CheckedEffect> checked = CheckEffects(*evidence_, posterior_, leading_, members);
     double before = HoldoutRms(d_.baseline);
     const std::vector<EffectView> views = ViewEffects(d_.final, SpecsOf(CandidatesOf(selected_)));
     for (size_t k = 0; k < selected_.size(); ++k) {
       FoundEffect& effect = d_.effects[k];
+      effect.alternatives = checked[k].alternatives;
+      effect.confirmation = checked[k].confirmation;
       effect.view = views[k];
       DescribeEffect(selected_[k], static_cast<int>(d_.candidates.size()), &effect);
       const DiagnosedModel& here = k + 1 == selected_.size() ? d_.final : prefixes_[k + 1];
@@ -374,25 +381,6 @@ class Session {
       const DiagnosedModel with =
           Extend(lacking_, CandidatesOf(SelectedEffectsOf(*evidence_, alone, lacking_)), joint_);
       if (IsUsable(with.estimate.status)) entry.holdout_rms = HoldoutRms(with);
-    }
-  }
-
-  // What else could stand in the place of each effect, and whether two halves say the same.
-  void DescribePlaces() {
-    d_.effects.resize(selected_.size());
-    if (selected_.empty()) return;
-    const Places places = PlacesOf(*evidence_, leading_);
-    std::vector<size_t> own;
-    std::vector<std::vector<NamedProbability>> in_place;
-    for (const SelectedEffect& effect : selected_) {
-      const std::vector<int>& members = leading_.set.members;
-      own.push_back(std::lower_bound(members.begin(), members.end(), effect.explanation) - members.begin());
-      in_place.push_back(InPlaceOf(*evidence_, places, own.back()));
-    }
-    const std::vector<Confirmation> confirmations = ConfirmEach(*evidence_, leading_, own, in_place);
-    for (size_t k = 0; k < selected_.size(); ++k) {
-      d_.effects[k].alternatives = FindAlternatives(*evidence_, posterior_, places, leading_, own[k], in_place[k]);
-      d_.effects[k].confirmation = confirmations[k];
     }
   }
 
@@ -478,6 +466,17 @@ class Session {
 };
 
 }  // namespace
+
+void CheckOptions(const DiagnosisOptions& options) {
+  CheckIn(allowed::kLevel, options.significance, "DiagnosisOptions.significance");
+  CheckIn(allowed::kProbability, options.prior.nothing, "DiagnosisOptions.prior.nothing");
+  CheckIn(allowed::kProbability, options.prior.catalogue, "DiagnosisOptions.prior.catalogue");
+  CheckIn(allowed::kProbability, options.prior.unnamed, "DiagnosisOptions.prior.unnamed");
+  CheckIn(allowed::kProbability, options.prior.further, "DiagnosisOptions.prior.further");
+  if (!options.prior.SumToOne()) throw InputError({"", 0, "DiagnosisOptions.prior"}, kMassesDoNotSum);
+  CheckOptions(options.joint);
+  CheckIn(allowed::kThreads, options.num_threads, "DiagnosisOptions.num_threads");
+}
 
 Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& options) {
   CheckOptions(options);

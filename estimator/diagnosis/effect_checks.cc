@@ -23,6 +23,155 @@ constexpr double kPriorMatters = 0.01;
 constexpr double kTakesItsPlace = 0.5;  // of what the effect explains
 constexpr size_t kRivalsOnHalves = 40;  // names that are asked on a half
 
+// What each explanation would do in the place of one member of a set, the others staying at their scales: one sweep of
+// the whole set serves all places.
+class Places {
+ public:
+  // `normal` and `explanations` must outlive this.
+  Places(const ProjectedNormal& normal, const std::vector<Explanation>& explanations, const SetPrior& prior,
+         const ResidualLikelihood& likelihood, const WeightedSet& set)
+      : explanations_(explanations),
+        prior_(prior),
+        likelihood_(likelihood),
+        members_(set.members),
+        sweep_(normal, GroupsOf(explanations, set.members), set.scales) {
+    for (size_t k = 0; k < members_.size(); ++k) without_.push_back(sweep_.Without(k));
+  }
+
+  // Log weights of the set with the listed explanations in the place of its k-th member; -infinity where the others
+  // exclude one.
+  std::vector<double> Weights(size_t place, const std::vector<int>& of) const;
+  // Of one more group, given all but the k-th member.
+  Eigen::MatrixXd Information(const ColumnGroup& group, size_t place) const {
+    return sweep_.Information(group) + without_[place].Information(sweep_.Solved(group));
+  }
+  Eigen::VectorXd Gradient(const ColumnGroup& group, size_t place) const {
+    return sweep_.Gradient(group) + without_[place].Gradient(sweep_.Solved(group));
+  }
+
+ private:
+  const std::vector<Explanation>& explanations_;
+  SetPrior prior_;
+  ResidualLikelihood likelihood_;
+  std::vector<int> members_;
+  Sweep sweep_;
+  std::vector<Sweep::WithoutOne> without_;  // each member
+};
+
+std::vector<double> Places::Weights(size_t place, const std::vector<int>& of) const {
+  std::vector<double> shares = {1.0};
+  for (size_t k = 0; k < members_.size(); ++k) {
+    if (k != place) shares.push_back(explanations_[members_[k]].share);
+  }
+  const double residual = without_[place].residual;
+  const double base = likelihood_.Log(residual) - 0.5 * without_[place].log_det + prior_.Log(shares);
+  std::vector<double> weights;
+  for (const int k : of) {
+    const Explanation& own = explanations_[k];
+    bool is_excluded = !(own.share > 0.0);
+    for (size_t m = 0; m < members_.size(); ++m) {
+      is_excluded |= m != place && explanations_[members_[m]].excludes == own.excludes;
+    }
+    weights.push_back(is_excluded ? -kInfinity
+                                  : base + std::log(own.share) +
+                                        AverageGain(likelihood_, residual, Information(own.group, place),
+                                                    Gradient(own.group, place)));
+  }
+  return weights;
+}
+
+// Of a model's set among all explanations.
+Places PlacesOf(const Evidence& evidence, const WeightedModel& model) {
+  return Places(evidence.views()[model.view].beside.normal, evidence.list().math, evidence.prior(),
+                evidence.LikelihoodOf(model.view), model.set);
+}
+
+std::vector<NamedProbability> ByName(const Evidence& evidence, const std::vector<double>& weights) {
+  const double sum = LogSumExp(weights);
+  std::map<std::string, NamedProbability> names;
+  std::map<std::string, double> most;
+  for (size_t k = 0; k < weights.size(); ++k) {
+    const double p = std::exp(weights[k] - sum);
+    if (!(p > 1e-12)) continue;
+    const std::string& name = evidence.list().name[k];
+    NamedProbability& entry = names.emplace(name, NamedProbability{name, static_cast<int>(k), 0.0}).first->second;
+    entry.probability += p;
+    if (p > most[name]) {
+      most[name] = p;
+      entry.explanation = static_cast<int>(k);
+    }
+  }
+  std::vector<NamedProbability> list;
+  for (const auto& [name, entry] : names) list.push_back(entry);
+  std::stable_sort(list.begin(), list.end(),
+                   [](const auto& a, const auto& b) { return a.probability > b.probability; });
+  return list;
+}
+
+// Probability of each name in the place of a member, given the others of the set: most probable first, the member's own
+// included, unnamed ones too.
+std::vector<NamedProbability> InPlaceOf(const Evidence& evidence, const Places& places, size_t place) {
+  std::vector<int> all(evidence.list().math.size());
+  std::iota(all.begin(), all.end(), 0);
+  return ByName(evidence, places.Weights(place, all));
+}
+
+// Eigenvectors and values of what a group can tell.
+struct Told {
+  Eigen::MatrixXd vectors;
+  Eigen::VectorXd values;
+};
+
+Told Tell(const Eigen::MatrixXd& information) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(information);
+  const double least = kRank * std::max(1e-300, eigen.eigenvalues().maxCoeff());
+  const int rank = static_cast<int>((eigen.eigenvalues().array() > least).count());
+  return {eigen.eigenvectors().rightCols(rank), eigen.eigenvalues().tail(rank)};
+}
+
+Eigen::VectorXd Solve(const Told& told, const Eigen::VectorXd& gradient) {
+  return told.vectors * (told.vectors.transpose() * gradient).cwiseQuotient(told.values);
+}
+
+ColumnGroup Joined(const ColumnGroup& a, const ColumnGroup& b) {
+  ColumnGroup both;
+  both.columns = a.columns;
+  both.columns.insert(both.columns.end(), b.columns.begin(), b.columns.end());
+  both.mixing.setZero(static_cast<long>(both.columns.size()), a.size() + b.size());
+  const auto put = [&both](const ColumnGroup& group, long row, long column) {
+    const long height = static_cast<long>(group.columns.size());
+    both.mixing.block(row, column, height, group.size()) =
+        group.mixing.size() > 0 ? group.mixing : Eigen::MatrixXd::Identity(height, height);
+  };
+  put(a, 0, 0);
+  put(b, static_cast<long>(a.columns.size()), a.size());
+  return both;
+}
+
+// With c = A a the effect's contribution, a its values given the others:  |P_rival c|^2 / |c|^2.
+std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Posterior& posterior, const Places& places,
+                                          const WeightedModel& model, size_t place,
+                                          const std::vector<NamedProbability>& in_place) {
+  const int member = model.set.members[place];
+  const ColumnGroup& own = evidence.list().math[member].group;
+  const Eigen::MatrixXd information = places.Information(own, place);
+  const Eigen::VectorXd values = Solve(Tell(information), places.Gradient(own, place));
+  const double size = std::max(1e-300, values.dot(information * values));
+  std::vector<Alternative> alternatives;
+  for (const NamedProbability& rival : in_place) {
+    if (rival.probability < kWorthListing || rival.name == evidence.list().name[member]) continue;
+    if (evidence.list().IsUnnamed(rival.explanation)) continue;
+    const Eigen::MatrixXd both = places.Information(Joined(own, evidence.list().math[rival.explanation].group), place);
+    const long n = own.size(), m = both.cols() - n;
+    const Eigen::VectorXd across = both.bottomLeftCorner(m, n) * values;
+    const double overlap = across.dot(Solve(Tell(both.bottomRightCorner(m, m)), across)) / size;
+    if (overlap < kTakesItsPlace) continue;  // it would be added, not put in its place
+    alternatives.push_back(
+        {evidence.list().start[rival.explanation], posterior.Of(rival.name), std::min(1.0, overlap)});
+  }
+  return alternatives;
+}
+
 // What is asked on the halves: the set, then the rivals in each place; positions in `all` of what is asked there, the
 // member first.
 struct Asked {
@@ -72,150 +221,69 @@ double CompatibleP(const std::vector<HalfResult>& halves) {
   return ChiSquareSurvival(apart.dot(joint.solve(apart)), static_cast<double>(apart.size()));
 }
 
-std::vector<NamedProbability> ByName(const Evidence& evidence, const std::vector<double>& weights) {
-  const double sum = LogSumExp(weights);
-  std::map<std::string, NamedProbability> names;
-  std::map<std::string, double> most;
-  for (size_t k = 0; k < weights.size(); ++k) {
-    const double p = std::exp(weights[k] - sum);
-    if (!(p > 1e-12)) continue;
-    const std::string& name = evidence.list().name[k];
-    NamedProbability& entry = names.emplace(name, NamedProbability{name, static_cast<int>(k), 0.0}).first->second;
-    entry.probability += p;
-    if (p > most[name]) {
-      most[name] = p;
-      entry.explanation = static_cast<int>(k);
+// Of the members at these places; in_place: of each, what else could stand there. Each half is summed once for all.
+std::vector<Confirmation> ConfirmEach(const Evidence& evidence, const WeightedModel& model,
+                                      const std::vector<size_t>& places,
+                                      const std::vector<std::vector<NamedProbability>>& in_place) {
+  const EvidenceColumns& columns = evidence.columns();
+  std::vector<Confirmation> confirmations(places.size());
+  const Asked asked = AskedOf(evidence, model, places, in_place);
+  const FewExplanations few = WithTheirColumns(evidence.list().math, asked.all);
+  WeightedSet set{{}, model.set.scales, 0.0, 0.0};
+  for (size_t k = 0; k < model.set.members.size(); ++k) set.members.push_back(static_cast<int>(k));
+  const std::vector<const ColumnGroup*> groups = GroupsOf(few.explanations, set.members);
+  const std::vector<double> widest(set.members.size(), kScales[kNumScales - 1]);
+  const int middle = columns.num_poses() / 2;
+  for (int half = 0; half < 2 && !places.empty(); ++half) {
+    std::vector<int> poses(half == 0 ? middle : columns.num_poses() - middle);
+    std::iota(poses.begin(), poses.end(), half == 0 ? 0 : middle);
+    if (poses.empty()) continue;
+    const BesideBelieved beside =
+        columns.Project(columns.Sum(evidence.views()[model.view].scatter, &few.columns, poses));
+    const Places there(beside.normal, few.explanations, evidence.prior(), evidence.Likelihood(beside.normal.dof), set);
+    const GroupValues values = ValuesOf(beside.normal, groups, widest);
+    for (size_t k = 0; k < places.size(); ++k) {
+      HalfResult result = OnHalf(evidence, asked, k, there.Weights(places[k], asked.of[k]));
+      const GroupValues own = values.Of(places[k], groups);
+      result.values = own.values;
+      result.covariance = own.covariance;
+      confirmations[k].halves.push_back(std::move(result));
     }
   }
-  std::vector<NamedProbability> list;
-  for (const auto& [name, entry] : names) list.push_back(entry);
-  std::stable_sort(list.begin(), list.end(),
-                   [](const auto& a, const auto& b) { return a.probability > b.probability; });
-  return list;
-}
-
-// Eigenvectors and values of what a group can tell.
-struct Told {
-  Eigen::MatrixXd vectors;
-  Eigen::VectorXd values;
-};
-
-Told Tell(const Eigen::MatrixXd& information) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(information);
-  const double least = kRank * std::max(1e-300, eigen.eigenvalues().maxCoeff());
-  const int rank = static_cast<int>((eigen.eigenvalues().array() > least).count());
-  return {eigen.eigenvectors().rightCols(rank), eigen.eigenvalues().tail(rank)};
-}
-
-Eigen::VectorXd Solve(const Told& told, const Eigen::VectorXd& gradient) {
-  return told.vectors * (told.vectors.transpose() * gradient).cwiseQuotient(told.values);
-}
-
-ColumnGroup Joined(const ColumnGroup& a, const ColumnGroup& b) {
-  ColumnGroup both;
-  both.columns = a.columns;
-  both.columns.insert(both.columns.end(), b.columns.begin(), b.columns.end());
-  both.mixing.setZero(static_cast<long>(both.columns.size()), a.size() + b.size());
-  const auto put = [&both](const ColumnGroup& group, long row, long column) {
-    const long height = static_cast<long>(group.columns.size());
-    both.mixing.block(row, column, height, group.size()) =
-        group.mixing.size() > 0 ? group.mixing : Eigen::MatrixXd::Identity(height, height);
-  };
-  put(a, 0, 0);
-  put(b, static_cast<long>(a.columns.size()), a.size());
-  return both;
+  for (Confirmation& confirmation : confirmations) confirmation.compatible_p = CompatibleP(confirmation.halves);
+  return confirmations;
 }
 
 }  // namespace
 
-Places::Places(const ProjectedNormal& normal, const std::vector<Explanation>& explanations, const SetPrior& prior,
-               const ResidualLikelihood& likelihood, const WeightedSet& set)
-    : explanations_(explanations),
-      prior_(prior),
-      likelihood_(likelihood),
-      members_(set.members),
-      sweep_(normal, GroupsOf(explanations, set.members), set.scales) {
-  for (size_t k = 0; k < members_.size(); ++k) without_.push_back(sweep_.Without(k));
-}
-
-std::vector<double> Places::Weights(size_t place, const std::vector<int>& of) const {
-  std::vector<double> shares = {1.0};
-  for (size_t k = 0; k < members_.size(); ++k) {
-    if (k != place) shares.push_back(explanations_[members_[k]].share);
+std::vector<CheckedEffect> CheckEffects(const Evidence& evidence, const Posterior& posterior,
+                                        const WeightedModel& model, const std::vector<int>& members) {
+  std::vector<CheckedEffect> checked(members.size());
+  if (members.empty()) return checked;
+  const Places places = PlacesOf(evidence, model);
+  std::vector<size_t> own;
+  std::vector<std::vector<NamedProbability>> in_place;
+  for (size_t k = 0; k < members.size(); ++k) {
+    own.push_back(model.PlaceOf(members[k]));
+    in_place.push_back(InPlaceOf(evidence, places, own[k]));
+    checked[k].alternatives = FindAlternatives(evidence, posterior, places, model, own[k], in_place[k]);
   }
-  const double residual = without_[place].residual;
-  const double base = likelihood_.Log(residual) - 0.5 * without_[place].log_det + prior_.Log(shares);
-  std::vector<double> weights;
-  for (const int k : of) {
-    const Explanation& own = explanations_[k];
-    bool is_excluded = !(own.share > 0.0);
-    for (size_t m = 0; m < members_.size(); ++m) {
-      is_excluded |= m != place && explanations_[members_[m]].excludes == own.excludes;
-    }
-    weights.push_back(is_excluded ? -kInfinity
-                                  : base + std::log(own.share) +
-                                        AverageGain(likelihood_, residual, Information(own.group, place),
-                                                    Gradient(own.group, place)));
-  }
-  return weights;
-}
-
-Eigen::MatrixXd Places::Information(const ColumnGroup& group, size_t place) const {
-  return sweep_.Information(group) + without_[place].Information(sweep_.Solved(group));
-}
-
-Eigen::VectorXd Places::Gradient(const ColumnGroup& group, size_t place) const {
-  return sweep_.Gradient(group) + without_[place].Gradient(sweep_.Solved(group));
-}
-
-Places PlacesOf(const Evidence& evidence, const WeightedModel& model) {
-  return Places(evidence.views()[model.view].beside.normal, evidence.list().math, evidence.prior(),
-                evidence.LikelihoodOf(model.view), model.set);
-}
-
-std::vector<NamedProbability> InPlaceOf(const Evidence& evidence, const Places& places, size_t place) {
-  std::vector<int> all(evidence.list().math.size());
-  std::iota(all.begin(), all.end(), 0);
-  return ByName(evidence, places.Weights(place, all));
+  const std::vector<Confirmation> confirmations = ConfirmEach(evidence, model, own, in_place);
+  for (size_t k = 0; k < members.size(); ++k) checked[k].confirmation = confirmations[k];
+  return checked;
 }
 
 std::vector<int> OthersOfItsName(const Evidence& evidence, const WeightedModel& model, int member) {
   const std::vector<std::string>& name = evidence.list().name;
-  const auto& members = model.set.members;
-  const auto place = static_cast<size_t>(std::find(members.begin(), members.end(), member) - members.begin());
   std::vector<int> others;
   for (size_t k = 0; k < name.size(); ++k) {
     if (name[k] == name[member] && static_cast<int>(k) != member) others.push_back(static_cast<int>(k));
   }
-  const std::vector<double> weights = PlacesOf(evidence, model).Weights(place, others);
+  const std::vector<double> weights = PlacesOf(evidence, model).Weights(model.PlaceOf(member), others);
   std::map<int, double> weight;
   for (size_t k = 0; k < others.size(); ++k) weight[others[k]] = weights[k];
   std::stable_sort(others.begin(), others.end(), [&](int a, int b) { return weight[a] > weight[b]; });
   return others;
-}
-
-// With c = A a the effect's contribution, a its values given the others:  |P_rival c|^2 / |c|^2.
-std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Posterior& posterior, const Places& places,
-                                          const WeightedModel& model, size_t place,
-                                          const std::vector<NamedProbability>& in_place) {
-  const int member = model.set.members[place];
-  const ColumnGroup& own = evidence.list().math[member].group;
-  const Eigen::MatrixXd information = places.Information(own, place);
-  const Eigen::VectorXd values = Solve(Tell(information), places.Gradient(own, place));
-  const double size = std::max(1e-300, values.dot(information * values));
-  std::vector<Alternative> alternatives;
-  for (const NamedProbability& rival : in_place) {
-    if (rival.probability < kWorthListing || rival.name == evidence.list().name[member]) continue;
-    if (evidence.list().IsUnnamed(rival.explanation)) continue;
-    const Eigen::MatrixXd both = places.Information(Joined(own, evidence.list().math[rival.explanation].group), place);
-    const long n = own.size(), m = both.cols() - n;
-    const Eigen::VectorXd across = both.bottomLeftCorner(m, n) * values;
-    const double overlap = across.dot(Solve(Tell(both.bottomRightCorner(m, m)), across)) / size;
-    if (overlap < kTakesItsPlace) continue;  // it would be added, not put in its place
-    alternatives.push_back(
-        {evidence.list().start[rival.explanation], posterior.Of(rival.name), std::min(1.0, overlap)});
-  }
-  return alternatives;
 }
 
 // |r - A a|^2 = R - 2 a'g + a'G a.
@@ -263,38 +331,6 @@ MemberFit FitOf(const Evidence& evidence, int member, const GivenOthers& given) 
     if (left[c] > kPriorMatters * variance) fit.loose.push_back(name);
   }
   return fit;
-}
-
-std::vector<Confirmation> ConfirmEach(const Evidence& evidence, const WeightedModel& model,
-                                      const std::vector<size_t>& places,
-                                      const std::vector<std::vector<NamedProbability>>& in_place) {
-  const EvidenceColumns& columns = evidence.columns();
-  std::vector<Confirmation> confirmations(places.size());
-  const Asked asked = AskedOf(evidence, model, places, in_place);
-  const FewExplanations few = WithTheirColumns(evidence.list().math, asked.all);
-  WeightedSet set{{}, model.set.scales, 0.0, 0.0};
-  for (size_t k = 0; k < model.set.members.size(); ++k) set.members.push_back(static_cast<int>(k));
-  const std::vector<const ColumnGroup*> groups = GroupsOf(few.explanations, set.members);
-  const std::vector<double> widest(set.members.size(), kScales[kNumScales - 1]);
-  const int middle = columns.num_poses() / 2;
-  for (int half = 0; half < 2 && !places.empty(); ++half) {
-    std::vector<int> poses(half == 0 ? middle : columns.num_poses() - middle);
-    std::iota(poses.begin(), poses.end(), half == 0 ? 0 : middle);
-    if (poses.empty()) continue;
-    const BesideBelieved beside =
-        columns.Project(columns.Sum(evidence.views()[model.view].scatter, &few.columns, poses));
-    const Places there(beside.normal, few.explanations, evidence.prior(), evidence.Likelihood(beside.normal.dof), set);
-    const GroupValues values = ValuesOf(beside.normal, groups, widest);
-    for (size_t k = 0; k < places.size(); ++k) {
-      HalfResult result = OnHalf(evidence, asked, k, there.Weights(places[k], asked.of[k]));
-      const GroupValues own = values.Of(places[k], groups);
-      result.values = own.values;
-      result.covariance = own.covariance;
-      confirmations[k].halves.push_back(std::move(result));
-    }
-  }
-  for (Confirmation& confirmation : confirmations) confirmation.compatible_p = CompatibleP(confirmation.halves);
-  return confirmations;
 }
 
 }  // namespace sagitta

@@ -274,10 +274,8 @@ void Evidence::AddReadings() {
 }
 
 GroupValues Evidence::ValuesOfMember(const WeightedModel& model, int member) const {
-  const auto& members = model.set.members;
-  const std::vector<const ColumnGroup*> groups = GroupsOf(list_.math, members);
-  const auto place = static_cast<size_t>(std::find(members.begin(), members.end(), member) - members.begin());
-  return ValuesOf(views_[model.view].beside.normal, groups, model.set.scales).Of(place, groups);
+  const std::vector<const ColumnGroup*> groups = GroupsOf(list_.math, model.set.members);
+  return ValuesOf(views_[model.view].beside.normal, groups, model.set.scales).Of(model.PlaceOf(member), groups);
 }
 
 double Evidence::ResidualOf(const WeightedModel& model) const {

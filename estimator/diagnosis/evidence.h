@@ -48,6 +48,9 @@ struct WeightedModel {
   // Members of the catalogue that are read as pieces of the set's nameless cause, ascending (nameless_cause.h).
   std::vector<int> pieces = {};
 
+  size_t PlaceOf(int member) const {
+    return static_cast<size_t>(std::find(set.members.begin(), set.members.end(), member) - set.members.begin());
+  }
   bool HasPiece(int member) const { return std::binary_search(pieces.begin(), pieces.end(), member); }
 };
 

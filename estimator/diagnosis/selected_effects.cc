@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "estimator/diagnosis/compensator_shapes.h"
 #include "estimator/statistics/distributions.h"
@@ -11,6 +12,9 @@
 namespace sagitta {
 namespace {
 
+// Of the probability: a set that may lead once others have lost what the full model does not keep.
+constexpr double kMayLead = 0.05;
+constexpr size_t kMostRefitted = 4;
 constexpr size_t kMostSprings = 8;  // of 144 shapes: neighbours in ratio and in direction
 constexpr size_t kMostGroups = 5;   // FORMATS section 6
 
@@ -23,18 +27,77 @@ EffectSpec SeededSpring(const Evidence& evidence, const WeightedModel& model, in
   const Eigen::VectorXd coefficients = group.mixing * evidence.ValuesOfMember(model, member).values;
   const Eigen::VectorXd turned = kTypicalTurn * evidence.columns().FunctionOf(group.columns) * coefficients;
   const int joint = problem.robot().chain.FindJoint(spring.target);
-  std::vector<double> angles, torques;
-  const double compliance = ComplianceOf(lacking.estimate.parameters, spring.target);
-  for (const int i : problem.CalibrationObservations()) {
-    const int shot = problem.data().observations[i].shot;
-    angles.push_back(problem.shot_inputs()[shot].conditions.q[joint]);
-    torques.push_back(turned[shot] / compliance);
-  }
-  const auto vector = [](const std::vector<double>& list) {
-    return Eigen::Map<const Eigen::VectorXd>(list.data(), static_cast<long>(list.size()));
-  };
-  SeedSpring(vector(angles), vector(torques), &spring);
+  const Eigen::VectorXd angles = OfShots(problem, [joint](const ShotConditions& shot) { return shot.q[joint]; });
+  std::vector<int> shots;
+  for (const int i : problem.CalibrationObservations()) shots.push_back(problem.data().observations[i].shot);
+  SeedSpring(angles(shots), turned(shots) / ComplianceOf(lacking.estimate.parameters, spring.target), &spring);
   return spring;
+}
+
+// Springs of the next most probable shapes in an effect's place, best first.
+std::vector<EffectSpec> OtherSprings(const Evidence& evidence, const WeightedModel& model, const SelectedEffect& effect,
+                                     const DiagnosedModel& lacking) {
+  std::vector<EffectSpec> springs;
+  for (const int shape : OthersOfItsName(evidence, model, effect.explanation)) {
+    if (springs.size() == kMostSprings) break;
+    WeightedModel with = model;
+    std::replace(with.set.members.begin(), with.set.members.end(), effect.explanation, shape);
+    springs.push_back(SeededSpring(evidence, with, shape, lacking));
+  }
+  return springs;
+}
+
+// near: the believed model with a noise like that of this model.
+DiagnosedModel LackingBeside(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& working,
+                             const DiagnosedModel& baseline, const Estimate& near, const JointOptions& joint) {
+  const bool is_other = evidence.views()[model.view].view.kind != NoiseView::Kind::kStated;
+  if (!is_other && evidence.IsSigmaStated() && evidence.SigmaIsWrong(model) <= kEvenOdds) return baseline;
+  DiagnosedModel refit = RefitFully(WithNoiseOf(evidence, model, working), near, joint);
+  return IsUsable(refit.estimate.status) ? refit : baseline;
+}
+
+// A spring's shape is a narrow valley, or one without an end where the data hardly tell it: near the start's shape, and
+// near others, the refit may find its floor.
+void TryOtherSprings(const Evidence& evidence, const JointOptions& joint, RefittedSet* refitted) {
+  for (SelectedEffect& effect : refitted->effects) {
+    if (!IsGravityCompensator(effect.candidate.spec)) continue;
+    effect.candidate.keeps_shape = true;
+    std::vector<EffectSpec> springs = OtherSprings(evidence, refitted->model, effect, refitted->lacking);
+    springs.insert(springs.begin(), effect.candidate.spec);
+    for (const EffectSpec& spring : springs) {
+      effect.candidate.spec = spring;
+      refitted->with_effects = Extend(refitted->lacking, CandidatesOf(refitted->effects), joint);
+      if (refitted->IsUsable()) return;
+    }
+  }
+}
+
+// Sets that may lead, by their best models.
+std::vector<size_t> MayLead(const Posterior& posterior) {
+  std::vector<size_t> sets;
+  for (size_t s = 0; s < posterior.sets.size() && sets.size() < kMostRefitted; ++s) {
+    if (s == 0 || posterior.sets[s].probability >= kMayLead) sets.push_back(s);
+  }
+  return sets;
+}
+
+// Sets of one view have almost the same noise, and where it is large many steps lead from the stated one to it.
+const RefittedSet* LastOfView(const std::vector<RefittedSet>& refitted, int view) {
+  const auto last = std::find_if(refitted.rbegin(), refitted.rend(),
+                                 [view](const RefittedSet& each) { return each.model.view == view; });
+  return last == refitted.rend() ? nullptr : &*last;
+}
+
+// 0 where the set holds what has no name: the full model cannot hold it.
+double LogCorrection(const Evidence& evidence, const RefittedSet& refitted) {
+  if (!refitted.IsUsable()) return -std::numeric_limits<double>::infinity();
+  if (refitted.effects.size() != refitted.model.set.members.size()) return 0.0;
+  const ResidualLikelihood likelihood = evidence.LikelihoodOf(refitted.model.view);
+  const double nothing = evidence.views()[refitted.model.view].beside.normal.residual;
+  // In units of the rows' sigma: the refit may have another.
+  const double unit = nothing / refitted.lacking.estimate.chi2;
+  return likelihood.Log(unit * refitted.with_effects.estimate.chi2) -
+         likelihood.Log(ResidualAtBest(evidence, refitted.model));
 }
 
 }  // namespace
@@ -64,22 +127,47 @@ std::vector<SelectedEffect> SelectedEffectsOf(const Evidence& evidence, const We
   return effects;
 }
 
-std::vector<EffectSpec> OtherSprings(const Evidence& evidence, const WeightedModel& model, const SelectedEffect& effect,
-                                     const DiagnosedModel& lacking) {
-  std::vector<EffectSpec> springs;
-  for (const int shape : OthersOfItsName(evidence, model, effect.explanation)) {
-    if (springs.size() == kMostSprings) break;
-    WeightedModel with = model;
-    std::replace(with.set.members.begin(), with.set.members.end(), effect.explanation, shape);
-    springs.push_back(SeededSpring(evidence, with, shape, lacking));
-  }
-  return springs;
-}
-
 std::vector<Candidate> CandidatesOf(const std::vector<SelectedEffect>& effects) {
   std::vector<Candidate> candidates;
   for (const SelectedEffect& effect : effects) candidates.push_back(effect.candidate);
   return candidates;
+}
+
+RefittedSet RefitSet(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& working,
+                     const DiagnosedModel& baseline, const JointOptions& joint, const RefittedSet* near) {
+  RefittedSet refitted;
+  refitted.model = model;
+  const Estimate& start = near == nullptr ? baseline.estimate : near->lacking.estimate;
+  refitted.lacking = LackingBeside(evidence, model, working, baseline, start, joint);
+  refitted.effects = SelectedEffectsOf(evidence, model, refitted.lacking);
+  refitted.with_effects = Extend(refitted.lacking, CandidatesOf(refitted.effects), joint);
+  if (!refitted.IsUsable()) TryOtherSprings(evidence, joint, &refitted);
+  return refitted;
+}
+
+RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel& baseline, const JointOptions& joint,
+                         Evidence* evidence, Posterior* posterior) {
+  std::vector<RefittedSet> refitted;
+  std::vector<double> corrections(evidence->models().size(), 0.0);
+  bool any_usable = false;
+  for (const size_t s : MayLead(*posterior)) {
+    const NameSet& set = posterior->sets[s];
+    const WeightedModel& best = evidence->models()[set.best];
+    refitted.push_back(RefitSet(*evidence, best, working, baseline, joint, LastOfView(refitted, best.view)));
+    any_usable |= refitted.back().IsUsable();
+    const double correction = LogCorrection(*evidence, refitted.back());
+    for (const int m : set.models) corrections[m] = correction;
+  }
+  if (!any_usable) return refitted[0];
+  evidence->Correct(corrections);
+  *posterior = PosteriorOf(*evidence, evidence->models());
+  if (posterior->sets.empty()) return refitted[0];
+  const WeightedModel& leading = evidence->models()[posterior->sets[0].best];
+  for (RefittedSet& each : refitted) {
+    const bool is_same = each.model.set.members == leading.set.members && each.model.pieces == leading.pieces;
+    if (each.model.view == leading.view && is_same) return each;
+  }
+  return RefitSet(*evidence, leading, working, baseline, joint, LastOfView(refitted, leading.view));
 }
 
 double CorrectedP(double reduction, int parameters, double scatter, int dof, bool is_sigma_stated, int tests) {

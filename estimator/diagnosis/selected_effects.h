@@ -19,10 +19,33 @@ struct SelectedEffect {
 // from the spring of its shape that the data ask for.
 std::vector<SelectedEffect> SelectedEffectsOf(const Evidence& evidence, const WeightedModel& model,
                                               const DiagnosedModel& lacking);
-// Springs of the next most probable shapes in an effect's place, best first.
-std::vector<EffectSpec> OtherSprings(const Evidence& evidence, const WeightedModel& model, const SelectedEffect& effect,
-                                     const DiagnosedModel& lacking);
 std::vector<Candidate> CandidatesOf(const std::vector<SelectedEffect>& effects);
+
+// The best sets once more, in the full model: where it has no optimum a set is none, and what the linear model promised
+// is replaced by what the full one keeps. With D the residual's square at the best values, linear and full,
+//
+//   log weight += log f(D_full) - log f(D_linear)
+//
+// which leaves determinants and priors as they are: they change little over the few standard deviations that the two
+// optima are apart.
+struct RefittedSet {
+  WeightedModel model;
+  DiagnosedModel lacking;               // the believed model beside the noise that goes with the set
+  std::vector<SelectedEffect> effects;  // of the catalogue
+  DiagnosedModel with_effects;
+
+  bool IsUsable() const { return sagitta::IsUsable(with_effects.estimate.status); }
+};
+
+// working: what the evidence is made of. baseline: fitted with the noise as stated. near: another set with a noise like
+// that of this one, to start from.
+RefittedSet RefitSet(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& working,
+                     const DiagnosedModel& baseline, const JointOptions& joint, const RefittedSet* near = nullptr);
+
+// The most probable sets by name, refitted; `evidence` and `posterior` follow. The leading one is returned: of those
+// with an optimum in the full model, or the first as it is where none has one.
+RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel& baseline, const JointOptions& joint,
+                         Evidence* evidence, Posterior* posterior);
 
 // P of a reduction by chance, the best of so many tests: chi-square in the noise that is stated; F in units of the
 // scatter that is left (chi-square per degree of freedom, dof of them) where that is more, or where none is stated.

@@ -145,13 +145,6 @@ const Sweep& SetSearch::SweepOf(const WeightedSet& set) {
   return place_->sweep;
 }
 
-Members SetSearch::MembersAt(const WeightedSet& set, const WeightedSet& before, Members members) {
-  for (size_t k = 0; k < set.members.size(); ++k) {
-    if (set.scales[k] != before.scales[k]) members.Rescale(k, set.scales[k]);
-  }
-  return members;
-}
-
 Members SetSearch::MembersOf(const WeightedSet& set) const {
   const Difference difference = place_ ? DifferenceOf(place_->set, set) : Difference();
   // Moves of all members cost what the inverse does anew.
@@ -399,7 +392,7 @@ void SetSearch::SwapTogether(const WeightedSet& set, const Members& all, const s
     const WeightedSet settled = Settled(swapped, &theirs);
     if (!(settled.log_weight > now.log_weight)) continue;
     now = settled;
-    members = MembersAt(now, swapped, std::move(theirs));
+    members = MembersOf(now);
   }
 }
 

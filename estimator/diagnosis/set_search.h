@@ -112,8 +112,6 @@ class SetSearch {
   const Sweep& SweepOf(const WeightedSet& set);
   // Conditioned; by what comes to those of the sweep, and goes from them.
   Members MembersOf(const WeightedSet& set) const;
-  // Of the same members, from their scales before.
-  static Members MembersAt(const WeightedSet& set, const WeightedSet& before, Members members);
   void Expand(const WeightedSet& given);
   void RecordGrown(WeightedSet set, int candidate, double scale, double log_weight);
   // replaces: an evaluation, which is better than what an addition says.
