@@ -29,6 +29,17 @@ EffectSpec ShapeOf(const std::string& joint, double ratio, double alpha) {
   return {kGravityCompensator, joint, {}, {kLever, a_x, a_y, 0.0, 0.0}};
 }
 
+// Torque per unit of Kc and of Kc s0 for such a shape at each angle (rad).
+Eigen::MatrixX2d TorquesPerRate(const EffectSpec& shape, const Eigen::VectorXd& angles) {
+  const CompensatorParameters<double> unit{shape.values[0], shape.values[1], shape.values[2], 0.0, 1.0};
+  Eigen::MatrixX2d torques(angles.size(), 2);
+  for (long r = 0; r < angles.size(); ++r) {
+    torques(r, 0) = CompensatorTorque(unit, angles[r]);  // s0 = 0: -a L sin(gamma)
+    torques(r, 1) = -torques(r, 0) / CompensatorSpringLength(unit, angles[r]);
+  }
+  return torques;
+}
+
 }  // namespace
 
 std::vector<int> ComplianceCoordinates(const ParameterSet& parameters, const std::string& joint) {
@@ -57,16 +68,6 @@ std::vector<EffectSpec> CompensatorShapes(const std::string& joint) {
     }
   }
   return shapes;
-}
-
-Eigen::MatrixX2d TorquesPerRate(const EffectSpec& shape, const Eigen::VectorXd& angles) {
-  const CompensatorParameters<double> unit{shape.values[0], shape.values[1], shape.values[2], 0.0, 1.0};
-  Eigen::MatrixX2d torques(angles.size(), 2);
-  for (long r = 0; r < angles.size(); ++r) {
-    torques(r, 0) = CompensatorTorque(unit, angles[r]);  // s0 = 0: -a L sin(gamma)
-    torques(r, 1) = -torques(r, 0) / CompensatorSpringLength(unit, angles[r]);
-  }
-  return torques;
 }
 
 // tau(rho, ln(a / L), alpha) with s0 = rho a, to first order:  tau at rho = 0.65, then its derivative by each times the

@@ -28,9 +28,6 @@ double ComplianceOf(const ParameterSet& parameters, const std::string& joint);
 // The grid: gravity_compensator with L, a_x, a_y; s0 and Kc zero.
 std::vector<EffectSpec> CompensatorShapes(const std::string& joint);
 
-// Torque per unit of Kc and of Kc s0 for such a shape at each angle (rad).
-Eigen::MatrixX2d TorquesPerRate(const EffectSpec& shape, const Eigen::VectorXd& angles);
-
 // Joint torques of a spring of this shape at each angle, in an arbitrary unit: with the usual rest length; what another
 // rest length adds per standard deviation; and other directions and ratios within the grid's cell.
 Eigen::MatrixXd SpringColumns(const EffectSpec& shape, const Eigen::VectorXd& angles);

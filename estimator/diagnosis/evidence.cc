@@ -59,12 +59,9 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
       prior_{masses.nothing, masses.further},
       sigma_dof_(sigma_dof),
       stated_(StatedScatter(problem)) {
-  ViewedNormal stated{{}, ScatterOf({}), {}};
-  stated.beside = Beside(stated.scatter);
+  ViewedNormal stated = Viewed({});
   DropInvisible(stated.beside.normal, masses, &list_);
-  if (progress) {
-    progress("weighing " + std::to_string(list_.math.size()) + " explanations");
-  }
+  if (progress) progress("weighing " + std::to_string(list_.math.size()) + " explanations");
   std::deque<SetSearch> searches;
   const bool is_done =
       Climb(std::move(stated), before == nullptr ? WeightedSet() : BestOf(*before), kFirstMoves, &searches);
@@ -75,11 +72,8 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
     const WeightedSet best = models_[0].set;
     const std::optional<Trial> next = NextView();
     if (!next) break;
-    if (progress) {
-      progress(SearchingWithRepeatability(next->view.sigma));
-    }
-    const JointScatter scatter = ScatterOf(next->view);
-    Climb({next->view, scatter, Beside(scatter)}, best, kEveryMove, &searches);
+    if (progress) progress(SearchingWithRepeatability(next->view.sigma));
+    Climb(Viewed(next->view), best, kEveryMove, &searches);
   }
   if (!is_done) FinishStated(&searches);
   Explore(&searches);
@@ -132,10 +126,11 @@ JointScatter Evidence::ScatterOf(const NoiseView& view) const {
   return scatter;
 }
 
-BesideBelieved Evidence::Beside(const JointScatter& scatter) const {
+ViewedNormal Evidence::Viewed(const NoiseView& view) const {
   std::set<std::vector<int>> own;
   for (const Explanation& explanation : list_.math) own.insert(explanation.group.columns);
-  return columns_.ProjectAll(scatter, own);
+  const JointScatter scatter = ScatterOf(view);
+  return {view, scatter, columns_.ProjectAll(scatter, own)};
 }
 
 double Evidence::LogWeight(const NoiseView& view, const WeightedSet& set, const FewExplanations& few,

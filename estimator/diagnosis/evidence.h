@@ -103,7 +103,7 @@ class Evidence {
     double log_weight = -std::numeric_limits<double>::infinity();  // no other view than the stated one
   };
   JointScatter ScatterOf(const NoiseView& view) const;
-  BesideBelieved Beside(const JointScatter& scatter) const;
+  ViewedNormal Viewed(const NoiseView& view) const;
   // Of the set beside a view; `sums` are of its few columns alone.
   double LogWeight(const NoiseView& view, const WeightedSet& set, const FewExplanations& few,
                    const RowSums& sums) const;

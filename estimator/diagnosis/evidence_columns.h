@@ -124,7 +124,6 @@ class EvidenceColumns {
 
   // Groups of configurations with equal joint values, in the order of the data.
   int num_poses() const { return static_cast<int>(poses_.size()); }
-  const std::vector<int>& ObservationsOfPose(int pose) const { return poses_[pose]; }
   // Whether any pose has more than one visit.
   bool HasRevisits() const { return has_revisits_; }
 

@@ -22,6 +22,7 @@ constexpr double kAlone = 4.0;           // times the other markers of the shot
 constexpr double kSingleMarker = 3.0;    // times the limit, where no other marker tells
 constexpr double kHeldOutScatter = 1.5;  // the parameters' own uncertainty adds to the noise
 constexpr double kMostOutliers = 0.06;
+constexpr int kFewestDof = 20;      // that tell a scale: to a sixth
 constexpr size_t kSharedRows = 10;  // beyond one per visit
 
 struct ShotResidual {
@@ -166,22 +167,24 @@ bool IsSigmaStated(const CalibrationProblem& problem) {
   return problem.sigma_is_stated() && problem.experiment().noise.from != NoiseSpec::From::kVarianceComponents;
 }
 
-// scale^2 = sum of what rigid motions leave / dof: F with dof and the degrees of freedom of the stated sigma.
+// scale^2 = sum / dof: F with dof and the degrees of freedom of the stated sigma.
+NoiseScale ScaleOf(double sum, int dof, const CalibrationProblem& stated) {
+  const double of_sigma = SigmaDof(stated.repeat_scatter), scale = std::sqrt(sum / dof);
+  return {scale, scale / std::sqrt(FQuantile(0.975, dof, of_sigma)), scale / std::sqrt(FQuantile(0.025, dof, of_sigma)),
+          dof};
+}
+
+// Of what rigid motions leave.
 std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem, const ParameterSet& parameters) {
-  NoiseScale noise;
+  int all = -ShapeCost(problem);
   double sum = 0.0;
   for (const ShotResidual& shot : ResidualsByShot(problem, parameters, problem.CalibrationObservations())) {
     int dof = 0;
     sum += WithoutRigidMotion(shot, &dof).squaredNorm();
-    noise.dof += dof;
+    all += dof;
   }
-  noise.dof -= ShapeCost(problem);
-  if (noise.dof < 20) return std::nullopt;
-  noise.scale = std::sqrt(sum / noise.dof);
-  const double of_sigma = SigmaDof(problem.repeat_scatter);
-  noise.low = noise.scale / std::sqrt(FQuantile(0.975, noise.dof, of_sigma));
-  noise.high = noise.scale / std::sqrt(FQuantile(0.025, noise.dof, of_sigma));
-  return noise;
+  if (all < kFewestDof) return std::nullopt;
+  return ScaleOf(sum, all, problem);
 }
 
 // limit = chi^2_3(1 - significance / n) for squares over their scatter: among n points one without cause in

@@ -16,6 +16,9 @@ struct NoiseScale {
   int dof = 0;
 };
 
+// Of whitened residuals with this sum of squares; what states sigma has degrees of freedom of its own.
+NoiseScale ScaleOf(double sum, int dof, const CalibrationProblem& stated);
+
 // Whether something states the instrument's sigma, which is not to be estimated.
 bool IsSigmaStated(const CalibrationProblem& problem);
 std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem, const ParameterSet& parameters);

@@ -83,17 +83,12 @@ NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, con
   noise.scale_differs = noise.is_stated && evidence.SigmaIsWrong(model) > kEvenOdds;
   const double applied =
       noise.scale_differs ? evidence.LikelihoodOf(model.view).Factor(evidence.ResidualOf(model)) : 1.0;
-  const auto rigid = InstrumentNoiseScale(*final.problem, final.estimate.parameters);
-  if (rigid) {
-    noise.scale = applied * rigid->scale;
-    noise.low = applied * rigid->low;
-    noise.high = applied * rigid->high;
-  } else if (final.estimate.dof > 0) {
-    const double of_sigma = SigmaDof(stated.repeat_scatter);
-    const double scatter = std::sqrt(final.estimate.chi2 / final.estimate.dof);
-    noise.scale = applied * scatter;
-    noise.low = noise.scale / std::sqrt(FQuantile(0.975, final.estimate.dof, of_sigma));
-    noise.high = noise.scale / std::sqrt(FQuantile(0.025, final.estimate.dof, of_sigma));
+  std::optional<NoiseScale> scale = InstrumentNoiseScale(*final.problem, final.estimate.parameters);
+  if (!scale && final.estimate.dof > 0) scale = ScaleOf(final.estimate.chi2, final.estimate.dof, stated);
+  if (scale) {
+    noise.scale = applied * scale->scale;
+    noise.low = applied * scale->low;
+    noise.high = applied * scale->high;
   }
   noise.is_finding = noise.HasUndeclaredRepeatability() || noise.scale_differs;
   return noise;

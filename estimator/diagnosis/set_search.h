@@ -84,10 +84,6 @@ class SetSearch {
   // After a climb: the neighbours of the sets that share the probability. Sets within kWorthKeeping of the best, best
   // first; the empty one is always among them.
   std::vector<WeightedSet> Explore();
-  std::vector<WeightedSet> Run() {
-    ClimbFrom();
-    return Explore();
-  }
   const WeightedSet& Best() const { return found_.Best(); }
   const WeightedSet& Empty() const { return *found_.Find({}); }
   // One set; scales start where they are given.

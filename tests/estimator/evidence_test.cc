@@ -329,7 +329,8 @@ TEST(SetSearch, FindsWhatEnumerationFinds) {
     list.push_back({{{2, 3}, {}}, 0.12, 2});
     const ProjectedNormal normal = small.Normal();
     SetSearch search(normal, list, {0.5, 0.3}, ResidualLikelihood(normal.dof, kInfinity, 0.05));
-    const std::vector<WeightedSet> found = search.Run();
+    search.ClimbFrom();
+    const std::vector<WeightedSet> found = search.Explore();
     const std::map<std::vector<int>, double> all = Enumerated(search, list);
     double sum = 0.0, kept = 0.0;
     for (const auto& [members, weight] : all) sum += std::exp(weight - found[0].log_weight);
