@@ -6,13 +6,25 @@
 #include <set>
 
 #include "estimator/diagnosis/evidence_columns.h"
-#include "estimator/least_squares/normal_algebra.h"
+#include "estimator/least_squares/batch_algebra.h"
 
 namespace sagitta {
 namespace {
 
+constexpr Eigen::Index kRowsAtOnce = 24;  // of a product: what the widest vectors have registers for
 // Of J'J scaled to a unit diagonal: below, a direction is rounding.
 constexpr double kRankOfSums = 1e-13;
+
+// The products of a few columns at a time with those from the first of them on are added to the upper triangle.
+void AddUpperProducts(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& weighted, Eigen::MatrixXd* upper) {
+  for (Eigen::Index first = 0; first < rows.cols(); first += kRowsAtOnce) {
+    const Eigen::MatrixXd strip = rows.middleCols(first, std::min(kRowsAtOnce, rows.cols() - first)).transpose();
+    Eigen::MatrixXd product(strip.rows(), rows.cols() - first);
+    MultiplyColumns(strip.data(), strip.rows(), strip.rows(), strip.cols(), weighted.col(first).data(), product.cols(),
+                    product.data());
+    upper->block(first, first, product.rows(), product.cols()) += product;
+  }
+}
 
 }  // namespace
 
@@ -88,9 +100,10 @@ RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>
       }
     }
     sums.log_det += Whiten(RootsOf(block.observations, block.here.latent, scatter), &rows);
-    sums.products += SelfProduct(rows);
+    AddUpperProducts(rows, rows, &sums.products);
     sums.rows += block.here.num_rows();
   }
+  sums.products = Eigen::MatrixXd(sums.products.selfadjointView<Eigen::Upper>());
   return sums;
 }
 
@@ -148,9 +161,10 @@ RowSums EvidenceColumns::Sum(double variance, const std::vector<FilledBlock>& fi
   for (const FilledBlock& block : filled) {
     const Eigen::VectorXd variances = (1.0 + variance * block.growth.array()).matrix();
     sums.log_det += block.log_det + variances.array().log().sum();
-    sums.products += SelfProduct(variances.cwiseInverse().cwiseSqrt().asDiagonal() * block.rows);
+    AddUpperProducts(block.rows, variances.cwiseInverse().asDiagonal() * block.rows, &sums.products);
     sums.rows += static_cast<int>(block.rows.rows());
   }
+  sums.products = Eigen::MatrixXd(sums.products.selfadjointView<Eigen::Upper>());
   return sums;
 }
 
