@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/diagnosis/bagged_models.h"
 #include "estimator/diagnosis/cautions.h"
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/diagnosis/moments.h"
@@ -43,37 +44,6 @@ CalibrationProblem WithWorkingSigma(const DiagnosedModel& baseline, bool is_stat
   return working;
 }
 
-// What each candidate alone does beside the believed model, to first order.
-std::vector<ScreenedCandidate> Screen(const Evidence& evidence, const DiagnosedModel& baseline) {
-  const ExplanationList& list = evidence.list();
-  const ProjectedNormal& normal = evidence.views()[0].beside.normal;
-  const ResidualLikelihood likelihood = evidence.LikelihoodOf(0);
-  std::map<std::string, ScreenedCandidate> best;  // by name
-  int tests = 0;
-  for (size_t k = 0; k < list.math.size(); ++k) {
-    if (list.IsUnnamed(static_cast<int>(k))) continue;
-    ++tests;
-    const Eigen::MatrixXd information = OwnInformation(normal, list.math[k].group);
-    const Eigen::VectorXd gradient = OwnGradient(normal, list.math[k].group);
-    const double log_evidence = AverageGain(likelihood, normal.residual, information, gradient);
-    const auto entry = best.find(list.name[k]);
-    if (entry != best.end() && entry->second.log_evidence >= log_evidence) continue;
-    const MemberFit fit = FitOf(evidence, static_cast<int>(k), {information, gradient, normal.residual, 0.0});
-    if (fit.parameters == 0) continue;
-    best[list.name[k]] = {list.start[k], static_cast<int>(k), fit.reduction, fit.parameters, 1.0, log_evidence, {}};
-  }
-  std::vector<ScreenedCandidate> screened;
-  const double left = baseline.estimate.chi2 / std::max(1, baseline.estimate.dof);
-  for (auto& [name, entry] : best) {
-    const int dof = baseline.estimate.dof - entry.parameters;
-    entry.corrected_p = CorrectedP(entry.reduction, entry.parameters, left, dof, evidence.IsSigmaStated(), tests);
-    screened.push_back(std::move(entry));
-  }
-  std::stable_sort(screened.begin(), screened.end(),
-                   [](const auto& a, const auto& b) { return a.log_evidence > b.log_evidence; });
-  return screened;
-}
-
 // By name; a deviation that follows the pose has no member.
 ReportedSet ReportSet(const ExplanationList& list, const std::vector<int>& members, double probability,
                       const std::vector<int>& pieces = {}) {
@@ -90,14 +60,16 @@ ReportedSet ReportSet(const ExplanationList& list, const std::vector<int>& membe
   return reported;
 }
 
-ReportedPosterior Report(const Evidence& evidence, const Posterior& posterior, const PriorMasses& prior, double gate) {
+// posterior: of the evidence's models; effects with the probabilities of `bagged`.
+ReportedPosterior Report(const Evidence& evidence, const Posterior& posterior, const Posterior& bagged,
+                         const PriorMasses& prior, double gate) {
   const ExplanationList& list = evidence.list();
   ReportedPosterior report;
   report.nothing = posterior.nothing;
   report.noise = posterior.noise;
   report.unnamed = posterior.unnamed;
   report.prior = prior;
-  for (const NamedProbability& entry : posterior.explanations) {
+  for (const NamedProbability& entry : bagged.explanations) {
     report.explanations.push_back({list.start[entry.explanation], entry.probability});
   }
   double sum = posterior.nothing + posterior.noise;
@@ -339,14 +311,18 @@ class Session {
 
   void Describe() {
     Say("alternatives and halves");
-    d_.posterior = Report(*evidence_, posterior_, options_.prior, NamingGate());
+    const std::vector<std::vector<NamedProbability>> in_places = InPlaces(*evidence_, leading_);
+    const std::vector<WeightedModel> models = Bagged(in_places);
+    const Posterior bagged = PosteriorOf(*evidence_, models);
+    d_.posterior = Report(*evidence_, posterior_, bagged, options_.prior, NamingGate());
+    posterior_ = bagged;
     d_.candidates = Screen(*evidence_, d_.baseline);
     PredictHoldout(&d_.candidates);
     d_.where = FindWhere(d_.baseline);
     d_.effects.resize(selected_.size());
     std::vector<int> members;
     for (const SelectedEffect& effect : selected_) members.push_back(effect.explanation);
-    const std::vector<CheckedEffect> checked = CheckEffects(*evidence_, posterior_, leading_, members);
+    const std::vector<CheckedEffect> checked = CheckEffects(*evidence_, posterior_, leading_, in_places, members);
     double before = HoldoutRms(d_.baseline);
     const std::vector<EffectView> views = ViewEffects(d_.final, SpecsOf(CandidatesOf(selected_)));
     for (size_t k = 0; k < selected_.size(); ++k) {
@@ -367,6 +343,17 @@ class Session {
     d_.gap_map = MapGap(d_.baseline, d_.final);
     d_.gap = JudgeGap(d_.baseline, d_.final, IsSigmaStated(problem_));
     d_.groups = GroupEffects(d_.effects, lacking_, d_.baseline, d_.final, joint_);
+    for (EffectGroup& group : d_.groups) {
+      const double probability = ProbabilityOf(group.effect, *evidence_, models);
+      if (probability > 0.0) group.probability = probability;  // else a group of several effects
+    }
+  }
+
+  // What effects are said to be: with a rest without a name, the poses as they are would make it too sure.
+  std::vector<WeightedModel> Bagged(const std::vector<std::vector<NamedProbability>>& in_places) {
+    if (!named_ || !MayLeaveARest()) return evidence_->models();
+    d_.cautions.push_back(AreBagged(kResamples));
+    return BaggedModels(*evidence_, leading_, in_places);
   }
 
   // Of the first candidates that have a share of the probability: each alone beside the believed model.
@@ -417,10 +404,11 @@ class Session {
            !d_.noise.repeatability_is_overstated;
   }
 
-  // Where untouched rows get no better at all, what was found is at most a part of it, too. After MeasurePrefixes.
+  // Where untouched rows get no better at all, what was found is at most a part of it, too. After MeasurePrefixes,
+  // where anything is selected.
   bool MayLeaveARest() {
     return d_.has_unexplained || Misfits() || MayFollowThePose() ||
-           HoldoutRms(d_.final) >= HoldoutRms(prefixes_.front());
+           (!selected_.empty() && HoldoutRms(d_.final) >= HoldoutRms(prefixes_.front()));
   }
 
   void Decide() {

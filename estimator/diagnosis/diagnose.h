@@ -54,6 +54,8 @@ struct EffectGroup {
   std::vector<int> effects;  // of Diagnosis::effects
   // Of the squared gap beyond the noise floor on untouched rows; group after group, strongest first.
   double share_of_gap = kNotKnown;
+  // That the arm has this effect on any target, with any settings; not known of several effects.
+  double probability = kNotKnown;
 };
 
 // One set of the posterior, by name.

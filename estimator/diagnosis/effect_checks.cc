@@ -108,14 +108,6 @@ std::vector<NamedProbability> ByName(const Evidence& evidence, const std::vector
   return list;
 }
 
-// Probability of each name in the place of a member, given the others of the set: most probable first, the member's own
-// included, unnamed ones too.
-std::vector<NamedProbability> InPlaceOf(const Evidence& evidence, const Places& places, size_t place) {
-  std::vector<int> all(evidence.list().math.size());
-  std::iota(all.begin(), all.end(), 0);
-  return ByName(evidence, places.Weights(place, all));
-}
-
 // Eigenvectors and values of what a group can tell.
 struct Told {
   Eigen::MatrixXd vectors;
@@ -159,7 +151,8 @@ std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Poster
   const double size = std::max(1e-300, values.dot(information * values));
   std::vector<Alternative> alternatives;
   for (const NamedProbability& rival : in_place) {
-    if (rival.probability < kWorthListing || rival.name == evidence.list().name[member]) continue;
+    if (std::max(rival.probability, posterior.Of(rival.name)) < kWorthListing) continue;
+    if (rival.name == evidence.list().name[member]) continue;
     if (evidence.list().IsUnnamed(rival.explanation)) continue;
     const Eigen::MatrixXd both = places.Information(Joined(own, evidence.list().math[rival.explanation].group), place);
     const long n = own.size(), m = both.cols() - n;
@@ -256,8 +249,22 @@ std::vector<Confirmation> ConfirmEach(const Evidence& evidence, const WeightedMo
 
 }  // namespace
 
+std::vector<std::vector<NamedProbability>> InPlaces(const Evidence& evidence, const WeightedModel& model) {
+  std::vector<std::vector<NamedProbability>> in_places;
+  if (model.set.members.empty()) return in_places;
+  const Places places = PlacesOf(evidence, model);
+  std::vector<int> all(evidence.list().math.size());
+  std::iota(all.begin(), all.end(), 0);
+  for (size_t place = 0; place < model.set.members.size(); ++place) {
+    in_places.push_back(ByName(evidence, places.Weights(place, all)));
+  }
+  return in_places;
+}
+
 std::vector<CheckedEffect> CheckEffects(const Evidence& evidence, const Posterior& posterior,
-                                        const WeightedModel& model, const std::vector<int>& members) {
+                                        const WeightedModel& model,
+                                        const std::vector<std::vector<NamedProbability>>& in_places,
+                                        const std::vector<int>& members) {
   std::vector<CheckedEffect> checked(members.size());
   if (members.empty()) return checked;
   const Places places = PlacesOf(evidence, model);
@@ -265,7 +272,7 @@ std::vector<CheckedEffect> CheckEffects(const Evidence& evidence, const Posterio
   std::vector<std::vector<NamedProbability>> in_place;
   for (size_t k = 0; k < members.size(); ++k) {
     own.push_back(model.PlaceOf(members[k]));
-    in_place.push_back(InPlaceOf(evidence, places, own[k]));
+    in_place.push_back(in_places[own[k]]);
     checked[k].alternatives = FindAlternatives(evidence, posterior, places, model, own[k], in_place[k]);
   }
   const std::vector<Confirmation> confirmations = ConfirmEach(evidence, model, own, in_place);

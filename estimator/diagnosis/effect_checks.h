@@ -51,14 +51,20 @@ struct Confirmation {
   double compatible_p = 1.0;  // of the halves' values being one; not a number where there is nothing to compare
 };
 
+// Probability of each name in the place of each member of a model's set, given the others: most probable first, the
+// member's own included, unnamed ones too.
+std::vector<std::vector<NamedProbability>> InPlaces(const Evidence& evidence, const WeightedModel& model);
+
 // What else of the catalogue could stand in an effect's place, with a probability of kWorthListing or more given the
-// others; and the two halves.
+// others or over all sets; and the two halves.
 struct CheckedEffect {
   std::vector<Alternative> alternatives;
   Confirmation confirmation;
 };
-// Of some members of a model's set.
+// Of some members of a model's set. in_places: InPlaces of the model.
 std::vector<CheckedEffect> CheckEffects(const Evidence& evidence, const Posterior& posterior,
-                                        const WeightedModel& model, const std::vector<int>& members);
+                                        const WeightedModel& model,
+                                        const std::vector<std::vector<NamedProbability>>& in_places,
+                                        const std::vector<int>& members);
 
 }  // namespace sagitta

@@ -262,7 +262,8 @@ void Evidence::AddReadings() {
     if (odds <= 0.0) continue;  // so many causes that there are more of them is no wonder
     WeightedModel as_one = models_[i];
     as_one.pieces = cause.pieces;
-    as_one.set = causes.WithOneSize(as_one.set, cause, views_[as_one.view].beside.normal, LikelihoodOf(as_one.view));
+    as_one.set = NamelessCauses::WithOneSize(as_one.set, cause, list_.math, views_[as_one.view].beside.normal,
+                                             LikelihoodOf(as_one.view));
     as_one.log_weight += as_one.set.log_weight + odds - models_[i].set.log_weight;
     models_.push_back(std::move(as_one));
   }

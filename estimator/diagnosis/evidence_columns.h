@@ -78,6 +78,9 @@ struct RowSums {
   Eigen::MatrixXd products;
   double log_det = 0.0;  // of the covariance that whitened them
   int rows = 0;
+
+  static RowSums Zero(long width) { return {Eigen::MatrixXd::Zero(width, width), 0.0, 0}; }
+  RowSums& operator+=(const RowSums& other);
 };
 
 // Rows of some columns for sums under a family of scatters, of covariance C_0 + v M with any variance v. With K K' =
@@ -130,6 +133,9 @@ class EvidenceColumns {
   // All columns (null), or some; all poses (empty), or some.
   RowSums Sum(const JointScatter& scatter, const std::vector<int>* columns = nullptr,
               const std::vector<int>& poses = {}) const;
+  // Of some columns, over the poses of each group by themselves.
+  std::vector<RowSums> SumEach(const JointScatter& scatter, const std::vector<int>& columns,
+                               const std::vector<int>& group_of_pose) const;
   // Of one block in `every`; their sum is that over all where `every` is 1. least, per_unit: scatters of C_0 and M.
   std::vector<FilledBlock> Fill(const std::vector<int>& columns, int every, const JointScatter& least,
                                 const JointScatter& per_unit) const;

@@ -26,6 +26,8 @@ void AddUpperProducts(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& weight
   }
 }
 
+double LogDet(const Eigen::LLT<Eigen::MatrixXd>& root) { return 2.0 * root.matrixLLT().diagonal().array().log().sum(); }
+
 }  // namespace
 
 std::vector<EvidenceColumns::PoseRows> EvidenceColumns::PosesAmong(const std::vector<int>& observations) const {
@@ -76,7 +78,7 @@ double EvidenceColumns::Whiten(const BlockRoots& roots, Eigen::MatrixXd* rows) {
   for (const PoseRoot& pose : roots) {
     auto own = rows->middleRows(pose.top, pose.root.rows());
     own = pose.root.matrixL().solve(Eigen::MatrixXd(own));
-    log_det += 2.0 * pose.root.matrixLLT().diagonal().array().log().sum();
+    log_det += LogDet(pose.root);
   }
   return log_det;
 }
@@ -86,7 +88,7 @@ RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>
   const std::set<int> wanted(poses.begin(), poses.end());
   const long count = columns == nullptr ? num_columns_ : static_cast<long>(columns->size());
   const long width = static_cast<long>(believed_.size()) + count + 1;
-  RowSums sums{Eigen::MatrixXd::Zero(width, width), 0.0, 0};
+  RowSums sums = RowSums::Zero(width);
   Block scratch;
   Eigen::MatrixXd rows;
   for (size_t b = 0; b < poses_of_block_.size(); ++b) {
@@ -104,6 +106,43 @@ RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>
     sums.rows += block.here.num_rows();
   }
   sums.products = Eigen::MatrixXd(sums.products.selfadjointView<Eigen::Upper>());
+  return sums;
+}
+
+RowSums& RowSums::operator+=(const RowSums& other) {
+  products += other.products;
+  log_det += other.log_det;
+  rows += other.rows;
+  return *this;
+}
+
+std::vector<RowSums> EvidenceColumns::SumEach(const JointScatter& scatter, const std::vector<int>& columns,
+                                              const std::vector<int>& group_of_pose) const {
+  const int groups = 1 + *std::max_element(group_of_pose.begin(), group_of_pose.end());
+  const long width = static_cast<long>(believed_.size() + columns.size()) + 1;
+  std::vector<RowSums> sums(static_cast<size_t>(groups), RowSums::Zero(width));
+  Block scratch;
+  Eigen::MatrixXd rows;
+  for (size_t b = 0; b < poses_of_block_.size(); ++b) {
+    const Block& block = BlockOf(static_cast<int>(b), &scratch);
+    FillRows(block, &columns, &rows);
+    const BlockRoots roots = RootsOf(block.observations, block.here.latent, scatter);
+    Whiten(roots, &rows);
+    std::vector<std::vector<long>> of_group(sums.size());
+    const std::vector<PoseRows> poses = PosesAmong(block.observations);
+    for (size_t k = 0; k < poses.size(); ++k) {
+      const int pose = pose_of_observation_[block.observations[static_cast<size_t>(poses[k].top / 3)]];
+      const auto group = static_cast<size_t>(group_of_pose[static_cast<size_t>(pose)]);
+      for (long row = 0; row < poses[k].height; ++row) of_group[group].push_back(poses[k].top + row);
+      if (!roots.empty()) sums[group].log_det += LogDet(roots[k].root);
+    }
+    for (size_t group = 0; group < sums.size(); ++group) {
+      const Eigen::MatrixXd own = rows(of_group[group], Eigen::all);
+      AddUpperProducts(own, own, &sums[group].products);
+      sums[group].rows += static_cast<int>(own.rows());
+    }
+  }
+  for (RowSums& own : sums) own.products = Eigen::MatrixXd(own.products.selfadjointView<Eigen::Upper>());
   return sums;
 }
 
@@ -157,7 +196,7 @@ std::vector<FilledBlock> EvidenceColumns::Fill(const std::vector<int>& columns, 
 
 RowSums EvidenceColumns::Sum(double variance, const std::vector<FilledBlock>& filled) const {
   const long width = filled.empty() ? 0 : filled[0].rows.cols();
-  RowSums sums{Eigen::MatrixXd::Zero(width, width), 0.0, 0};
+  RowSums sums = RowSums::Zero(width);
   for (const FilledBlock& block : filled) {
     const Eigen::VectorXd variances = (1.0 + variance * block.growth.array()).matrix();
     sums.log_det += block.log_det + variances.array().log().sum();

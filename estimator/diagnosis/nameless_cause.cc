@@ -76,17 +76,16 @@ double NamelessCauses::LogPriorOdds(const std::vector<int>& members, const Cause
 //         + sum over the others of what averaging over their scales takes,
 //   w^2 = mean over the pieces of tr G_k / tr G_f:  at one s each moves the rows by as much. No part is larger than
 // causes are.
-WeightedSet NamelessCauses::WithOneSize(const WeightedSet& set, const Cause& cause, const ProjectedNormal& normal,
-                                        const ResidualLikelihood& likelihood) const {
-  const auto shown = [&](int m) { return OwnInformation(normal, list_.math[m].group).trace(); };
+WeightedSet NamelessCauses::WithOneSize(const WeightedSet& set, const Cause& cause,
+                                        const std::vector<Explanation>& explanations, const ProjectedNormal& normal,
+                                        const ResidualLikelihood& likelihood) {
+  const auto shown = [&](int m) { return OwnInformation(normal, explanations[m].group).trace(); };
   double shown_by_pieces = 0.0;
   for (const int m : cause.pieces) shown_by_pieces += shown(m) / static_cast<double>(cause.pieces.size());
-  std::vector<const ColumnGroup*> groups;
-  for (const int m : set.members) groups.push_back(&list_.math[m].group);
-  Members members(normal, groups, set.scales);
+  Members members(normal, GroupsOf(explanations, set.members), set.scales);
   std::vector<double> units;  // of the scales; 0: of another cause
   double lost = 0.0;
-  for (size_t k = 0; k < groups.size(); ++k) {
+  for (size_t k = 0; k < members.size(); ++k) {
     const int m = set.members[k];
     const bool is_piece = std::binary_search(cause.pieces.begin(), cause.pieces.end(), m);
     const bool is_function = std::binary_search(cause.functions.begin(), cause.functions.end(), m);

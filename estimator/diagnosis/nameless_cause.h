@@ -27,9 +27,11 @@ class NamelessCauses {
   Cause OneOf(const std::vector<int>& members);
   // Log of how much more probable one nameless cause with these pieces is than so many causes, before any row is seen.
   double LogPriorOdds(const std::vector<int>& members, const Cause& cause);
-  // The set with one size of the cause, averaged over it; the other members at their best scales.
-  WeightedSet WithOneSize(const WeightedSet& set, const Cause& cause, const ProjectedNormal& normal,
-                          const ResidualLikelihood& likelihood) const;
+  // The set with one size of the cause, averaged over it; the other members at their best scales. All are of a list of
+  // explanations, which may be another one.
+  static WeightedSet WithOneSize(const WeightedSet& set, const Cause& cause,
+                                 const std::vector<Explanation>& explanations, const ProjectedNormal& normal,
+                                 const ResidualLikelihood& likelihood);
 
  private:
   // What may be pieces of a cause with these functions, by explanation, and the share of all of them.

@@ -139,6 +139,18 @@ Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>
   return posterior;
 }
 
+double ProbabilityOf(const std::string& effect, const Evidence& evidence, const std::vector<WeightedModel>& models) {
+  const ExplanationList& list = evidence.list();
+  double sum = 0.0;
+  for (const WeightedModel& model : models) {
+    const bool holds = std::any_of(model.set.members.begin(), model.set.members.end(), [&](int m) {
+      return !list.IsUnnamed(m) && !model.HasPiece(m) && list.SpecOf(m).effect == effect;
+    });
+    if (holds) sum += model.probability;
+  }
+  return std::min(1.0, sum);  // rounding of the sums
+}
+
 std::vector<Flip> WhatFlips(const Evidence& evidence, const Posterior& posterior, double gate) {
   const Leading now = LeadingOf(posterior, gate);
   const NamesInOrder all(evidence.list());

@@ -41,6 +41,9 @@ struct Posterior {
 // have no name.
 Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>& models);
 
+// P that an effect of the catalogue holds on any target, with any settings.
+double ProbabilityOf(const std::string& effect, const Evidence& evidence, const std::vector<WeightedModel>& models);
+
 // What would be named otherwise with a prior mass three times as large or as small.
 struct Flip {
   std::string mass;  // as in the experiment's `prior`

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "estimator/diagnosis/compensator_shapes.h"
 #include "estimator/statistics/distributions.h"
@@ -175,6 +176,36 @@ double CorrectedP(double reduction, int parameters, double scatter, int dof, boo
   const bool is_known = (is_sigma_stated && scatter <= 1.0) || dof <= 0;
   const double p = is_known ? ChiSquareSurvival(reduction, m) : FSurvival(reduction / (m * scatter), m, dof);
   return std::min(1.0, tests * p);
+}
+
+std::vector<ScreenedCandidate> Screen(const Evidence& evidence, const DiagnosedModel& baseline) {
+  const ExplanationList& list = evidence.list();
+  const ProjectedNormal& normal = evidence.views()[0].beside.normal;
+  const ResidualLikelihood likelihood = evidence.LikelihoodOf(0);
+  std::map<std::string, ScreenedCandidate> best;  // by name
+  int tests = 0;
+  for (size_t k = 0; k < list.math.size(); ++k) {
+    if (list.IsUnnamed(static_cast<int>(k))) continue;
+    ++tests;
+    const Eigen::MatrixXd information = OwnInformation(normal, list.math[k].group);
+    const Eigen::VectorXd gradient = OwnGradient(normal, list.math[k].group);
+    const double log_evidence = AverageGain(likelihood, normal.residual, information, gradient);
+    const auto entry = best.find(list.name[k]);
+    if (entry != best.end() && entry->second.log_evidence >= log_evidence) continue;
+    const MemberFit fit = FitOf(evidence, static_cast<int>(k), {information, gradient, normal.residual, 0.0});
+    if (fit.parameters == 0) continue;
+    best[list.name[k]] = {list.start[k], static_cast<int>(k), fit.reduction, fit.parameters, 1.0, log_evidence, {}};
+  }
+  std::vector<ScreenedCandidate> screened;
+  const double left = baseline.estimate.chi2 / std::max(1, baseline.estimate.dof);
+  for (auto& [name, entry] : best) {
+    const int dof = baseline.estimate.dof - entry.parameters;
+    entry.corrected_p = CorrectedP(entry.reduction, entry.parameters, left, dof, evidence.IsSigmaStated(), tests);
+    screened.push_back(std::move(entry));
+  }
+  std::stable_sort(screened.begin(), screened.end(),
+                   [](const auto& a, const auto& b) { return a.log_evidence > b.log_evidence; });
+  return screened;
 }
 
 ParameterSet AlignedWith(const std::vector<SelectedEffect>& effects, const ParameterSet& extended,

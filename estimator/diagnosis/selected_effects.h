@@ -51,6 +51,9 @@ RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel
 // scatter that is left (chi-square per degree of freedom, dof of them) where that is more, or where none is stated.
 double CorrectedP(double reduction, int parameters, double scatter, int dof, bool is_sigma_stated, int tests);
 
+// What each candidate alone does beside the believed model, to first order, most evident first.
+std::vector<ScreenedCandidate> Screen(const Evidence& evidence, const DiagnosedModel& baseline);
+
 // What the extended model was before anything was fitted: the aligned nominal robot, effects neutral. A spring without
 // rate does nothing, whatever its shape.
 ParameterSet AlignedWith(const std::vector<SelectedEffect>& effects, const ParameterSet& extended,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "models/constants.h"
 
@@ -180,25 +181,28 @@ WeightedSet SetSearch::EvaluateFrom(const std::vector<int>& given_members, Membe
     }
     set.log_likelihood += averages;
   }
-  if (!set.members.empty() && set.members.size() <= kAveragedTogether) set.log_likelihood = AverageOverScales(&members);
+  if (!set.members.empty() && set.members.size() <= kAveragedTogether) set.log_likelihood = AverageOverScales(members);
   set.log_weight = set.log_likelihood + prior_.Log(SharesOf(set.members));
   return set;
 }
 
-// Over all combinations: conditioned on the scales of all but the last, each of the last.
-double SetSearch::AverageOverScales(Members* members) const {
-  const size_t last = members->scales().size() - 1;
-  std::vector<int> at(last, 0);
+// Over all combinations: conditioned on the scales of all but the last, each of the last. Each combination begins with
+// the members as they are given: what rounding leaves grows with every scale that is raised.
+double SetSearch::AverageOverScales(const Members& members) const {
+  const size_t last = members.size() - 1;
   std::vector<double> logs;
-  while (true) {
-    for (size_t k = 0; k < last; ++k) {
-      if (members->scales()[k] != kScales[at[k]]) members->Rescale(k, kScales[at[k]]);
+  const std::function<void(const Members&, size_t)> add = [&](const Members& here, size_t next) {
+    if (next == last) {
+      for (const double log : LogsOfScales(likelihood_, here.Of(last))) logs.push_back(log);
+      return;
     }
-    for (const double log : LogsOfScales(likelihood_, members->Of(last))) logs.push_back(log);
-    size_t next = 0;
-    while (next < last && ++at[next] == kNumScales) at[next++] = 0;
-    if (next == last) break;
-  }
+    for (const double scale : kScales) {
+      Members rescaled = here;
+      if (scale != here.scales()[next]) rescaled.Rescale(next, scale);
+      add(rescaled, next + 1);
+    }
+  };
+  add(members, 0);
   return LogSumExp(logs) - std::log(static_cast<double>(logs.size()));
 }
 

@@ -101,7 +101,7 @@ class SetSearch {
   std::vector<double> SharesOf(const Key& members) const;
   // conditioned: the members, at scales to begin with.
   WeightedSet EvaluateFrom(const std::vector<int>& given_members, Members conditioned) const;
-  double AverageOverScales(Members* members) const;
+  double AverageOverScales(const Members& members) const;
   const Eigen::MatrixXd& OwnOf(size_t candidate) const;  // information, in units of its typical sizes
   std::vector<double> AdditionsTo(const WeightedSet& set, const Sweep& sweep, std::vector<double>* scales) const;
   // Given a set: by what comes to the set before, and goes from it.

@@ -109,4 +109,10 @@ std::string NotConfirmed(const std::vector<std::pair<EffectSpec, double>>& effec
          "named only where it predicts rows that were not fitted better, beyond chance.";
 }
 
+std::string AreBagged(int resamples) {
+  return "Probabilities are averaged over the poses and " + std::to_string(resamples) +
+         " resamples of them (bagged): something without a name is left, and beside that those of the poses as they "
+         "are would be too sure.";
+}
+
 }  // namespace sagitta

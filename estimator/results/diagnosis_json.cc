@@ -123,8 +123,10 @@ Json PriorToJson(const Robot& robot, const ReportedPosterior& posterior) {
 Json GroupsToJson(const Diagnosis& d) {
   Json json = Json::array();
   for (const EffectGroup& group : d.groups) {
-    json.push_back(
-        {{"words", GroupInWords(d, group)}, {"steps", group.effects}, {"share_of_gap", Finite(group.share_of_gap)}});
+    json.push_back({{"words", GroupInWords(d, group)},
+                    {"steps", group.effects},
+                    {"probability", Finite(group.probability)},
+                    {"share_of_gap", Finite(group.share_of_gap)}});
   }
   return json;
 }

@@ -64,6 +64,34 @@ TEST(EvidenceColumns, ProductsThatAreAskedForAreThoseOfAllRows) {
   }
 }
 
+// Each group's sums are those over its poses alone, and all together they are those over all rows.
+TEST(EvidenceColumns, SumsOfGroupsOfPosesAddUp) {
+  const CalibrationProblem problem = Campaign();
+  const ParameterSet parameters = EstimateJointly(problem).parameters;  // residuals of noise, not of decimetres
+  const EvidenceColumns columns(problem, parameters, ListCandidates(problem, parameters).candidates);
+  const JointScatter scatter = Scatter(problem.robot().num_joints(), 2e-5, 4e-5);
+  const std::vector<int> some = {0, 3, columns.num_columns() - 1};
+  std::vector<int> group_of_pose;
+  std::vector<std::vector<int>> poses(3);
+  for (int pose = 0; pose < columns.num_poses(); ++pose) {
+    group_of_pose.push_back(pose % 7 % 3);
+    poses[static_cast<size_t>(group_of_pose.back())].push_back(pose);
+  }
+  const std::vector<RowSums> each = columns.SumEach(scatter, some, group_of_pose);
+  ASSERT_EQ(each.size(), 3u);
+  RowSums all = RowSums::Zero(each[0].products.rows());
+  for (size_t g = 0; g < each.size(); ++g) {
+    all += each[g];
+    const RowSums alone = columns.Sum(scatter, &some, poses[g]);
+    EXPECT_EQ(each[g].rows, alone.rows);
+    EXPECT_LT((each[g].products - alone.products).norm(), 1e-9 * alone.products.norm()) << g;
+  }
+  const RowSums whole = columns.Sum(scatter, &some);
+  EXPECT_EQ(all.rows, whole.rows);
+  EXPECT_NEAR(all.log_det, whole.log_det, 1e-9 * std::abs(whole.log_det));
+  EXPECT_LT((all.products - whole.products).norm(), 1e-9 * whole.products.norm());
+}
+
 // [J r]'C^-1 [J r] and log |C| with C = I + sum of sigma^2 l l' within visits and within poses, C as one dense matrix
 // and l by differences of predicted points. Each pose is visited twice.
 TEST(EvidenceColumns, RowsOfVisitsAndOfPosesScatterTogether) {

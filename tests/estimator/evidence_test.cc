@@ -400,6 +400,50 @@ TEST(SetSearch, AveragesOverTheScale) {
   EXPECT_NEAR(search.Evaluate({0}).log_weight - search.Evaluate({}).log_weight, std::log(sum) - nothing, 1e-9);
 }
 
+// log mean over all combinations of scales of f(R) |Q|^(-1/2), R and Q of the rows [A D; I] by reflections. Bumps of 25
+// columns that lie across each other: the condition of Q is 1e8, which with 400 rows leaves 1e-6 of a log unit.
+TEST(SetSearch, WideFunctionsThatLieAcrossEachOtherAreAveragedAccurately) {
+  constexpr int kRows = 400, kBumps = 25, kGroups = 3;
+  Small small(kRows, 2, kGroups * kBumps, 51);
+  const Eigen::VectorXd angle = Eigen::VectorXd::LinSpaced(kRows, -1.0, 1.0);
+  std::vector<Explanation> list;
+  for (int g = 0; g < kGroups; ++g) {
+    const Eigen::ArrayXd driver = angle.array() + 0.02 * g * (7.0 * angle.array()).sin();
+    list.push_back({{{}, {}}, 1.0 / kGroups, g});
+    for (int b = 0; b < kBumps; ++b) {
+      const double center = -2.0 + 4.0 * b / (kBumps - 1.0);  // some beyond the rows
+      small.columns.col(kBumps * g + b) = 300.0 * (-0.5 * ((driver - center) / 0.2).square()).exp().matrix();
+      list.back().group.columns.push_back(kBumps * g + b);
+    }
+  }
+  small.residual = 30.0 * small.residual + 100.0 * (3.0 * angle.array()).sin().matrix() + 200.0 * angle;
+  const ProjectedNormal normal = small.Normal();
+  const ResidualLikelihood likelihood(normal.dof, kInfinity, 0.05);
+  const WeightedSet set = SetSearch(normal, list, {0.5, 0.3}, likelihood).Evaluate({0, 1, 2});
+
+  const Eigen::MatrixXd a = small.left.transpose() * small.columns;
+  const long n = a.cols();
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(a.rows() + n);
+  right.head(a.rows()) = small.left.transpose() * small.residual;
+  std::vector<double> logs;
+  for (const double one : kScales) {
+    for (const double two : kScales) {
+      for (const double three : kScales) {
+        Eigen::MatrixXd rows = Eigen::MatrixXd::Identity(a.rows() + n, n);
+        rows.topRows(a.rows()) = a;
+        rows.bottomRows(n).setIdentity();
+        const double scale[kGroups] = {one, two, three};
+        for (long c = 0; c < n; ++c) rows.col(c).head(a.rows()) *= scale[c / kBumps];
+        const Eigen::HouseholderQR<Eigen::MatrixXd> qr(rows);
+        const Eigen::VectorXd turned = qr.householderQ().transpose() * right;
+        logs.push_back(likelihood.Log(turned.tail(a.rows()).squaredNorm()) -
+                       qr.matrixQR().diagonal().array().abs().log().sum());
+      }
+    }
+  }
+  EXPECT_NEAR(set.log_likelihood, LogSumExp(logs) - std::log(static_cast<double>(logs.size())), 1e-4);
+}
+
 // A function of two columns and a piece of one move the rows by as much at every size, none of them by more than causes
 // do; a fourth column is another cause.
 TEST(NamelessCause, PartsOfOneCauseHaveOneSize) {
@@ -412,7 +456,7 @@ TEST(NamelessCause, PartsOfOneCauseHaveOneSize) {
   const ResidualLikelihood likelihood(normal.dof, kInfinity, 0.0);
   const SetSearch search(normal, list.math, {0.5, 0.3}, likelihood);
   const WeightedSet many = search.Evaluate({0, 1, 2});
-  const WeightedSet one = NamelessCauses(list, 0.3).WithOneSize(many, {{0}, {1}}, normal, likelihood);
+  const WeightedSet one = NamelessCauses::WithOneSize(many, {{0}, {1}}, list.math, normal, likelihood);
   const Eigen::MatrixXd a = small.left.transpose() * small.columns;
   const double unit = a.col(2).norm() / std::sqrt(a.col(0).squaredNorm() + a.col(1).squaredNorm());
   const auto density = [&](double size, double other) {

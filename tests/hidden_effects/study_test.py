@@ -163,12 +163,12 @@ class Halves(unittest.TestCase):
                          [(True, True, True), (False, False, True), (False, True, True), (False, False, False)])
 
     def test_what_the_other_half_says_of_a_kind(self):
-        def one(probability, *effects):
-            return {'probability': probability, 'explanations': [{'effect': e, 'target': 'A1'} for e in effects]}
-        here = {'sets': [one(0.7, 'joint_harmonic', 'joint_harmonic', 'hysteresis'), one(0.25, 'joint_harmonic'), one(0.05)]}
-        there = {'sets': [one(0.6, 'joint_harmonic'), one(0.4, 'hysteresis')]}
-        self.assertAlmostEqual(naming.kinds_of(here)['joint_harmonic'], 0.95)
-        self.assertAlmostEqual(naming.kinds_of(here)['hysteresis'], 0.7)
+        def one(**kinds):
+            return {'steps': [{'effect': effect} for effect in kinds],
+                    'groups': [{'steps': [k], 'probability': p} for k, p in enumerate(kinds.values())]}
+        here = one(joint_harmonic=0.95, hysteresis=0.7, others=None)
+        there = one(joint_harmonic=0.6, hysteresis=0.4)
+        self.assertEqual(naming.kinds_of(here), {'joint_harmonic': 0.95, 'hysteresis': 0.7})
         self.assertEqual(naming.groups_again(here, there, 0.9), [{'group': 'joint_harmonic', 'sure': False, 'likely': True}])
         self.assertEqual([g['likely'] for g in naming.groups_again(here, there, 0.6)], [False, True])
 

@@ -32,12 +32,9 @@ def named_again(diagnosis, other, leading):
 
 
 def kinds_of(diagnosis):
-    """{effect: probability that the arm has it anywhere}: of the sets that hold it on any target, with any settings."""
-    chances = {}
-    for one in diagnosis['sets']:
-        for effect in {explanation['effect'] for explanation in one['explanations']}:
-            chances[effect] = chances.get(effect, 0.0) + one['probability']
-    return chances
+    """{effect: probability that the arm has it anywhere}, of its groups; one of several effects has none."""
+    return {diagnosis['steps'][group['steps'][0]]['effect']: group['probability']
+            for group in diagnosis['groups'] if group['probability'] is not None}
 
 
 def groups_again(diagnosis, other, sure):
