@@ -352,8 +352,10 @@ class Session {
   // What effects are said to be: with a rest without a name, the poses as they are would make it too sure.
   std::vector<WeightedModel> Bagged(const std::vector<std::vector<NamedProbability>>& in_places) {
     if (!named_ || !MayLeaveARest()) return evidence_->models();
-    d_.cautions.push_back(AreBagged(kResamples));
-    return BaggedModels(*evidence_, leading_, in_places);
+    std::vector<WeightedModel> models = BaggedModels(*evidence_, leading_, in_places);
+    const bool is_bagged = models.size() > evidence_->models().size();  // else poses are too few
+    if (is_bagged) d_.cautions.push_back(AreBagged(kResamples));
+    return models;
   }
 
   // Of the first candidates that have a share of the probability: each alone beside the believed model.
