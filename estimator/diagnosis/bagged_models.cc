@@ -84,14 +84,10 @@ class SmallSearch {
     WeightedModel best{view_, here, 1.0, 0.0};
     for (int& m : best.set.members) m = asked_[static_cast<size_t>(m)];
     std::vector<WeightedModel> readings = {best};
-    const NamelessCauses::Cause cause = causes_.OneOf(best.set.members);
-    const double odds = causes_.LogPriorOdds(best.set.members, cause);
-    if (odds > 0.0) {
-      const NamelessCauses::Cause among_few{PlacesAmongAsked(cause.functions), PlacesAmongAsked(cause.pieces)};
-      const WeightedSet as_one =
-          NamelessCauses::WithOneSize(here, among_few, few_.explanations, beside.normal, likelihood);
-      best.pieces = cause.pieces;
-      best.log_weight = as_one.log_weight + odds - here.log_weight;
+    const auto one = causes_.ReadAsOne(best.set.members, here, few_.explanations, beside.normal, likelihood);
+    if (one) {
+      best.pieces = one->pieces;
+      best.log_weight = one->gain;
       readings.push_back(best);
     }
     Normalise(&readings);
@@ -99,13 +95,6 @@ class SmallSearch {
   }
 
  private:
-  std::vector<int> PlacesAmongAsked(std::vector<int> explanations) const {
-    for (int& k : explanations) {
-      k = static_cast<int>(std::lower_bound(asked_.begin(), asked_.end(), k) - asked_.begin());
-    }
-    return explanations;
-  }
-
   const Evidence& evidence_;
   const int view_;
   const std::vector<int> asked_;  // explanations, ascending

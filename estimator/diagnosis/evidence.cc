@@ -257,14 +257,14 @@ void Evidence::Explore(std::deque<SetSearch>* searches) {
 void Evidence::AddReadings() {
   NamelessCauses causes(list_, masses_.further);
   for (size_t i = models_.size(); i-- > 0;) {
-    const NamelessCauses::Cause cause = causes.OneOf(models_[i].set.members);
-    const double odds = causes.LogPriorOdds(models_[i].set.members, cause);
-    if (odds <= 0.0) continue;  // so many causes that there are more of them is no wonder
-    WeightedModel as_one = models_[i];
-    as_one.pieces = cause.pieces;
-    as_one.set = NamelessCauses::WithOneSize(as_one.set, cause, list_.math, views_[as_one.view].beside.normal,
-                                             LikelihoodOf(as_one.view));
-    as_one.log_weight += as_one.set.log_weight + odds - models_[i].set.log_weight;
+    const WeightedModel& many = models_[i];
+    auto one = causes.ReadAsOne(many.set.members, many.set, list_.math, views_[many.view].beside.normal,
+                                LikelihoodOf(many.view));
+    if (!one) continue;
+    WeightedModel as_one = many;
+    as_one.pieces = std::move(one->pieces);
+    as_one.set = std::move(one->set);
+    as_one.log_weight += one->gain;
     models_.push_back(std::move(as_one));
   }
 }

@@ -72,6 +72,25 @@ double NamelessCauses::LogPriorOdds(const std::vector<int>& members, const Cause
          std::log(further_ / (one_more * m * PiecesOf(cause.functions).share));
 }
 
+std::optional<NamelessCauses::AsOne> NamelessCauses::ReadAsOne(const std::vector<int>& members, const WeightedSet& set,
+                                                               const std::vector<Explanation>& explanations,
+                                                               const ProjectedNormal& normal,
+                                                               const ResidualLikelihood& likelihood) {
+  const Cause cause = OneOf(members);
+  const double odds = LogPriorOdds(members, cause);
+  if (odds <= 0.0) return std::nullopt;
+  const auto counted = [&](std::vector<int> own) {
+    for (int& m : own) {
+      m = set.members[static_cast<size_t>(std::lower_bound(members.begin(), members.end(), m) - members.begin())];
+    }
+    return own;
+  };
+  AsOne one{cause.pieces, {}, 0.0};
+  one.set = WithOneSize(set, {counted(cause.functions), counted(cause.pieces)}, explanations, normal, likelihood);
+  one.gain = one.set.log_weight + odds - set.log_weight;
+  return one;
+}
+
 // log L = log mean_s L(pieces at s, functions at s w; the others at their best)
 //         + sum over the others of what averaging over their scales takes,
 //   w^2 = mean over the pieces of tr G_k / tr G_f:  at one s each moves the rows by as much. No part is larger than

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "estimator/diagnosis/explanations.h"
@@ -30,6 +31,19 @@ class NamelessCauses {
   // The set with one size of the cause, averaged over it; the other members at their best scales. All are of a list of
   // explanations, which may be another one.
   static WeightedSet WithOneSize(const WeightedSet& set, const Cause& cause,
+                                 const std::vector<Explanation>& explanations, const ProjectedNormal& normal,
+                                 const ResidualLikelihood& likelihood);
+
+  // The second reading of a set; gain: of its log weight over that of the first one.
+  struct AsOne {
+    std::vector<int> pieces;  // explanations
+    WeightedSet set;
+    double gain = 0.0;
+  };
+  // Nothing where before any row is seen so many causes are more probable: that there is one more of them is no wonder.
+  // members: the set's explanations. The set counts its own in `explanations`, the list or some of it, in the same
+  // order.
+  std::optional<AsOne> ReadAsOne(const std::vector<int>& members, const WeightedSet& set,
                                  const std::vector<Explanation>& explanations, const ProjectedNormal& normal,
                                  const ResidualLikelihood& likelihood);
 
