@@ -53,7 +53,7 @@ void HoldOutForDiagnosis(const Measurements& data, Experiment* experiment) {
 
 namespace {
 
-// A reading in metres leaves nothing that could be told: the rows are the cause, what they hide is not.
+// A reading in metres leaves nothing that could be determined: the rows are the cause, what they hide is not.
 void NameSuspects(Calibration* failed) {
   Estimate& estimate = failed->estimate;
   if (estimate.status == Status::kEquilibriumDiverged || estimate.aligned.num_coordinates() == 0) return;

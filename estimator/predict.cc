@@ -14,7 +14,7 @@
 namespace sagitta {
 namespace {
 
-// m: no instrument sees less; exact simulations have no noise beside which anything is little.
+// m: no instrument sees less; exact simulations have no noise compared with which anything is little.
 constexpr double kMatters = 1e-6;
 constexpr double kWorse = 1.05;  // of a hundred points an RMS is known to some 5 %
 
@@ -59,7 +59,7 @@ std::vector<double> ExpectedDistances(const Prediction& prediction) {
   return expected;
 }
 
-// What the errors say besides their size.
+// What the errors say other than their size.
 void JudgeErrors(const KnownRobot& known, const Measurements& rows, const Prediction& prediction,
                  Validation* validation) {
   if (const std::optional<Finding> found = Contradiction(known, rows, validation->predicted)) {

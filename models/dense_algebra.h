@@ -20,7 +20,7 @@ namespace Eigen {
 namespace internal {
 
 // Of these only the declarations are Eigen's: without a body, no file that multiplies matrices compiles what choosing
-// between sizes takes (a product of rows, of columns, coefficient by coefficient, by blocks).
+// between sizes needs (a product of rows, of columns, coefficient by coefficient, by blocks).
 using ConstTransposed = Transpose<const MatrixXd>;
 using Transposed = Transpose<MatrixXd>;
 template <typename Left, typename Right>

@@ -52,7 +52,7 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // kPanels panels of kRows rows times one of kColumns columns. Sums stay in registers: three panels of four by four
-// columns take 12 of the 16 vectors of AVX2. An addition waits for the one before it, four cycles: fewer than eight
+// columns need 12 of the 16 vectors of AVX2. An addition waits for the one before it, four cycles: fewer than eight
 // sums are made in several sets, each of every second or fourth step.
 template <int kRows, int kPanels, int kColumns>
 struct Tile {

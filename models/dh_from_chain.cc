@@ -109,7 +109,7 @@ void CloseTable(const Pose<double>& flange, int joint, DhTable* table) {
   if ((turn - Matrix3<double>::Identity()).norm() > kZero) table->flange_rpy = Rpy(turn).unaryExpr(&Clean);
 }
 
-// `parallel`: rad, within which axes count as parallel and take beta.
+// `parallel`: rad, within which axes count as parallel and have beta.
 std::optional<DhTable> StandardTable(const Chain& chain, double parallel, std::string* why_not) {
   const std::vector<Pose<double>> frames = NominalFrames(chain, Eigen::VectorXd::Zero(chain.num_joints()));
   const Line first = AxisLine(chain, frames, 0);

@@ -4,7 +4,7 @@
 //   by torque      |phi(tau)|, or what a wrench of its own does: |tau| times the slot's compliance
 //   of a point     what reflectors, growth and instruments move: the largest among the markers
 //
-// The same number says when data tell a parameter (one standard deviation of it moves less than 5 mm or 5 mrad,
+// The same number says when data determine a parameter (one standard deviation of it moves less than 5 mm or 5 mrad,
 // FORMATS section 4) and how large it is on a machine of any size (EffectParameter::typical).
 #pragma once
 

@@ -1,5 +1,5 @@
 // Kinds of scalar unknowns: their units in results and the limits that decide
-// what data can tell (FORMATS section 4).
+// what data can determine (FORMATS section 4).
 #pragma once
 
 #include <string>

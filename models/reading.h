@@ -3,9 +3,9 @@
 //   point      p, m                       predicted - measured = p_predicted - p_measured
 //   rotation   R, of the target's frame   predicted - measured = log(R_predicted R_measured'), rad
 //
-// both in the measurement frame; the second is the left perturbation that takes the measured rotation to the predicted
-// one. A pose is a point and a rotation of the same target: two readings, each with a covariance of its own. Whatever
-// an instrument reads besides is one more kind here.
+// both in the measurement frame; the second is the left perturbation that turns the measured rotation into the
+// predicted one. A pose is a point and a rotation of the same target: two readings, each with a covariance of its own.
+// Whatever else an instrument reads is one more kind here.
 #pragma once
 
 #include "models/geometry.h"

@@ -66,7 +66,7 @@ struct Robot {
   std::vector<JointCompliance> compliances;
   std::optional<GravityCompensator> gravity_compensator;
   std::vector<EffectSpec> effects;  // all other effects, with values
-  // Definitions of the user's own that `effects` and the diagnosis may use beside the catalogue.
+  // Definitions of the user's own that `effects` and the diagnosis may use in addition to the catalogue.
   std::vector<const EffectDefinition*> own_effects;
 
   int num_joints() const { return chain.num_joints(); }

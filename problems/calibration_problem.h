@@ -5,7 +5,7 @@
 //   unknown  ParameterSet (values; free, held or with a prior) and LatentModel
 //   noise    a root per row where it was found and is not as stated
 //
-// Every method takes it; how to solve is the method's (MethodSpec of the experiment, JointOptions), and what came out
+// Every method accepts it; how to solve is the method's (MethodSpec of the experiment, JointOptions), and what came out
 // is an Estimate.
 #pragma once
 

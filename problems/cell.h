@@ -11,7 +11,7 @@
 
 namespace sagitta {
 
-// Narrower than the joint's own limits; or the only values that it takes (rad or m).
+// Narrower than the joint's own limits; or the only values that it may have (rad or m).
 struct JointRange {
   std::optional<double> min, max;
   std::vector<double> levels;
@@ -67,7 +67,7 @@ struct Cell {
   std::vector<std::pair<std::string, SightRange>> sights;         // by station: those whose lines of sight count
   std::vector<std::pair<std::string, DirectionCone>> reflectors;  // by marker, axis in the frame the marker is on
   double beam_radius = 0.0;                                       // m
-  double beam_end = 0.1;  // m before the reflector where the beam is taken to end: its mount is no obstacle
+  double beam_end = 0.1;  // m before the reflector where the beam is assumed to end: its mount is no obstacle
 };
 
 }  // namespace sagitta

@@ -9,9 +9,9 @@
 namespace sagitta {
 
 // The largest among the calibration rows, by model parameter: rad or m per SI unit (models/excitation.h), at these
-// values. 0 where it is less than what a rotation of the base that the data do not tell (5 mrad) would change: a load
-// along a joint's axis makes no torque about it; and 0 where it is the round-off of what the effect's other parameters
-// move.
+// values. 0 where it is less than what a rotation of the base that the data do not determine (5 mrad) would change: a
+// load along a joint's axis makes no torque about it; and 0 where it is the round-off of what the effect's other
+// parameters move.
 std::vector<double> LargestTrueMotions(const CalibrationProblem& problem, const ParameterSet& parameters);
 
 // Sets Coordinate::hold_limit of compliances, effects and the spring's rate: 5 mm or 5 mrad of what it moves. That of

@@ -93,7 +93,7 @@ int NameDistance(const std::string& given_name, const std::string& given_candida
   if (Digits(name) != Digits(candidate)) return -1;
   if (Stem(candidate) != candidate && Stem(name) == Stem(candidate)) return 1;
   const size_t length = std::max(name.size(), candidate.size());
-  // Spares the table where the lengths alone tell.
+  // Spares the table where the lengths alone decide.
   if (length - std::min(name.size(), candidate.size()) > 3 || length > 60) return -1;
   const int distance = Distance(name, candidate);
   return distance <= LargestSlip(length) ? 1 + distance : -1;

@@ -20,7 +20,7 @@ inline constexpr std::size_t kWordBytes = 500;
 inline constexpr int kDepth = 64;
 // Values of a YAML file with every alias written out: a kilobyte of aliases stands for 10^9 of them.
 inline constexpr std::size_t kYamlValues = 1'000'000;
-// Columns of a table, and cells: a cell takes 32 bytes at least, so this is 1 GB.
+// Columns of a table, and cells: a cell needs 32 bytes at least, so this is 1 GB.
 inline constexpr std::size_t kColumns = 4096;
 inline constexpr std::size_t kCells = 32'000'000;
 // Joints of one chain: the longest arms that are calibrated have 9, with tracks and turntables 12. A few tables and
@@ -42,7 +42,7 @@ inline constexpr int kThreads = 1024;
 
 // --- quantities, SI --------------------------------------------------------------------------------------------------
 
-// Any number in a file of YAML, in its own unit: beyond, squares of it leave no digit to the metre beside it.
+// Any number in a file of YAML, in its own unit: beyond, squares of it leave no digit to a metre that is added.
 inline constexpr double kYamlNumber = 1e15;
 // Standard deviation of a length, m: interferometers resolve 1 nm; 10 m is not knowing where a robot is. A ratio of
 // 10^10 of two sigmas still leaves six digits in their weighted sum.

@@ -1,4 +1,4 @@
-// The cells of a file's rows: one text, and where in it each cell ends. A hundred thousand rows of twenty columns take
+// The cells of a file's rows: one text, and where in it each cell ends. A hundred thousand rows of twenty columns need
 // 20 MB instead of 70, and copies of the rows share them until one is changed.
 #pragma once
 

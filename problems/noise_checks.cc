@@ -34,7 +34,7 @@ void CheckInstrument(const CalibrationProblem& problem) {
               "state range_um or range_um_per_m, and angle_um or angle_um_per_m");
 }
 
-// Spread of residuals holds everything that scatters: nothing else can be told from it beside.
+// Spread of residuals holds everything that scatters: nothing else can be separated from it.
 void CheckResiduals(const CalibrationProblem& problem) {
   const Experiment& experiment = problem.experiment();
   if (experiment.noise.from != From::kResiduals) return;

@@ -12,7 +12,7 @@ void CheckNoise(CalibrationProblem* problem);
 // {from: repeats}: sets resolved_noise and repeat_scatter. Throws InputError where there are no repeats.
 void ResolveRepeats(CalibrationProblem* problem);
 
-// Rows without a standard deviation beside rows that have one.
+// Rows without a standard deviation among rows that have one.
 void CheckSigmas(const CalibrationProblem& problem);
 
 // Warns of rotations whose noise is assumed. Throws InputError where rotations state it and points do not.

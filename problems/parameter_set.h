@@ -33,9 +33,9 @@ struct Coordinate {
   std::string name;
   Quantity quantity = Quantity::kLength;
   int block = -1;
-  int index_in_block = 0;                                   // of the tangent
-  bool free = true;                                         // asked for
-  bool held = false;                                        // asked for, but the data cannot tell: stays where it is
+  int index_in_block = 0;  // of the tangent
+  bool free = true;        // asked for
+  bool held = false;       // asked for, but the data do not determine it: stays where it is
   double lower = -std::numeric_limits<double>::infinity();  // SI
   double prior_value = 0.0;                                 // SI
   double prior_sigma = 0.0;                                 // SI; 0: no prior
@@ -130,7 +130,7 @@ class ParameterSet {
 
   // A coordinate's value as results state it (rotations: rotation vector), SI.
   double Value(int coordinate) const;
-  // Takes values, flags, limits and priors of every block that both sets have.
+  // Copies values, flags, limits and priors of every block that both sets have.
   void CopyByName(const ParameterSet& other);
   // Moves by a tangent step over all coordinates, SI.
   void Plus(const Eigen::VectorXd& delta);

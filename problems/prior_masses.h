@@ -5,7 +5,8 @@
 
 namespace sagitta {
 
-// That nothing is missing, an effect of the catalogue, something outside it; further: each cause beside the first.
+// That nothing is missing, an effect of the catalogue, something outside it; further: each cause in addition to the
+// first.
 struct PriorMasses {
   double nothing = 0.5, catalogue = 0.38, unnamed = 0.12, further = 0.3;
 

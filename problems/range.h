@@ -1,11 +1,11 @@
 // What the numbers that people choose may be: options of the library, flags of the program, arguments of Python, keys
-// of an experiment. A range is stated once, here; whoever takes a number says what it was called where it was chosen:
+// of an experiment. A range is stated once, here; whoever reads a number says what it was called where it was chosen:
 //
 //   CheckIn(allowed::kThreads, options.num_threads, "CalibrateOptions.num_threads");
 //   CheckIn(allowed::kThreads, FLAGS_threads, "--threads");
 //
-// A struct of options has one CheckOptions, called first by the functions that take the struct: behind it no value has
-// to be doubted (tests/options_test.py).
+// A struct of options has one CheckOptions, called first by the functions that accept the struct: behind it no value
+// has to be doubted (tests/options_test.py).
 #pragma once
 
 #include <string>
@@ -20,14 +20,14 @@ struct Range {
   double low, high;
   const char* unit = "";     // of both, with the blank before it: " m"
   bool is_open = false;      // neither end is possible
-  bool may_be_zero = false;  // besides
+  bool may_be_zero = false;  // in addition
 
   bool Has(double value) const;  // false of NaN
   // "a number of threads from 1 to 1024 is expected, this is 0"
   std::string Refusal(double value) const;
 };
 
-// Throws InputError at `name`, which tells the caller what to change, where the range does not have the value.
+// Throws InputError at `name`, which says to the caller what to change, where the range does not have the value.
 void CheckIn(const Range& range, double value, const std::string& name);
 
 // The ranges. Reasons of the ends: problems/limits.h.

@@ -22,7 +22,7 @@ struct SpringTie {
   Eigen::Matrix3d covariance;                        // of (L, a_x, a_y), m^2: how well the markers sit
   Eigen::Vector3d stated = Eigen::Vector3d::Zero();  // (L, a_x, a_y) of the robot file, m
   bool is_assumed = false;       // no `spring:` names them: only where they agree with the robot file
-  bool sigma_is_stated = false;  // else they are taken as the ends themselves
+  bool sigma_is_stated = false;  // else they are assumed to be the ends themselves
 };
 
 // A spring_sigma not stated: the marker is the end.

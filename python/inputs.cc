@@ -32,7 +32,7 @@ std::vector<std::string> CellsOf(const std::string& table, const std::string& na
   return cells;
 }
 
-// What a file of these cells would hold: it tells one table from another, as SHA-256 of files do.
+// What a file of these cells would hold: it distinguishes one table from another, as SHA-256 of files do.
 std::string TextOf(const MeasurementFile& file) {
   std::string text;
   const auto add = [&text](const auto& cells) {

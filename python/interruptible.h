@@ -1,4 +1,4 @@
-// Long work beside the interpreter: the global lock is free, Ctrl-C and an exception of the progress callback end it.
+// Long work next to the interpreter: the global lock is free, Ctrl-C and an exception of the progress callback end it.
 #pragma once
 
 #include <pybind11/pybind11.h>

@@ -2,7 +2,7 @@
 
 A block ```sh is run, by bash, from the root of a checkout. The block ```text that follows it is what the commands print:
 all of it, or parts of it with a line "…" for what is left out. Words have to be the same; a number may differ by 0.5 %
-because compilers differ. Files in blocks ```yaml are taken by docs_blocks_test.py; other blocks are not run.
+because compilers differ. Files in blocks ```yaml are read by docs_blocks_test.py; other blocks are not run.
 """
 import os
 import pathlib
@@ -134,7 +134,7 @@ def compared(shown, printed):
 def check(page, program, write=False, not_run=(), is_on_path=False):
     """Words on what differs. With `write`, numbers that are shown become those that are printed.
 
-    `is_on_path`: the page takes `sagitta` for installed.
+    `is_on_path`: the page assumes `sagitta` to be installed.
     """
     path = ROOT / page
     text = path.read_text(encoding='utf-8')

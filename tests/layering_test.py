@@ -14,7 +14,7 @@ import sys
 import tempfile
 
 LAYERS = ['models', 'problems', 'estimator', 'tools']  # each may use those before it
-FACES = {'python': 'tools'}  # another face beside tools/: what it may use is what tools/ may, but not tools/
+FACES = {'python': 'tools'}  # another face next to tools/: what it may use is what tools/ may, but not tools/
 SHOWN = 'tools/report'  # but for sentences and pictures, which both faces show; its library is sagitta_report
 EXAMPLES = 'tools/examples'  # programs of somebody else: <sagitta/sagitta.h> and nothing of the tree
 

@@ -5,7 +5,7 @@ those of pages and of the terminal in tools/report/. Elsewhere are numbers and t
 A statement outside these folders may hold fewer than 10 words of text in estimator/, 14 in the commands of tools/ (the
 summary of a command is 13); keys and column names (literals without a blank) are none. Words of input errors and of failures, with their hints, are free: they arise where the input is found to be
 wrong (throw, Fail…, CHECK, a variable named hint), and so is what a developer reads in the log (VLOG). In tools/ so are flags (DEFINE_…), what goes to std::cerr, and the files that are help themselves;
-tools/reproduce/ is a study with its words beside its numbers.
+tools/reproduce/ is a study with its words next to its numbers.
 Standard library only.
 
 usage: prose_test.py [ROOT]        check the tree (default: the one this file is in)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The measured robots of ../shared/data through the program: the figures that they keep, and what is said where the robot
-file cannot have made their readings. Skips, and says so, where the data are not beside the tree.
+file cannot have made their readings. Skips, and says so, where the data are not next to the tree.
 
 usage: real_figures_test.py PROGRAM
 """
@@ -52,7 +52,7 @@ class RealFigures(unittest.TestCase):
         self.assertLessEqual(figures['distance_rms_mm'], most)
         self.assertGreater(figures['distance_rms_mm'], 0.95 * independent)
 
-    # The fits by NumPy that are quoted beside the data: 0.104 of the UR5's 20 random poses by its grid, 0.500 and 0.502 of
+    # The fits by NumPy that are quoted next to the data: 0.104 of the UR5's 20 random poses by its grid, 0.500 and 0.502 of
     # three series of the UR10 and of poses held out of them.
     def test_figures_are_those_of_an_independent_fit(self):
         random = self.figures('validation', UR5 / 'robot.yaml', UR5 / 'measurements.csv', '--validation=group=random')
@@ -64,7 +64,7 @@ class RealFigures(unittest.TestCase):
         self.assertEqual(held_out['observations'], 1470)
         self.expect_as_good_as(0.502, 0.507, held_out)
 
-    # A robot with model error: the first sentence is of points that took no part in the fit, and the intervals that people
+    # A robot with model error: the first sentence is of points that were not used in the fit, and the intervals that people
     # are shown are the wider ones. (Where model error is nil they are equal: estimator/validation_test.cc.)
     def test_the_first_screen_is_of_unseen_points_and_ci95_carries_model_error(self):
         for flags, unseen in (([], lambda e: e['cross_validation']), (['--holdout=0.3'], lambda e: e['validation'])):

@@ -135,7 +135,7 @@ class Browser:
         return sum(one['cpuTime'] for one in processes if one['type'] == 'renderer')
 
     def load(self, path):
-        """Seconds of the processor that the page takes, and of the clock, until every picture on the screen is drawn."""
+        """Seconds of the processor that the page needs, and of the clock, until every picture on the screen is drawn."""
         before = self.seconds_of_pages()
         self.call('Page.navigate', url=path.as_uri())
         for _ in range(3000):
@@ -336,7 +336,7 @@ class ReportPages(unittest.TestCase):
         points = re.search(r'role-mark points".*?</g>', shown, re.S).group(0)
         colours = re.findall(r'fill="([^"]*)" fill-opacity', points)
         self.assertEqual(colours, ['#0072b2'] * (3 * 378) + ['#d55e00'] * (3 * 42))
-        # A point that is far off does not press all others into a line: most of them take most of the height.
+        # A point that is far off does not press all others into a line: most of them cover most of the height.
         scatter = [figure for figure in figures if figure['kind'] == 'scatter'][0]
         heights = sorted(float(y) for y in re.findall(r'translate\([^,]*,([^)]*)\)', scatter['path']))
         self.assertEqual(len(heights), 3 * 420)

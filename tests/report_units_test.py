@@ -122,12 +122,12 @@ BARE_KEYS = {'condition', 'prediction_p_value', 'p_value', 'a_posteriori', 'seco
              'gap_closed_ci95', 'efficiency', 'bound', 'score', 'log_evidence', 'O1', 'O2', 'O3', 'O4', 'O5',
              'share_of_gap', 'between_parts', 'overlap', 'compatible_p', 'chi2_reduction', 'reduced_chi2_after',
              'slopes', 'sigma_over_limit', 'criterion', 'cost_per_pose'}
-# The 95 % interval of the factor beside it; eigenvalues of mean outer products of unit vectors.
+# The 95 % interval of the factor next to it; eigenvalues of mean outer products of unit vectors.
 BARE_PATHS = {('noise', 'ci95'), ('orientation', 'most'), ('orientation', 'least')}
 
 
 def keys_without_unit(value, path=(), has_unit=False):
-    """Paths of numbers with a fraction whose name ends with no unit and which stand beside no key 'unit' or 'units'."""
+    """Paths of numbers with a fraction whose name ends with no unit, without a key 'unit' or 'units' next to them."""
     if isinstance(value, dict):
         has_unit = has_unit or 'unit' in value or 'units' in value
         for key, each in value.items():

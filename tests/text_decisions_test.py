@@ -97,7 +97,7 @@ def self_test():
             if bool(found) != expected:
                 wrong += 1
                 print('FAIL  %s %r: found %r' % (file, text, found))
-            # The same line is let pass by an exception, which is told as soon as nothing needs it.
+            # The same line is let pass by an exception, which is reported as soon as nothing needs it.
             excuse = {(file, text.split('\n')[-1]): 'planted'}
             if len(list(violations(root, excuse))) != (0 if expected else 1):
                 wrong += 1

@@ -1,7 +1,7 @@
-// The command line: a command, its arguments and the flags it takes.
+// The command line: a command, its arguments and the flags it accepts.
 //
-// Flags are gflags (DEFINE_* beside the code that uses them), but a command
-// takes only those it lists: gflags' own parser would accept every flag of every
+// Flags are gflags (DEFINE_* next to the code that uses them), but a command
+// accepts only those it lists: gflags' own parser would accept every flag of every
 // library and exits with 1 on a wrong one.
 #pragma once
 
@@ -36,7 +36,7 @@ struct Command {
 
 // `arguments`: what follows the command's name. `--flag value` and
 // `--flag=value`, `--flag` and `--noflag` for switches, `--` ends flags. Throws
-// InputError for a flag that the command does not take or a value that is none.
+// InputError for a flag that the command does not accept or a value that is none.
 CommandLine ParseCommandLine(const Command& command, const std::vector<std::string>& arguments);
 
 // True when the command line sets the flag.

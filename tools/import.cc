@@ -79,7 +79,7 @@ std::vector<std::string> TablesIn(const fs::path& folder) {
 }
 
 // Tables that ship with the program. A variable that is set is what the user means: nothing else is tried then. bin/
-// lies beside share/ in the build folder as where it is installed.
+// lies next to share/ in the build folder as where it is installed.
 std::vector<std::string> ShippedTables() {
   std::vector<std::string> tried;
   const char* set = std::getenv("SAGITTA_DATA_DIR");

@@ -1,5 +1,5 @@
 // Which reading of a foreign table the robot can have made: columns and units, what its angles mean, the convention of
-// a DH table. The nominal robot is aligned with the points, and the reading that alone fits is taken.
+// a DH table. The nominal robot is aligned with the points, and the reading that alone fits is chosen.
 #pragma once
 
 #include <limits>
@@ -27,11 +27,11 @@ std::string InDegrees(double radians);
 
 std::set<std::string> LoadsOf(const Measurements& data);
 
-// Of several plans the one that fits; by the size of the numbers where there are too few rows to tell. Throws
+// Of several plans the one that fits; by the size of the numbers where there are too few rows to decide. Throws
 // InputError where none fits, or two.
 Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<ImportPlan>& plans);
 
-// Takes the rotation's columns into the plan, or leaves them out with the reason. `stated`: what --rotation says.
+// Adds the rotation's columns to the plan, or leaves them out with the reason. `stated`: what --rotation says.
 // Throws InputError where what the user said does not fit.
 void DecideRotation(const Robot& robot, const TextTable& table, const std::string& stated, Choice* choice);
 

@@ -15,7 +15,7 @@ DECLARE_string(method);
 
 namespace sagitta {
 
-// The flags that an estimating command takes beside its own.
+// The flags that an estimating command accepts in addition to its own.
 std::vector<std::string> WithProblemFlags(std::vector<std::string> flags);
 
 // EXP of a command with these flags: what a flag replaces is not checked in the rows. Throws InputError.

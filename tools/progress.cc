@@ -13,7 +13,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kTooEarly = 0.05;    // share of the work: what it took says little of the rest, unless it is counted
+constexpr double kTooEarly = 0.05;    // share of the work: what it needed says little of the rest, unless it is counted
 constexpr double kWorthSaying = 2.0;  // s
 constexpr double kSilence = 10.0;     // s, after which the same is said again
 
@@ -59,7 +59,7 @@ void ProgressMeter::Say(const std::string& what, double seconds) {
     expected_ = seconds / done;
 }
 
-// s, all together. A phase that takes longer than its share makes what follows longer in proportion, even if it ended
+// s, all together. A phase that needs longer than its share makes what follows longer in proportion, even if it ended
 // now.
 double ProgressMeter::Expected(double seconds) const {
   if (expected_ == 0.0 || phase_ < 0 || ShareIn(what_) > 0.0) return expected_;

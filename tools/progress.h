@@ -1,5 +1,5 @@
-// Progress lines on stderr, twice a second at most: from the start on a terminal, elsewhere only when the work takes
-// longer than a second. They say which phase of how many it is, and about how long the rest will take. Work that
+// Progress lines on stderr, twice a second at most: from the start on a terminal, elsewhere only when the work needs
+// longer than a second. They say which phase of how many it is, and about how long the rest will need. Work that
 // reports its progress is interrupted there, and how far it was is said.
 #pragma once
 
@@ -15,7 +15,7 @@ namespace sagitta {
 
 struct ProgressPhase {
   std::string begins;  // how what is said of it begins
-  double share;        // of the time that all phases take; only their ratios count
+  double share;        // of the time that all phases need; only their ratios count
 };
 
 // What was said, in words with phase and time left. What fits the beginning of no later phase belongs to the present

@@ -19,7 +19,7 @@ import numpy as np  # noqa: E402
 import pandas as pd  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent
-NOMINAL, BELIEVED, CALIBRATED = '#8c8c8c', '#d95f02', '#1b5e9c'  # told apart by colour-blind readers, and in print
+NOMINAL, BELIEVED, CALIBRATED = '#8c8c8c', '#d95f02', '#1b5e9c'  # distinguished by colour-blind readers, and in print
 plt.rcParams.update({'svg.fonttype': 'none', 'svg.hashsalt': 'sagitta', 'font.family': 'sans-serif', 'font.size': 11,
                      'figure.facecolor': 'white', 'axes.facecolor': 'white', 'savefig.facecolor': 'white',
                      'axes.spines.top': False, 'axes.spines.right': False, 'axes.grid': True, 'grid.color': '#e4e4e4',
@@ -82,7 +82,7 @@ def compensator(believed, calibrated, path):
 
 
 def known(folder, path):
-    """Estimated compliances with their 95 % intervals, beside the values that the simulation used."""
+    """Estimated compliances with their 95 % intervals, next to the values that the simulation used."""
     truth_file = HERE.parent.parent / 'problems' / 'published' / 'kr270' / 'loaded_truth.json'
     truth = json.loads(truth_file.read_text())['compliance_urad_per_Nm']
     values = {p['name']: p for p in json.loads((folder / 'estimate.json').read_text())['parameters']}

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What docs/TUTORIAL.md found, beside the truth that its readings were simulated with.
+"""What docs/TUTORIAL.md found, next to the truth that its readings were simulated with.
 
     python3 docs/tutorial/compare_with_truth.py results
 

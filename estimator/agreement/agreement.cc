@@ -19,7 +19,7 @@
 namespace sagitta {
 namespace {
 
-// Every split of the measured robots beside the tree (UR5, UR10 A to D, and their halves) is below it.
+// Every split of the measured robots next to the tree (UR5, UR10 A to D, and their halves) is below it.
 constexpr double kPoorHalves = 4.0;
 constexpr double kSurplus = 2.0;  // standard errors by which the sandwich has to exceed the model
 

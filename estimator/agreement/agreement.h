@@ -8,8 +8,8 @@
 // noise. Halves by a joint or by the place of the flange, series (stations with configurations of their own) and times
 // do not: what their differences have beyond noise is the model's error (between_parts.h).
 //
-// Both parts hold what either cannot tell; priors are left out, the parts would share them. All differences of one
-// split at once are tested by Hotelling's F (the model's covariance: the Chow test).
+// Both parts hold what either does not determine; priors are left out, the parts would share them. All differences of
+// one split at once are tested by Hotelling's F (the model's covariance: the Chow test).
 #pragma once
 
 #include "estimator/agreement/between_parts.h"

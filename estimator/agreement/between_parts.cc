@@ -29,7 +29,7 @@ BetweenParts PartMoments::Result(const BaseTurns& turns) const {
   BetweenParts found;
   if (complete_ > 0) found.covariance = turns.TurnBack(whole_ / (2.0 * complete_));
   found.draws = times_;
-  // A base pose's three are told by the same splits: they turn together.
+  // A base pose's three are determined by the same splits: they turn together.
   found.variance = turns.TurnBack(each_).diagonal().cwiseMax(0.0).cwiseQuotient(2.0 * times_.cwiseMax(1.0));
   return found;
 }

@@ -42,7 +42,7 @@ class PartMoments {
  private:
   Eigen::MatrixXd whole_;  // sum of d d' - C_a - C_b over complete splits
   Eigen::MatrixXd each_;   // over all
-  Eigen::VectorXd times_;  // splits that tell a coordinate
+  Eigen::VectorXd times_;  // splits that determine a coordinate
   int complete_ = 0;
 };
 

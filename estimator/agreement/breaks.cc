@@ -15,11 +15,11 @@
 namespace sagitta {
 namespace {
 
-// The most that any break explains of the measured robots beside the tree is 0.08 (UR10, series B); a frame that moves
+// The most that any break explains of the measured robots next to the tree is 0.08 (UR10, series B); a frame that moves
 // by 3 standard deviations in the middle of a campaign explains 0.4.
 constexpr double kBeyondArms = 0.25;
 constexpr size_t kFewestConfigurations = 5;  // configurations before and after, as of parts that are compared
-constexpr double kLeastOfItself = 1e-6;      // of a column's square, beside what is estimated: less is the same
+constexpr double kLeastOfItself = 1e-6;      // of a column's square, given what is estimated: less is the same
 
 constexpr size_t kPlaces = 200;    // of each cause, before the likeliest is looked at closely
 constexpr double kLooked = 2.5e5;  // numbers: thousands of rows show a break as well as all
@@ -155,7 +155,8 @@ class BreakSearch {
   }
 
   // What the columns explain of a load's rows is the load's: where another begins, what the model lacks of loads looks
-  // like a step. Orthonormal beside what is estimated; of all loads but the first, whose rows go with the constant.
+  // like a step. Orthogonal to what is estimated, and orthonormal; of all loads but the first, whose rows go with the
+  // constant.
   Eigen::MatrixXd ByLoads(const Cause& cause, const Eigen::MatrixXd& columns) const {
     const auto others = static_cast<Eigen::Index>(loads_.empty() ? 0 : loads_.size() - 1), d = columns.cols();
     Eigen::MatrixXd by_load = Eigen::MatrixXd::Zero(columns.rows(), others * d);
@@ -305,7 +306,7 @@ class BreakSearch {
   std::vector<int> columns_;
   Linearization rows_;
   Eigen::MatrixXd basis_;     // orthonormal, of what is estimated
-  Eigen::VectorXd residual_;  // beside it
+  Eigen::VectorXd residual_;  // given it
   double squares_ = 0.0;
   int num_configurations_ = 0;
   int num_states_ = 0;              // configurations, each load of one counted

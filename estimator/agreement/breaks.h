@@ -1,9 +1,9 @@
-// Did something move for good while the points were taken: a station (or the robot's foot), a marker, the zero of a
-// joint? In the order of measurement, with the columns D of what may have moved taken from one shot on,
+// Did something move for good while the points were measured: a station (or the robot's foot), a marker, the zero of a
+// joint? In the order of measurement, with the columns D of what may have moved from one shot on,
 //
 //   gain = g' A^-1 g,    A = D'(I - H) D,   g = D'(I - H) r,   H = J (J'J)^-1 J'
 //
-// is what the step explains of the squared residuals r'(I - H) r beside everything that is estimated. Nothing else in a
+// is what the step explains of the squared residuals r'(I - H) r given everything that is estimated. Nothing else in a
 // calibration sees it: rows that are held out at random have moved like the others.
 #pragma once
 

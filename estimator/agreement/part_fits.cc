@@ -55,7 +55,7 @@ struct Part {
   }
 };
 
-// Of the columns that a part sees, what it cannot tell (positions in the whole).
+// Of the columns that a part sees, what it does not determine (positions in the whole).
 std::vector<int> HeldColumns(const Part& part, const std::vector<int>& seen) {
   const Whole& whole = part.whole;
   const double scale = whole.is_scaled ? whole.estimate.sigma.a_posteriori : 1.0;

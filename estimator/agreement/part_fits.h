@@ -26,9 +26,9 @@ struct Whole {
   const Estimate& estimate;
   std::vector<int> observations;
   std::vector<int> columns;   // coordinates
-  BaseTurns turns;            // which the columns of held rows and of sums have taken
+  BaseTurns turns;            // which the columns of held rows and of sums have made
   std::vector<int> clusters;  // of each observation, from 0 in the order in which they appear
-  bool is_scaled = false;     // the model's covariance takes its scale from residuals
+  bool is_scaled = false;     // the model's covariance has its scale from residuals
   bool by_sandwich = false;   // the estimate's own intervals do
 
   bool valid = false;     // false: an equilibrium diverges
@@ -56,11 +56,11 @@ struct PartFit {
 };
 
 // Sums of both parts of every split from one pass, and those of the whole; empty where rows are few: then
-// they are taken as they are.
+// they are used as they are.
 using SumsOfParts = std::vector<std::array<NormalSums, 2>>;
 SumsOfParts SumParts(const std::vector<Split>& splits, Whole* whole);
 
-// Both with what either cannot tell held. sums: of this split, or null.
+// Both with what either does not determine held. sums: of this split, or null.
 std::array<PartFit, 2> FitParts(const Whole& whole, const Split& split, const std::array<NormalSums, 2>* sums);
 
 // Fills `sandwich` of the fits of the listed splits, and returns that of the whole with its priors (no covariance: it

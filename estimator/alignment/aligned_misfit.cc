@@ -12,7 +12,7 @@
 namespace sagitta {
 namespace {
 
-constexpr int kRowsPerPair = 40;  // of a station and marker: enough to tell a wrong unit
+constexpr int kRowsPerPair = 40;  // of a station and marker: enough to reveal a wrong unit
 
 }  // namespace
 

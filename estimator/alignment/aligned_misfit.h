@@ -1,5 +1,5 @@
 // How far the nominal robot misses the measured points at best: base poses and markers fitted to a sample of the
-// rows. What tells a wrong unit, sign or convention from a robot that only needs calibration.
+// rows. What distinguishes a wrong unit, sign or convention from a robot that only needs calibration.
 #pragma once
 
 #include <string>

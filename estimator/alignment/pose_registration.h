@@ -14,7 +14,7 @@ bool SpansAPlane(const Eigen::Matrix3Xd& points);
 // `reference`: dp + dphi x (point - reference). 3N x 6.
 Eigen::MatrixXd RigidColumns(const Eigen::Matrix3Xd& points, const Vector3<double>& reference);
 
-// (dp, dphi) of the motion about `reference` that takes points onto targets; rows of
+// (dp, dphi) of the motion about `reference` that moves points onto targets; rows of
 // 3N sigmas as weights, Kabsch start.
 Vector6 RegisterPose(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& targets, const Eigen::VectorXd& sigmas,
                      const Vector3<double>& reference);

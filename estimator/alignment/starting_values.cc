@@ -119,8 +119,8 @@ double DistanceRms(const std::vector<FramedObservation>& framed, const Parameter
   return std::sqrt(sum / count);
 }
 
-// Rows that the starts are told apart by: as many of each marker at each station, spread over the data. Six unknowns
-// per station and three per marker are known from far fewer to better than the polish needs.
+// Rows by which the starts are distinguished: as many of each marker at each station, spread over the data. Six
+// unknowns per station and three per marker are known from far fewer to better than the polish needs.
 constexpr size_t kRowsOfStarts = 1500;
 
 std::vector<int> RowsOfStarts(const CalibrationProblem& problem, const std::vector<int>& observations) {
@@ -222,7 +222,7 @@ Start StartOfSample(const CalibrationProblem& problem, const std::vector<int>& o
     AverageRotations(framed, &trial);
     candidates.push_back({DistanceRms(framed, trial), std::move(trial)});
   }
-  // Where the data cannot tell the markers, all starts fit alike: then the one
+  // Where the data do not determine the markers, all starts fit alike: then the one
   // without random markers counts.
   candidates[0].rms *= 1.0 - kEqual;
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.rms < b.rms; });

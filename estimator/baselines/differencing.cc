@@ -19,7 +19,7 @@ namespace {
 constexpr int kMaxIterations = 200;
 constexpr double kConvergedDifferenceStep = 1e-7;  // standard deviations
 
-// The points of one visit that take part, and the matrix that takes their differences.
+// The points of one visit that are used, and the matrix that forms their differences.
 struct VisitDifferences {
   std::vector<int> rows;       // of the linearization, three per point
   Eigen::MatrixXd difference;  // D, one row per difference and axis
@@ -173,7 +173,7 @@ StepOutcome FitDifferences(const DifferenceContext& context, const std::vector<i
   return solution->full_rank ? StepOutcome::kNoDescent : StepOutcome::kSingular;
 }
 
-// The elastic rows of the table as the differences tell them.
+// The elastic rows of the table as the differences determine them.
 void StateIntervals(const DifferenceContext& context, const std::vector<int>& elastic, const LinearSolution& solution,
                     Estimate* estimate) {
   const int dof = std::max(1, context.num_differences - static_cast<int>(elastic.size()));

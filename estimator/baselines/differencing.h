@@ -7,7 +7,7 @@
 //
 // Several loads share their unloaded mean, all markers of a visit share its joint deviations: with the rows'
 // roots S and L of the deviations, the differences D p of one visit have the covariance D (S S' + L L') D'.
-// The intervals of step 2 take step 1 as exact, as the papers do.
+// The intervals of step 2 assume step 1 to be exact, as the papers do.
 #pragma once
 
 #include <functional>
@@ -17,7 +17,7 @@
 
 namespace sagitta {
 
-// What the data cannot tell must be held before (RunMethod takes the joint decision).
+// What the data do not determine must be held before (RunMethod adopts the joint decision).
 Estimate EstimateByDifferencing(const CalibrationProblem& problem,
                                 const std::function<void(const std::string&)>& progress = {});
 

@@ -16,7 +16,7 @@
 //   (6 unknowns) is estimated along with base and geometry.
 // Shots with fewer than three markers, or with markers on one line, have no pose
 // and are left out. Rows with unequal sigmas: the registration is weighted.
-// What the data cannot tell must be held before, as in two_step.h.
+// What the data do not determine must be held before, as in two_step.h.
 #pragma once
 
 #include "estimator/estimate/estimate.h"

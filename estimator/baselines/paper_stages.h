@@ -10,7 +10,7 @@
 namespace sagitta {
 
 // What the alternation carries from stage to stage. The literal base I + [r] is no
-// rotation, so it stands beside the parameters.
+// rotation, so it stands next to the parameters.
 struct StageState {
   ParameterSet parameters;
   std::vector<Pose<double>> bases;  // base_in_station as the stages use it

@@ -11,7 +11,7 @@
 //                 Its fixed point is biased, the more the larger the base rotation.
 //   relinearised  the literal stage 1 on data pulled back through the current base,
 //                 R_base^T (p - p_base): r_base tends to zero, the estimate is
-//                 consistent, but the wrong Jacobian stops it beside the optimum.
+//                 consistent, but the wrong Jacobian stops it away from the optimum.
 //   exact         the correct Jacobian of each half: block Gauss-Newton. It reaches
 //                 the joint optimum at the rate c1^2 (canonical_rate.h).
 //
@@ -26,7 +26,7 @@
 //   aligned nominal robot.
 // literal and relinearised want every marker on the flange and all of base and
 // markers estimated; otherwise they return without having run, and say why. What
-// the data cannot tell must be held before (RunMethod takes the joint decision).
+// the data do not determine must be held before (RunMethod adopts the joint decision).
 #pragma once
 
 #include <functional>

@@ -1,5 +1,5 @@
 // Where held parameters rest. Data that cannot determine a direction within its hold limit still fit better at some
-// places along it than at others, and what is estimated takes up the difference: a held value far from where the data
+// places along it than at others, and what is estimated absorbs the difference: a held value far from where the data
 // fit best costs accuracy on other poses. The rest is the optimum with a weak prior on what is held,
 //
 //   min |r(e, h)|^2 + sum_h ((h - h0) s / P)^2,

@@ -59,8 +59,8 @@ std::vector<int> RequestedCoordinates(const ParameterSet& parameters) {
   return requested;
 }
 
-// Decides afresh, from all requested coordinates, which of them the data cannot
-// tell here; true if the set of held ones changed. With `only_add`, what is
+// Decides afresh, from all requested coordinates, which of them the data do not
+// determine here; true if the set of held ones changed. With `only_add`, what is
 // held already stays held (no cycles).
 bool DecideHeld(const CalibrationProblem& problem, const NormalEquations& equations, bool only_add,
                 Estimate* estimate) {
@@ -157,7 +157,7 @@ Eigen::VectorXd BoundedGaussNewton(const CalibrationProblem& problem, const Fitt
   return delta;
 }
 
-// Ceres stops where the cost cannot tell (1e-5 standard deviations away), and
+// Ceres stops where the cost cannot decide (1e-5 standard deviations away), and
 // with joint deviations at the mode instead of the marginal optimum; the
 // gradient still can: a few Gauss-Newton steps bring 1e-7.
 Certificate Polish(const CalibrationProblem& problem, const NormalEquations& equations, double reach, int steps,

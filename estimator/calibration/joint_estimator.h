@@ -1,7 +1,7 @@
 // The main job: everything unknown in one solve.
 //
 //   1. align: base poses and markers of the nominal robot, in closed form
-//   2. hold what the data cannot tell there, solve jointly
+//   2. hold what the data do not determine there, solve jointly
 //   3. decide afresh at the optimum; until nothing changes, solve again
 //   4. judge: covariance, intervals, leverage, hold-out, all from one Linearization
 #pragma once
@@ -31,7 +31,7 @@ void CheckOptions(const JointOptions& options);
 Estimate EstimateJointly(const CalibrationProblem& problem, const JointOptions& options = {});
 
 // Steps 2 to 4 from a start of one's own: base, markers and model values of
-// `start` are taken as they are.
+// `start` are used as they are.
 Estimate EstimateFrom(const CalibrationProblem& problem, const ParameterSet& start, const JointOptions& options = {});
 
 // Step 1 alone: "before" of every table. Returns the RMS distance, m.

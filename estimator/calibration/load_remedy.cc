@@ -69,7 +69,7 @@ Background MakeBackground(const CalibrationProblem& problem, const Estimate& est
   AppendPriors(estimate.parameters, &here);
   const int n = static_cast<int>(estimate.estimated.size());
   const Eigen::VectorXd column = here.jacobian.col(n);
-  // w = C J'J_k and i0 = |J_k - J w|^2: the part of column k that no estimated column can take over.
+  // w = C J'J_k and i0 = |J_k - J w|^2: the part of column k that no estimated column can absorb.
   background.follow = background.covariance * (here.jacobian.leftCols(n).transpose() * column);
   background.information = std::max(0.0, (column - here.jacobian.leftCols(n) * background.follow).squaredNorm());
   return background;

@@ -1,16 +1,16 @@
-// Which experiment would tell what the loads at hand do not: words for
+// Which experiment would determine what the loads at hand do not: words for
 // directions in which a compliance or the compensator is unidentifiable.
 //
-// A held coordinate k is told by further rows with the derivatives b (by k) and
+// A held coordinate k is determined by further rows with the derivatives b (by k) and
 // A (by what is estimated, covariance C so far) to
 //
 //   1 / sigma_k^2 = i0 + b~' (I + A C A' + L L')^-1 b~,   b~ = b - A w
 //
 // in whitened units: w = C J'J_k is how the others follow k in the data at hand,
-// i0 what those tell of k already, L the joints' repeatability at a new visit.
+// i0 what those determine of k already, L the joints' repeatability at a new visit.
 // The rows are those of the data's own markers in the data's own configurations
 // under a sideways pull (or the load at hand, displaced): candidates are added
-// one by one, the most telling first.
+// one by one, the most informative first.
 #pragma once
 
 #include "estimator/estimate/estimate.h"
@@ -18,11 +18,11 @@
 
 namespace sagitta {
 
-// One experiment proposed and what it would tell.
+// One experiment proposed and what it would determine.
 struct LoadPlan {
   std::vector<std::string> configurations;  // ids
   std::vector<AppliedWrench> wrenches;      // one per configuration
-  double sigma = 0.0;                       // of the held coordinate afterwards, SI; infinity: tells nothing
+  double sigma = 0.0;                       // of the held coordinate afterwards, SI; infinity: determines nothing
 };
 
 // Sideways pulls of `force` (N) at the load point in `count` of the data's own
@@ -30,7 +30,7 @@ struct LoadPlan {
 LoadPlan PlanPulls(const CalibrationProblem& problem, const Estimate& estimate, int held, double force, int count = 3);
 
 // Fills Direction::remedy of the unidentifiable directions that a load (or a
-// measurement of the spring) would tell. The estimate must have been judged.
+// measurement of the spring) would determine. The estimate must have been judged.
 void AddLoadRemedies(const CalibrationProblem& problem, Estimate* estimate);
 
 // "load 'V250' at configuration 'C3' (loads.csv:12)": the first shot whose

@@ -70,7 +70,7 @@ void ApplyWeights(const std::vector<int>& observations, double scale, Loop* loop
   }
 }
 
-// The problem without weights; what they tell to be an outlier is left out.
+// The problem without weights; what they reveal as an outlier is left out.
 CalibrationProblem Cleaned(const Loop& loop, const NoiseRoots& roots) {
   CalibrationProblem cleaned = loop.problem;
   cleaned.resolved_noise = roots;

@@ -17,7 +17,7 @@ namespace {
 constexpr double kSuspiciousUnit = 0.05;  // of the reach
 constexpr double kMisfit = 0.01;          // of the reach
 // A correction of a link's length by more than both is no tolerance of a robot: those are tenths of a millimetre, and a
-// few millimetres where a length was taken from a drawing.
+// few millimetres where a length was read from a drawing.
 constexpr double kOfALink = 0.1, kLargeCorrection = 5e-3;  // m
 constexpr double kUnitImprovement = 10.0;
 

@@ -23,7 +23,7 @@ struct UnitFinding {
 // Nothing when the aligned nominal robot is within 5 % of its reach, or when no
 // other reading is at least ten times better. Points of other columns than
 // x_mm, y_mm, z_mm say which: `point_prefix`, as in sim_x_mm, which knows no
-// other unit; joints are then taken as right.
+// other unit; joints are then assumed to be right.
 std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem, const std::string& point_prefix = "");
 
 // Throws InputError where GuessWrongUnit finds one.

@@ -41,7 +41,7 @@ struct Changes {
   std::vector<Change> alternatives;  // others with a probability of 0.05 or more; values are not given
   double nothing = 1.0;              // probability that nothing changed
   double before_rms = 0.0;           // m, over points: how far the estimates are apart
-  double after_rms = 0.0;            // m, with the changes taken out
+  double after_rms = 0.0;            // m, with the changes removed
   std::vector<std::string> notes;    // what is not compared, and why
   std::string words;
 };

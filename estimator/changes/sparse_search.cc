@@ -117,7 +117,7 @@ SparsePosterior Search::Run() {
     std::sort(open.begin(), open.end());
     if (open.size() > kBeam) open.resize(kBeam);
     beam.clear();
-    // A set is worth a look while it is among the best; below, only what lies beside them counts.
+    // A set is worth a look while it is among the best; below, only what lies next to them counts.
     for (const auto& [log, set] : open) {
       if (expanded.size() < 4 * kBeam || -log > best - 2.0) beam.push_back(set);
     }

@@ -74,7 +74,7 @@ class Compensator {
 };
 
 // Joint values of the nominal robot for a target: as stated, or by inverse kinematics from the joint values stated
-// beside the pose, from the row before, and from many starts.
+// next to the pose, from the row before, and from many starts.
 FlangeSolution Compensator::Nominal(const Target& target, const Eigen::VectorXd& previous) const {
   FlangeSolution solution;
   if (target.q && !target.flange_in_base) {

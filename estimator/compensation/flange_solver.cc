@@ -16,7 +16,7 @@ constexpr int kMostIterations = 200;
 constexpr double kStandsStill = 1e-13;  // of a step in rad or m: rounding of joint values of a few rad
 constexpr double kQuadratic = 1e-7;     // rad or m: after a step this long Newton's next one is rounding
 constexpr double kLongestStep = 0.2;    // rad or m: a Newton step beyond that leaves the branch it is on
-// Of an angle below six joints. What an orientation that is 0.1 rad out of reach takes from the position is its square
+// Of an angle below six joints. What an orientation that is 0.1 rad out of reach costs the position is its square
 // times that, 1e-11 of the reach.
 constexpr double kAngleWeight = 1e-5;
 // Steps towards a pose that cannot be reached gain ever less; far from the target (in units of the reach, or rad) they
@@ -273,8 +273,8 @@ FlangeSolution SolveFlange(const Chain& chain, const FlangeFunction& arm, const 
   solution.left_rotation = left.tail<3>().norm();
   solution.least_singular = LeastSingularValue(chain, solution.state);
   if (solution.status == TargetStatus::kOk) solution.status = JudgeSolution(chain, solution);
-  // Steps that do not settle beside a singularity are what a singularity does; far from the target the arm is stretched
-  // out, which is singular too, and the target is out of reach.
+  // Steps that do not settle next to a singularity are what a singularity does; far from the target the arm is
+  // stretched out, which is singular too, and the target is out of reach.
   constexpr double kOutOfReach = 0.01;  // of the characteristic length; what compensation corrects is below 5 mm in 3 m
   if (solution.status == TargetStatus::kNotConverged && solution.least_singular < kNearSingular) {
     solution.status = solution.left_position > kOutOfReach * CharacteristicLength(chain) ? TargetStatus::kUnreachable

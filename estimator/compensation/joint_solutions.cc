@@ -13,7 +13,7 @@ namespace {
 // reaches a solution; of at most eight (sixteen) branches each then is missed once in 10^4 (10^2) after 240.
 constexpr int kSolutionStarts = 240;
 constexpr double kSameSolution = 1e-5;  // rad or m, between two solutions
-constexpr double kOnEdge = 1e-6;        // rad: the sign of an angle this small is not told
+constexpr double kOnEdge = 1e-6;        // rad: the sign of an angle this small is not determined
 constexpr double kMeet = 1e-3;          // m, within which wrist axes count as meeting
 
 // What is known of the arm's shape: wrist centre and where it lies, of six revolute joints with a spherical wrist.
@@ -198,7 +198,7 @@ BranchFound FindBranch(const Chain& nominal, const Pose<double>& flange_in_base,
       if (is_new) found.push_back(q);
     }
     if (shape.is_known() && found.size() == 1 && k > kSolutionStarts / 4)
-      break;  // all three signs are told: it is the one
+      break;  // all three signs are determined: it is the one
   }
   if (found.size() == 1) return {found[0], ""};
   if (found.size() > 1 && branches.size() > 1) {

@@ -14,9 +14,9 @@ namespace {
 // Poses fall at random into groups, which are drawn with replacement: each is summed once for all resamples.
 constexpr int kGroups = 20;
 constexpr unsigned kSeed = 1;
-// What may take the place of a member, or be one more, is asked on the resamples where it is among the first of all:
-// so many names in each place, so many explanations beside the set. With forty in each place the same kinds of effect
-// have 0.9 and more on the UR10's series D.
+// What may replace a member, or be one more, is asked on the resamples where it is among the first of all:
+// so many names in each place, so many explanations in addition to the set. With forty in each place the same kinds of
+// effect have 0.9 and more on the UR10's series D.
 constexpr size_t kInPlace = 6;
 constexpr size_t kBeside = 20;
 // Of all that is asked: the sums of the groups are 360 MB then. The UR5 and the UR10 stay below it.

@@ -1,6 +1,6 @@
 // What is weighed, averaged over resamples of the poses.
 //
-// A probability assumes that the cause is in the list and that the noise is as said. Beside a rest without a name that
+// A probability assumes that the cause is in the list and that the noise is as said. Given a rest without a name that
 // is known to be wrong: of several sums of effects that describe the rest about as well, one is far ahead on these
 // poses and another one would be on others. Posteriors that are averaged over bootstrap samples (bagged) say how much
 // of that is chance, and say the same on other data (Huggins and Miller, Bayesian Analysis 18 (2023) 79; Reproducible
@@ -15,7 +15,7 @@ namespace sagitta {
 
 // The evidence's models, averaged with the most probable set of each of kResamples resamples in the leading model's
 // view; all poses as they are count as one of them. The search begins with nothing on each, among what may have a place
-// in the leading set or beside it on all poses. in_places: InPlaces of the leading model. Where its set holds
+// in the leading set or next to it on all poses. in_places: InPlaces of the leading model. Where its set holds
 // nothing, or poses are fewer than the groups that are drawn (20), these are the evidence's models as they are.
 std::vector<WeightedModel> BaggedModels(const Evidence& evidence, const WeightedModel& leading,
                                         const std::vector<std::vector<NamedProbability>>& in_places);

@@ -167,7 +167,7 @@ bool SlidesInstead(const CalibrationProblem& problem, const EffectDefinition& de
 }
 
 // "" or what the data or the model lack. Sag with unknown compliance (kNoCompliances) stands for link weights where no
-// load tells; where loads do it is no candidate.
+// load determines them; where loads do it is no candidate.
 std::string UnmetNeed(EffectNeeds needs, const Knowledge& known) {
   if (needs == EffectNeeds::kLoads && !known.loads) return "loaded rows";
   if (needs == EffectNeeds::kCompliances && !known.compliances) return "joint compliances above 0 (loaded rows)";

@@ -13,10 +13,10 @@ namespace sagitta {
 struct Candidate {
   EffectSpec spec;                                  // values empty: neutral
   std::vector<std::string> poorly_determined = {};  // parameters
-  // Those, and what the data tell poorly: refitted with a prior.
+  // Those, and what the data determine poorly: refitted with a prior.
   std::vector<std::string> loose = {};
   double prior_scale = 3.0;  // typical sizes, of that prior
-  bool keeps_shape = false;  // of a spring: the data hardly tell its shape, it stays near the start's
+  bool keeps_shape = false;  // of a spring: the data hardly determine its shape, it stays near the start's
 };
 
 // An effect that these data cannot show, and what is missing.

@@ -17,7 +17,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kStill = 5.0 * kDegree;  // rad: a joint that moves less is taken as standing
+constexpr double kStill = 5.0 * kDegree;  // rad: a joint that moves less is assumed to stand
 constexpr double kStillLength = 0.05;     // m, prismatic
 constexpr int kFewConfigurations = 15;
 constexpr double kFarAboveFloor = 1.5;
@@ -65,7 +65,7 @@ void AppendNoise(const CalibrationProblem& problem, std::vector<std::string>* ca
   cautions->push_back(NoNoiseIsStated(RowsShareVisits(problem)));
 }
 
-// The search compares chi-squares of one least-squares model: other ways to weigh the rows are not taken.
+// The search compares chi-squares of one least-squares model: other ways to weigh the rows are not used.
 void AppendUnused(const Experiment& experiment, std::vector<std::string>* cautions) {
   std::vector<std::string> keys;
   if (experiment.method.loss != LossKind::kNone) keys.push_back("loss: " + WordOf(experiment.method.loss));

@@ -12,7 +12,7 @@ namespace sagitta {
 // Rows that are stated in another way than the robot reads them; no effect is the answer to that.
 std::vector<std::string> CautionsOfReadings(const CalibrationProblem& problem);
 
-// Of the problem as it was stated, and of the believed model beside the noise and without the outliers that were found.
+// Of the problem as it was stated, and of the believed model with the noise and without the outliers that were found.
 std::vector<std::string> FindCautions(const CalibrationProblem& stated, const DiagnosedModel& believed);
 
 // Where the hold-out is far above its noise floor although nothing is left to explain it, or below it.

@@ -23,14 +23,14 @@
 namespace sagitta {
 namespace {
 
-constexpr double kShareOfLackOfFit = 0.15;  // of the significance: lack of fit is asked beside the posterior
+constexpr double kShareOfLackOfFit = 0.15;  // of the significance: lack of fit is asked in addition to the posterior
 constexpr double kMostOfTheSets = 0.99;     // of the probability: FORMATS section 6
 constexpr unsigned long long kSeedOfPoses = 1;
 constexpr double kIntervalMisses = 0.05;  // of the intervals of 95 %: one that holds no effect at all names none
 constexpr int kMostScatterRounds = 6;
 constexpr int kMostPredicted = 5;         // candidates, each refitted by itself
 constexpr double kSettledScatter = 0.05;  // of sigma: what a hundred degrees of freedom leave open is more
-constexpr int kMostRounds = 2;            // outliers beside the believed model, then beside the extended one
+constexpr int kMostRounds = 2;            // outliers given the believed model, then given the extended one
 
 // Where nothing states sigma the scatter about the baseline scales the rows; its level has no say (Student).
 CalibrationProblem WithWorkingSigma(const DiagnosedModel& baseline, bool is_stated) {
@@ -190,7 +190,7 @@ class Session {
   }
 
   // Where nothing states sigma it is the scatter about what is named, no longer that about the baseline; priors of what
-  // is told poorly weigh less then, so it takes a few rounds.
+  // is determined poorly weigh less then, so it needs a few rounds.
   void FollowScatter() {
     for (int round = 0; round < kMostScatterRounds && !selected_.empty(); ++round) {
       const Estimate& left = d_.final.estimate;
@@ -211,7 +211,7 @@ class Session {
   bool IsNamed() const { return posterior_.Something() > NamingGate() && !posterior_.sets.empty(); }
 
   // The full estimator has the last word: an effect with which it finds no optimum is not named, nor one whose values
-  // it takes for chance (all held: certainly), nor one that makes untouched rows worse beyond chance, nor, beside a
+  // it finds to be chance (all held: certainly), nor one that makes untouched rows worse beyond chance, nor, given a
   // rest without a name, one that does not make them better beyond chance: the likelihood is known to be wrong then.
   void JudgeFinal() {
     Say("fitting the extended model");
@@ -257,7 +257,7 @@ class Session {
     d_.unconfirmed.emplace_back(effect.candidate.spec, posterior_.Of(evidence_->list().name[effect.explanation]));
   }
 
-  // The effect whose values the full estimator takes for chance most; -1: none.
+  // The effect whose values the full estimator finds to be chance most; -1: none.
   int LeastSupported() const {
     int least = -1;
     double largest = kIntervalMisses;
@@ -358,7 +358,7 @@ class Session {
     return models;
   }
 
-  // Of the first candidates that have a share of the probability: each alone beside the believed model.
+  // Of the first candidates that have a share of the probability: each alone with the believed model.
   void PredictHoldout(std::vector<ScreenedCandidate>* candidates) const {
     if (d_.baseline.problem->ValidationObservations().empty()) return;
     int count = 0;
@@ -450,7 +450,7 @@ class Session {
   Posterior posterior_;
   bool named_ = false;
   WeightedModel leading_;
-  DiagnosedModel lacking_;  // the believed model beside the noise that goes with the leading set
+  DiagnosedModel lacking_;  // the believed model with the noise that goes with the leading set
   std::vector<SelectedEffect> selected_;
   std::vector<DiagnosedModel> prefixes_;  // the lacking model with none, one, two, … of them
 };

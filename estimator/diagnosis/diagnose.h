@@ -21,7 +21,7 @@
 
 namespace sagitta {
 
-// A candidate alone beside the believed model.
+// A candidate alone with the believed model.
 struct ScreenedCandidate {
   EffectSpec spec;
   int explanation = 0;     // the best of its name
@@ -105,7 +105,7 @@ struct Diagnosis {
   std::vector<ScreenedCandidate> candidates;  // of the baseline, best first
   std::vector<NotTestable> not_testable;
   std::vector<FoundEffect> effects;
-  // Of the most probable set, not named: beside a rest without a name untouched rows do not confirm them.
+  // Of the most probable set, not named: given a rest without a name untouched rows do not confirm them.
   std::vector<std::pair<EffectSpec, double>> unconfirmed;  // probability
   std::vector<EffectGroup> groups;
   double baseline_p = kNotKnown, final_p = kNotKnown;  // lack of fit
@@ -120,7 +120,7 @@ struct Diagnosis {
 // Effects with their probability while the work goes on: refitted, not yet judged by the full estimator.
 using FoundSoFar = std::vector<std::pair<EffectSpec, double>>;
 
-// How Diagnose searches, and whom it tells of its progress.
+// How Diagnose searches, and to whom it reports its progress.
 struct DiagnosisOptions {
   double significance = 0.01;
   PriorMasses prior;

@@ -25,7 +25,7 @@ DiagnosedModel RefitFully(const CalibrationProblem& problem, const Estimate& sta
   return JudgeFully(std::make_shared<CalibrationProblem>(problem), start.parameters, start.aligned, options);
 }
 
-// The step that is left is taken without looking again: at a hundredth of a standard deviation its own chi-square, by
+// The step that is left is made without looking again: at a hundredth of a standard deviation its own chi-square, by
 // the quadratic model, is good to 1e-4 even where effects bend.
 QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& start) {
   RefitOptions options;

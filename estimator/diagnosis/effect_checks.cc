@@ -14,8 +14,8 @@ namespace sagitta {
 namespace {
 
 constexpr double kRank = 1e-6;  // of the largest eigenvalue: directions below are rounding
-// Of the prior variance, what is left of a parameter that the data hardly tell. A direction that they do not tell at
-// all may lie along all four parameters of an effect: each keeps a quarter.
+// Of the prior variance, what is left of a parameter that the data hardly determine. A direction that they do not
+// determine at all may lie along all four parameters of an effect: each keeps a quarter.
 constexpr double kPoorlyDetermined = 0.2;
 // Of the same: above, the prior stays in the refit. Below, a tenth of its width, it would move a value of three typical
 // sizes by less than a third of its standard deviation, and is left out.
@@ -108,7 +108,7 @@ std::vector<NamedProbability> ByName(const Evidence& evidence, const std::vector
   return list;
 }
 
-// Eigenvectors and values of what a group can tell.
+// Eigenvectors and values of what a group can determine.
 struct Told {
   Eigen::MatrixXd vectors;
   Eigen::VectorXd values;

@@ -1,4 +1,4 @@
-// What is asked of an effect of the most probable set, from the same normal equations: what else would take its place,
+// What is asked of an effect of the most probable set, from the same normal equations: what else would replace it,
 // and is it named and estimated alike on two disjoint halves of the data?
 #pragma once
 
@@ -20,15 +20,15 @@ struct Alternative {
 // The other explanations of a member's name, best first in its place.
 std::vector<int> OthersOfItsName(const Evidence& evidence, const WeightedModel& model, int member);
 
-// Chi-square reduction of a member, given the others; and parameters that the data cannot tell: of the prior variance
-// a fifth or more is left.
+// Chi-square reduction of a member, given the others; and parameters that the data do not determine: of the prior
+// variance a fifth or more is left.
 struct MemberFit {
   double reduction = 0.0;
   int parameters = 0;
   std::vector<std::string> poorly_determined;  // coordinates
   std::vector<std::string> loose;              // names of those that need their prior
 };
-// Square of the residual at the set's values beside the widest prior, as refits have it (refit.h), of a spring beside
+// Square of the residual at the set's values with the widest prior, as refits have it (refit.h), of a spring with
 // its own; the prior's own term left out.
 double ResidualAtBest(const Evidence& evidence, const WeightedModel& model);
 // given: its normal equations given the others.

@@ -22,7 +22,7 @@ constexpr int kSettledBits = 5;    // 2^-5
 // Rows beyond what is estimated that settle it: of n degrees of freedom a standard deviation is good to 1 / sqrt(2 n),
 // 2 % here.
 constexpr int kRowsThatSettle = 1000;
-// A view that is so much less likely beside the best set is not searched: e^-4 = 2 %.
+// A view that is so much less likely with the best set is not searched: e^-4 = 2 %.
 constexpr double kWorthSearching = -4.0;
 constexpr int kMostViews = 4;
 // Where so many moves do not end a climb with the stated noise, thirty causes at once are less likely than other noise,
@@ -174,14 +174,14 @@ Evidence::Trial Evidence::BestView(NoiseView::Kind kind, double log_prior, const
     near = at;
     near_weight = here;
   }
-  // Beside the nearest of them: the precision is relative.
+  // Counted from the nearest of them: the precision is relative.
   const auto [beside, lost] = boost::math::tools::brent_find_minima([&](double at) { return -among_some(near + at); },
                                                                     std::max(low - near, -spacing),
                                                                     std::min(high - near, spacing), kSettledBits);
   const double best = near + beside, best_weight = every == 1 ? -lost : weight(best);
   const double gain = best_weight - log_prior - LogWeightAsStated(set);
   if (gain < kLeastGain) return {};
-  // The prior is even over log sigma: of its range the likelihood takes what its curvature leaves.
+  // The prior is even over log sigma: of its range the likelihood keeps what its curvature leaves.
   const double apart = 4.0 * kSettled;
   const double curvature = (2.0 * best_weight - weight(best - apart) - weight(best + apart)) / (apart * apart);
   const double width = std::sqrt(2.0 * kPi / std::max(curvature, 1e-3));

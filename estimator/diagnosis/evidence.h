@@ -1,4 +1,4 @@
-// The posterior over everything that could explain the gap: sets of explanations beside each view of the noise.
+// The posterior over everything that could explain the gap: sets of explanations given each view of the noise.
 //
 // The noise is one more thing that may be other than stated. Its factor is part of the likelihood (evidence_score.h);
 // that joints deviate at every visit by more or less than stated, or that some deviation follows the pose in a way of
@@ -85,7 +85,7 @@ class Evidence {
   ResidualLikelihood Likelihood(double dof) const { return {dof, sigma_dof_, kNoiseIsWrong}; }
   const SetPrior& prior() const { return prior_; }
   const PriorMasses& masses() const { return masses_; }
-  // Of all explanations beside a view.
+  // Of all explanations given a view.
   SetSearch SearchIn(int view) const {
     return SetSearch(views_[view].beside.normal, list_.math, prior_, LikelihoodOf(view));
   }
@@ -104,12 +104,12 @@ class Evidence {
   };
   JointScatter ScatterOf(const NoiseView& view) const;
   ViewedNormal Viewed(const NoiseView& view) const;
-  // Of the set beside a view; `sums` are of its few columns alone.
+  // Of the set given a view; `sums` are of its few columns alone.
   double LogWeight(const NoiseView& view, const WeightedSet& set, const FewExplanations& few,
                    const RowSums& sums) const;
   double LogWeightAsStated(const WeightedSet& set) const;
   Trial BestView(NoiseView::Kind kind, double log_prior, const WeightedSet& set) const;
-  // The view that is most likely beside one of two sets, the best one and nothing; nothing where none is worth a
+  // The view that is most likely with one of two sets, the best one and nothing; nothing where none is worth a
   // search.
   std::optional<Trial> NextView();
   // What the best set of another evidence is called here.
@@ -134,7 +134,7 @@ class Evidence {
   JointScatter stated_;
   std::deque<ViewedNormal> views_;  // stay where they are
   std::vector<WeightedModel> models_;
-  // Best views beside sets, by kind, members and scales: the set of nothing is asked every time.
+  // Best views with sets, by kind, members and scales: the set of nothing is asked every time.
   std::map<std::tuple<NoiseView::Kind, std::vector<int>, std::vector<double>>, Trial> tried_;
 };
 

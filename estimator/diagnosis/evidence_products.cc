@@ -3,7 +3,7 @@
 //
 //   A_f'C^-1 A_h = f'S h,  S(i, j) = s_i'C^-1 t_j of shots i and j,    A_f'C^-1 X = sum over shots of f(i) s_i'C^-1 X
 //
-// which takes one row per shot in place of three per reading. S is zero between shots of different poses.
+// which needs one row per shot in place of three per reading. S is zero between shots of different poses.
 #include <glog/logging.h>
 
 #include <Eigen/Cholesky>

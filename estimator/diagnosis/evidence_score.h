@@ -8,7 +8,7 @@
 //   log B(s) = log f(R - quad) - log f(R) - 1/2 log det
 //
 // f is the density of a residual of that square: exp(-R/2) where sigma is known, Student's where it is open. The
-// columns are in units of their typical size; s is not known and takes the values of kScales with equal probability,
+// columns are in units of their typical size; s is not known and has the values of kScales with equal probability,
 // which contains the Occam factor: there is no other penalty. (MacKay 1992, "Bayesian interpolation"; Kass and Raftery
 // 1995.)
 #pragma once
@@ -51,7 +51,7 @@ Eigen::VectorXd MostQuads(const Eigen::MatrixXd& least_information, const Eigen:
 double LogSumExp(const std::vector<double>& logs);
 
 // A wrong unit's decades: mm for 10 um, or a sigma of the last digit. Where the true factor lay beyond, what no factor
-// takes would be given to explanations with certainty.
+// absorbs would be given to explanations with certainty.
 constexpr double kWidestFactor = 100.0;
 
 // f: what is known of sigma. `sigma_dof`: degrees of freedom that state it (infinity: known; 0: nothing states it).

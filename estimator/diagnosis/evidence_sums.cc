@@ -1,5 +1,5 @@
 // What the rows of EvidenceColumns sum to: covariances of the rows, products of their columns, and what is left of them
-// beside what is believed.
+// given what is believed.
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>

@@ -136,7 +136,7 @@ class ListBuilder {
 
   // A compensator is built where weight is carried and against it. Of the prior a joint has the share of the squared
   // torque that a weight at the flange puts on it (mean over the shots, of all joints'), and of that a shape the share
-  // that it can take away, cos^2 of the angle between the two torques, nothing where it pulls along.
+  // that it can remove, cos^2 of the angle between the two torques, nothing where it pulls along.
   // kElsewhere of the prior is equal over joints and shapes: springs that balance something else.
   Eigen::VectorXd SpringWeights(int joint, const Eigen::MatrixXd& torques) {
     if (of_weight_.size() == 0) of_weight_ = OnFitted(TorquesPerWeight(problem_, parameters_));

@@ -39,7 +39,7 @@ struct EffectView {
   std::string driver, driver_unit;  // horizontal: a joint's angle, time, temperature, configuration number
   std::string quantity, unit;       // vertical
   std::vector<double> x;            // one per visit
-  std::vector<double> measured;     // what the model leaves where the effect is taken out of it
+  std::vector<double> measured;     // what the model leaves where the effect is removed from it
   std::vector<double> simulated;    // what the effect says
 };
 // Of effects that a model has.

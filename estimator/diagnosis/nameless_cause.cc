@@ -92,7 +92,7 @@ std::optional<NamelessCauses::AsOne> NamelessCauses::ReadAsOne(const std::vector
 }
 
 // log L = log mean_s L(pieces at s, functions at s w; the others at their best)
-//         + sum over the others of what averaging over their scales takes,
+//         + sum over the others of what averaging over their scales costs,
 //   w^2 = mean over the pieces of tr G_k / tr G_f:  at one s each moves the rows by as much. No part is larger than
 // causes are.
 WeightedSet NamelessCauses::WithOneSize(const WeightedSet& set, const Cause& cause,

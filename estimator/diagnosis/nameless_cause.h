@@ -1,10 +1,11 @@
 // One cause without a name, or several causes of which some have one.
 //
-// A set that holds a function without a name beside effects of the catalogue on the same part, or with the same driver,
-// can be read in two ways: as so many causes, or as one cause without a name of which these effects are pieces. A hose,
-// for instance, pulls at a wrist joint in a way of its own, and in part like a wrong encoder gain there. Both readings
-// predict the same rows; the priors of causes and of sizes decide between them. Causes have sizes of their own. Parts
-// of one cause move the rows by as much: an effect beside a function that the rows do not show is no piece of it.
+// A set that holds a function without a name together with effects of the catalogue on the same part, or with the same
+// driver, can be read in two ways: as so many causes, or as one cause without a name of which these effects are pieces.
+// A hose, for instance, pulls at a wrist joint in a way of its own, and in part like a wrong encoder gain there. Both
+// readings predict the same rows; the priors of causes and of sizes decide between them. Causes have sizes of their
+// own. Parts of one cause move the rows by as much: an effect with a function that the rows do not show is no piece of
+// it.
 #pragma once
 
 #include <map>

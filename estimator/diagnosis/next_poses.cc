@@ -193,7 +193,7 @@ void Predict(const Coefficients& coefficients, const Eigen::MatrixXd& sums, cons
   const Eigen::MatrixXd half = coefficients.Of(sums);
   Eigen::MatrixXd precision = coefficients.Of(half.leftCols(turned.rows()).transpose());
   precision.diagonal().tail(coefficients.size).array() += 1.0;
-  // What hardly anything tells must not decide: a flat prior is one of a thousand times what the data say.
+  // What hardly anything determines must not decide: a flat prior is one of a thousand times what the data say.
   precision.diagonal() *= 1.0 + 1e-9;
   const Eigen::LDLT<Eigen::MatrixXd> factor(precision);
   rows->spread = coefficients.Of(turned);

@@ -19,10 +19,10 @@ namespace {
 constexpr double kMedianOfOne = 0.4549, kMedianOfTwo = 1.3863;  // of chi-square with 1 and 2 degrees of freedom
 constexpr double kOfTheWorst = 0.05;
 constexpr double kAlone = 4.0;           // times the other markers of the shot
-constexpr double kSingleMarker = 3.0;    // times the limit, where no other marker tells
+constexpr double kSingleMarker = 3.0;    // times the limit, where no other marker decides
 constexpr double kHeldOutScatter = 1.5;  // the parameters' own uncertainty adds to the noise
 constexpr double kMostOutliers = 0.06;
-constexpr int kFewestDof = 20;      // that tell a scale: to a sixth
+constexpr int kFewestDof = 20;      // that determine a scale: to a sixth
 constexpr size_t kSharedRows = 10;  // beyond one per visit
 
 struct ShotResidual {

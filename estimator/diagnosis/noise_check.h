@@ -41,9 +41,9 @@ CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double fa
 // The problem with one common repeatability on every revolute joint, rad, instead of what it states of them.
 CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double sigma);
 
-// One repeatability of all revolute joints (rad, 95 % interval by the profile) by REML (variance_components.h), beside
-// the sigmas at hand or, where sigma_is_open, the instrument's beside it. The gain is that of 2 ln of the restricted
-// likelihood over none.
+// One repeatability of all revolute joints (rad, 95 % interval by the profile) by REML (variance_components.h), given
+// the sigmas at hand or, where sigma_is_open, together with the instrument's. The gain is that of 2 ln of the
+// restricted likelihood over none.
 struct RepeatabilityFit {
   double sigma = 0.0;
   double low = 0.0, high = 0.0;
@@ -55,7 +55,7 @@ RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const Param
                                   bool sigma_is_open);
 
 // Whether rows share arrivals (markers of one shot, repeats, loads): what deviating joints do to all of them alike can
-// be told from what the instrument does to each.
+// be separated from what the instrument does to each.
 bool RowsShareVisits(const CalibrationProblem& problem);
 
 }  // namespace sagitta

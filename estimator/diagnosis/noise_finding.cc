@@ -24,14 +24,14 @@ double MeanStated(const CalibrationProblem& stated) {
   return count > 0 ? sum / count : 0.0;
 }
 
-// The likelihood takes sigma for open where nothing states it or the stated one is probably wrong: then it scales the
-// whole covariance, the joints' deviations too.
+// The likelihood assumes sigma to be open where nothing states it or the stated one is probably wrong: then it scales
+// the whole covariance, the joints' deviations too.
 double AppliedFactor(const Evidence& evidence, const WeightedModel& model) {
   const bool is_open = !evidence.IsSigmaStated() || evidence.SigmaIsWrong(model) > kEvenOdds;
   return is_open ? evidence.LikelihoodOf(model.view).Factor(evidence.ResidualOf(model)) : 1.0;
 }
 
-// Another than stated, beside sigma as it is found: where sigma is wrong and the joints are not, what is stated may be
+// Another than stated, given sigma as it is found: where sigma is wrong and the joints are not, what is stated may be
 // found again.
 void FindRepeatability(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& stated,
                        const DiagnosedModel& final, NoiseFinding* noise) {

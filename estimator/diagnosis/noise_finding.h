@@ -14,7 +14,7 @@ struct NoiseFinding {
   bool is_stated = true;
   bool asks_repeatability = false;  // to be estimated: what is found is no finding
   double probability = 0.0;         // that the noise is other than stated, whatever else is missing
-  // Of the instrument's sigma over the stated one, or over the scatter that is taken where none is stated.
+  // Of the instrument's sigma over the stated one, or over the scatter that is assumed where none is stated.
   double scale = 1.0, low = kNotKnown, high = kNotKnown;
   bool scale_differs = false;
   bool is_bound = false;                     // a rest without a name is part of the scatter: an upper bound
@@ -32,7 +32,7 @@ struct NoiseFinding {
 // wrong or none is stated.
 CalibrationProblem WithNoiseOf(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& problem);
 
-// `final`: the extended model beside that noise. `stated`: the problem as it was stated.
+// `final`: the extended model with that noise. `stated`: the problem as it was stated.
 NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& stated,
                        const DiagnosedModel& final);
 

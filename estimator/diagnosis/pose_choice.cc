@@ -49,7 +49,7 @@ std::vector<long> PoseChoice::RowsOf(const std::vector<size_t>& poses) const {
   return rows;
 }
 
-// With V of the rows taken (1) and those of one pose (2), V_11 = L L', B = L^-1 V_12, y = L^-1 d_1:
+// With V of the rows chosen (1) and those of one pose (2), V_11 = L L', B = L^-1 V_12, y = L^-1 d_1:
 // D = y'y + e' (V_22 - B'B)^-1 e,  e = d_2 - B'y.
 std::vector<Eigen::MatrixXd> PoseChoice::ApartWith(const std::vector<size_t>& poses) const {
   const long n = static_cast<long>(rivals_.size());

@@ -1,13 +1,13 @@
-// Which of many poses tells rival explanations apart.
+// Which of many poses distinguishes rival explanations.
 //
 // Rival i predicts the whitened rows of any poses as N(m_i, I + Y_i' Y_i), Y_i = N_i^-1/2 R_i' of the rows R_i in its
-// coefficients and their precision N_i by what is known so far. Readings tell i from j by
+// coefficients and their precision N_i by what is known so far. Readings distinguish i from j by
 //
 //   D_ij = d' (I + (Y_i' Y_i + Y_j' Y_j) / 2)^-1 d,   d = m_i - m_j
 //
 // over the rows of all poses together: a second reading of what the coefficients can follow says little. That is twice
-// the expected log Bayes factor for small differences. Poses are taken one after the other, each the one that makes the
-// mutual information between what the rivals are called and the readings largest (statistics/mutual_information.h),
+// the expected log Bayes factor for small differences. Poses are chosen one after the other, each the one that makes
+// the mutual information between what the rivals are called and the readings largest (statistics/mutual_information.h),
 // which is what `plan --discriminate` goes by too.
 #pragma once
 
@@ -19,7 +19,7 @@ namespace sagitta {
 // What a rival predicts at all poses, their rows one after the other.
 struct RivalRows {
   double probability = 0.0;
-  int name = 0;            // rivals of one name (shapes of one compensator) need not be told apart
+  int name = 0;            // rivals of one name (shapes of one compensator) need not be distinguished
   Eigen::VectorXd means;   // m, of each row
   Eigen::MatrixXd spread;  // Y, coefficients x rows
 };
@@ -29,15 +29,15 @@ class PoseChoice {
   // first_row: of each pose, and how many there are in all.
   PoseChoice(std::vector<RivalRows> rivals, std::vector<long> first_row);
 
-  // Takes the best pose that is left; its number. What is worth little at first stays so: after the first choice only
+  // Chooses the best pose that is left; its number. What is worth little at first stays so: after the first choice only
   // the best are asked again.
   size_t Take();
 
-  // The right name's probability after the poses that are taken, expected; with `visits` readings of each as if each
+  // The right name's probability after the poses that are chosen, expected; with `visits` readings of each as if each
   // were read once but with a variance of 1 / visits.
   double Decides(double visits = 1.0) const;
-  // Visits to poses like those taken, in turn, after which the right name is expected to have this probability; 0: more
-  // than `most`.
+  // Visits to poses like those chosen, in turn, after which the right name is expected to have this probability; 0:
+  // more than `most`.
   int Needed(double wanted, int most) const;
 
  private:
@@ -47,7 +47,7 @@ class PoseChoice {
   Block RowsOf(size_t pose) const { return {first_row_[pose], first_row_[pose + 1] - first_row_[pose]}; }
   Eigen::MatrixXd OwnOf(const Eigen::MatrixXd& spread) const;
   std::vector<long> RowsOf(const std::vector<size_t>& poses) const;  // one pose after the other
-  // D of the poses that are taken with each of these beside them.
+  // D of the poses that are chosen together with each of these.
   std::vector<Eigen::MatrixXd> ApartWith(const std::vector<size_t>& poses) const;
   Eigen::MatrixXd ApartAfter(double visits) const;
 

@@ -18,7 +18,7 @@ bool TellsAll(const QuickRefit& refit) {
   return true;
 }
 
-// The problem with these effects; what the data tell poorly of them (Candidate::loose) has its widest prior.
+// The problem with these effects; what the data determine poorly of them (Candidate::loose) has its widest prior.
 CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vector<Candidate>& added) {
   CalibrationProblem believed = *model.problem;
   believed.parameters.CopyByName(model.estimate.parameters);

@@ -57,8 +57,8 @@ DiagnosedModel LackingBeside(const Evidence& evidence, const WeightedModel& mode
   return IsUsable(refit.estimate.status) ? refit : baseline;
 }
 
-// A spring's shape is a narrow valley, or one without an end where the data hardly tell it: near the start's shape, and
-// near others, the refit may find its floor.
+// A spring's shape is a narrow valley, or one without an end where the data hardly determine it: near the start's
+// shape, and near others, the refit may find its floor.
 void TryOtherSprings(const Evidence& evidence, const JointOptions& joint, RefittedSet* refitted) {
   for (SelectedEffect& effect : refitted->effects) {
     if (!IsGravityCompensator(effect.candidate.spec)) continue;

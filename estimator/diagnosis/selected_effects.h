@@ -30,7 +30,7 @@ std::vector<Candidate> CandidatesOf(const std::vector<SelectedEffect>& effects);
 // optima are apart.
 struct RefittedSet {
   WeightedModel model;
-  DiagnosedModel lacking;               // the believed model beside the noise that goes with the set
+  DiagnosedModel lacking;               // the believed model with the noise that goes with the set
   std::vector<SelectedEffect> effects;  // of the catalogue
   DiagnosedModel with_effects;
 
@@ -51,7 +51,7 @@ RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel
 // scatter that is left (chi-square per degree of freedom, dof of them) where that is more, or where none is stated.
 double CorrectedP(double reduction, int parameters, double scatter, int dof, bool is_sigma_stated, int tests);
 
-// What each candidate alone does beside the believed model, to first order, most evident first.
+// What each candidate alone does with the believed model, to first order, most evident first.
 std::vector<ScreenedCandidate> Screen(const Evidence& evidence, const DiagnosedModel& baseline);
 
 // What the extended model was before anything was fitted: the aligned nominal robot, effects neutral. A spring without

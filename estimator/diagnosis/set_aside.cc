@@ -9,7 +9,7 @@ namespace sagitta {
 namespace {
 
 constexpr double kShareOfOutliers = 0.1;  // of the significance
-constexpr int kMostSetAsideRounds = 12;   // each takes all above a twentieth of the worst (noise_check.cc)
+constexpr int kMostSetAsideRounds = 12;   // each sets aside all above a twentieth of the worst (noise_check.cc)
 
 bool Replace(const CalibrationProblem& problem, const JointOptions& joint, DiagnosedModel* model) {
   DiagnosedModel refit = RefitFully(problem, model->estimate, joint);

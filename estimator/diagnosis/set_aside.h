@@ -1,4 +1,4 @@
-// Outliers: readings that no model of the robot gives, found beside the believed model and looked at again beside the
+// Outliers: readings that no model of the robot gives, found with the believed model and looked at again with the
 // extended one.
 #pragma once
 

@@ -16,7 +16,7 @@ constexpr int kScaleRounds = 3;
 // Explanations at once: the prior has 0.3^20 = 3e-11 for more. Data that ask for more of them, which those of a large
 // enough campaign always do, show what the catalogue does not hold, and a sum of so many is no explanation.
 constexpr size_t kMostMembers = 20;
-constexpr size_t kAveragedTogether = 3;  // members: 5^3 combinations; of more, each beside the best of the others
+constexpr size_t kAveragedTogether = 3;  // members: 5^3 combinations; of more, each with the best of the others
 constexpr double kUnsettled = 1e-3;      // of the probability: a tenth of what is reported
 constexpr size_t kMostSwaps = 1000;   // of one set: where a thousand sets share the probability they differ in details
 constexpr size_t kMostSettled = 100;  // where a hundred sets share it, each has about a hundredth
@@ -163,7 +163,7 @@ Members SetSearch::MembersOf(const WeightedSet& set) const {
 // The weight is that times the prior: log w = log L + log P(set).
 WeightedSet SetSearch::EvaluateFrom(const std::vector<int>& given_members, Members members) const {
   WeightedSet set{given_members, members.scales(), likelihood_.Log(normal_.residual), 0.0};
-  // A pass that moves no scale has seen each member beside the others at their best.
+  // A pass that moves no scale has seen each member given the others at their best.
   bool moved = !set.members.empty();
   for (int round = 0; moved && round <= kScaleRounds; ++round) {
     moved = false;
@@ -310,7 +310,7 @@ std::vector<double> SetSearch::LossesOf(const WeightedSet& set) const {
   return losses;
 }
 
-// Every member's place for every candidate: each is taken out of what is left of the candidates given all, at the
+// Every member's place for every candidate: each is removed from what is left of the candidates given all, at the
 // others' scales. Without a member G is no less than given all: what a candidate can add at most is first asked with
 // that of all, which a factor for all places says.
 std::vector<SetSearch::Swap> SetSearch::SwapsOf(const WeightedSet& set, const Sweep& sweep,

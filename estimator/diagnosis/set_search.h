@@ -29,8 +29,8 @@ FewExplanations WithTheirColumns(const std::vector<Explanation>& list, const std
 // Of a list, the groups of those at the places `members`.
 std::vector<const ColumnGroup*> GroupsOf(const std::vector<Explanation>& list, const std::vector<int>& members);
 
-// nothing: no explanation holds. further: each one beside the first. P(set of m) = (1 - nothing) further^(m-1) m! times
-// the product of the shares: m draws in any order.
+// nothing: no explanation holds. further: each one in addition to the first. P(set of m) = (1 - nothing) further^(m-1)
+// m! times the product of the shares: m draws in any order.
 struct SetPrior {
   double nothing = 0.5;
   double further = 0.3;
@@ -42,7 +42,7 @@ struct SetPrior {
 struct WeightedSet {
   std::vector<int> members;     // ascending
   std::vector<double> scales;   // the best of each
-  double log_likelihood = 0.0;  // averaged over the scales (of more than three members: each beside the best)
+  double log_likelihood = 0.0;  // averaged over the scales (of more than three members: each with the best)
   double log_weight = 0.0;      // prior included
 };
 
@@ -90,7 +90,7 @@ class SetSearch {
   WeightedSet Evaluate(const std::vector<int>& members, const std::vector<double>& scales = {}) const;
   // What the log weight of a set loses without each of its members.
   std::vector<double> LossesOf(const WeightedSet& set) const;
-  // Log weights of this set with each further explanation, averaged over its scale beside the best of the others;
+  // Log weights of this set with each further explanation, averaged over its scale given the best of the others;
   // -infinity where it is excluded. scales: the best of each.
   std::vector<double> Additions(const WeightedSet& given, std::vector<double>* scales = nullptr) const;
 
@@ -141,7 +141,7 @@ class SetSearch {
     WeightedSet set;
     Sweep sweep;
   };
-  std::unique_ptr<Place> place_;  // where a climb is, and from where the sets beside it are explored
+  std::unique_ptr<Place> place_;  // where a climb is, and from where the sets next to it are explored
 };
 
 constexpr double kWorthKeeping = 12.0;  // log units: e^-12 = 6e-6 of the best

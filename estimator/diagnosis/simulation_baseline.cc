@@ -29,7 +29,7 @@ Vector3<double> SimulatedPoint(const Measurements& data, const Observation& obse
   return point;
 }
 
-// Else the gap would be metres wide, and the search for its cause take minutes.
+// Else the gap would be metres wide, and the search for its cause need minutes.
 void RefuseWrongUnit(const CalibrationProblem& of_simulation) {
   if (const std::optional<UnitFinding> finding = GuessWrongUnit(of_simulation, "sim_")) {
     throw InputError({finding->file, finding->line, finding->column}, finding->words, finding->hint);

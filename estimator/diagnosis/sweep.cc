@@ -39,7 +39,7 @@ Eigen::MatrixXd WithoutGroup(long first, long size, const Eigen::MatrixXd& all) 
   return others;
 }
 
-// Symmetric, with a group's corner and its rows beside the others.
+// Symmetric, with a group's corner and its rows next to the others.
 Eigen::MatrixXd WithGroup(long first, const Eigen::MatrixXd& corner, const Eigen::MatrixXd& rows,
                           const Eigen::MatrixXd& others) {
   const long size = corner.rows(), last = others.rows() - first;
@@ -165,7 +165,7 @@ void Members::Condition() {
   SetResidual();
 }
 
-// extra: e;  beside: A_k;  left: (I + e A_kk)^-1 A_k';  own: (I + e A_kk)^-1 t_k.
+// `extra`: e;  `beside`: A_k;  `left`: (I + e A_kk)^-1 A_k';  `own`: (I + e A_kk)^-1 t_k.
 void Members::Rescale(size_t group, double scale) {
   const long first = first_[group], size = first_[group + 1] - first;
   const double ratio = scale / scales_[group], extra = 1.0 / (ratio * ratio) - 1.0;
@@ -186,7 +186,7 @@ void Members::Rescale(size_t group, double scale) {
   SetResidual();
 }
 
-// beside: A_k;  t <- t - A_k A_kk^-1 t_k. Of the group itself nothing is left.
+// `beside`: A_k;  t <- t - A_k A_kk^-1 t_k. Of the group itself nothing is left.
 void Members::Remove(size_t group) {
   const long first = first_[group], size = SizeOf(group);
   const Eigen::LLT<Eigen::MatrixXd> root(Eigen::MatrixXd(inverse_.block(first, first, size, size)));
@@ -203,7 +203,7 @@ void Members::Remove(size_t group) {
   SetResidual();
 }
 
-// column: q;  beside: U = A q;  corner: c - q'U = i^-1.
+// `column`: q;  `beside`: U = A q;  `corner`: c - q'U = i^-1.
 void Members::Insert(size_t place, const ColumnGroup& group, double scale) {
   const long count = num_columns(), more = group.size(), first = first_[place];
   Eigen::MatrixXd column(count, more);
@@ -257,7 +257,7 @@ Sweep::Sweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*
   gradient_ -= rows_.transpose() * members_.solved_;
 }
 
-// rows: W = L^-1 s M'G, then T_k = L^-T W;  along: w;  beside: U = s T M, M of the new group.
+// `rows`: W = L^-1 s M'G, then T_k = L^-T W;  `along`: w;  `beside`: U = s T M, M of the new group.
 void Sweep::Insert(size_t place, const ColumnGroup& group, double scale) {
   const Eigen::MatrixXd own = ScaledRowsOf(*members_.normal_, group, scale);
   Eigen::MatrixXd rows = own;  // s M'G of what is left

@@ -118,7 +118,7 @@ class Sweep {
 
   Eigen::MatrixXd Information(const ColumnGroup& group) const;
   Eigen::VectorXd Gradient(const ColumnGroup& group) const;
-  // T of a group's columns; Z'T: what conditioning takes from its own information.
+  // T of a group's columns; Z'T: what conditioning removes from its own information.
   Eigen::MatrixXd Solved(const ColumnGroup& group) const { return ColumnsOf(group, solved_); }
   Eigen::MatrixXd Taken(const ColumnGroup& group) const;
   double residual() const { return members_.residual(); }

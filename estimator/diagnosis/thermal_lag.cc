@@ -62,7 +62,7 @@ double LeastChiSquare(const std::vector<LaggedFit>& fits) {
   return std::min_element(fits.begin(), fits.end(), less)->chi2();
 }
 
-// Of the noise that the row's interval goes by, in that of the refits; 0 where they do not tell the row.
+// Of the noise that the row's interval goes by, in that of the refits; 0 where they do not determine the row.
 double ScaleOfFits(const std::vector<LaggedFit>& fits, const ParameterEstimate& row) {
   const int c = fits[0].refit.estimate.parameters.FindCoordinate(row.name);
   const double sigma = c < 0 ? 0.0 : fits[0].refit.sigmas[c];

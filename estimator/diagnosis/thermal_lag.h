@@ -3,8 +3,8 @@
 //   dT_arm/dt = (T - T_arm) / tau,   tau = C / W   (Newton's law of cooling)
 //
 // tau is no parameter of any effect, and a growth fitted on T alone is biased by it. So the interval of what
-// temperature drives is widened to the profile likelihood over tau. Where the shots state no time, they are taken in
-// their order, one a minute: if that is wrong, the data contradict all but short lags, and little is widened.
+// temperature drives is widened to the profile likelihood over tau. Where the shots state no time, they are assumed to
+// be in their order, one a minute: if that is wrong, the data contradict all but short lags, and little is widened.
 #pragma once
 
 #include <optional>

@@ -60,7 +60,7 @@ struct ParameterEstimate {
   double sigma = 0.0;    // 0 unless estimated
   Interval ci95;
   bool free = false;                                        // estimated
-  bool identifiable = true;                                 // false: held, the data cannot tell it
+  bool identifiable = true;                                 // false: held, the data do not determine it
   bool at_bound = false;                                    // the value or its interval meets the physical bound
   double lower = -std::numeric_limits<double>::infinity();  // that bound, SI
   bool weak = false;                                        // known worse than 1 mm, 1 mrad or half its value
@@ -93,7 +93,7 @@ struct SigmaReport {
   bool stated = false;        // by rows, experiment or flag
   double estimated = 0.0;     // m, the common sigma where none is stated
   double a_posteriori = 1.0;  // root of reduced chi-square
-  bool scaled = false;        // the noise is taken as a_posteriori times the stated sigmas
+  bool scaled = false;        // the noise is assumed to be a_posteriori times the stated sigmas
   double p_value = 1.0;       // of chi-square at the stated sigmas
 };
 

@@ -7,7 +7,7 @@
 namespace sagitta {
 
 // Degrees of freedom of an interval by the model's covariance: those of the fit
-// where the noise is estimated or scaled, infinity where it is taken as stated.
+// where the noise is estimated or scaled, infinity where it is assumed to be as stated.
 double ModelDof(const Estimate& estimate);
 
 // Fills estimate->table from parameters, covariance, dof and held influence;

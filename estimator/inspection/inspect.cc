@@ -21,7 +21,7 @@ namespace {
 constexpr double kClose = 0.95;       // |correlation| that makes a group
 constexpr double kUnchecked = 0.999;  // leverage of a configuration that nothing else checks
 
-// With the experiments that would tell compliances and spring, as an estimate proposes them.
+// With the experiments that would determine compliances and spring, as an estimate proposes them.
 Identifiability IdentifiabilityOf(const LinearState& state, const LinearSolution& solution) {
   Estimate expected;
   expected.parameters = state.parameters;

@@ -1,5 +1,5 @@
-// What a data set can tell, before anything is estimated: lint of rows and robot file, and identifiability and
-// leverage from one linearization beside the aligned nominal robot (linear_state.h).
+// What a data set can determine, before anything is estimated: lint of rows and robot file, and identifiability and
+// leverage from one linearization at the aligned nominal robot (linear_state.h).
 //
 // The noise relative to which rank and weakness are decided is the larger of the stated sigmas and what a linear
 // fit leaves: r + J x at the best x, one step, no iteration.
@@ -34,7 +34,7 @@ struct Inspection {
   std::vector<MeasuredRange> joints;
   OrientationVariety orientation;
   ReadingLint reading;
-  TorqueComparison torques;  // at the nominal robot, beside the aligned base
+  TorqueComparison torques;  // at the nominal robot, with the aligned base
   ResidualSize aligned;      // of the nominal robot, base and markers fitted, calibration rows
   double linear_rms = 0.0;   // m per coordinate, unweighted: what a linear fit leaves
   double stated_rms = 0.0;   // m per coordinate: the stated sigmas; 0: none

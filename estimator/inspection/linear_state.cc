@@ -15,7 +15,7 @@ namespace {
 constexpr double kTypicalCompliance = 1e-6;  // rad/(N m): a spring on a rigid joint would show nothing
 constexpr int kOutlierRounds = 3;            // what is far off is left out and the alignment repeated
 
-// Nominal values; where a compensator is asked for, compliances that start at 0 take a typical size.
+// Nominal values; where a compensator is asked for, compliances that start at 0 get a typical size.
 ParameterSet NominalValues(const CalibrationProblem& problem) {
   ParameterSet parameters = problem.parameters;
   bool spring = false;

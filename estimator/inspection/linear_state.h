@@ -15,7 +15,7 @@ struct LinearState {
   CalibrationProblem problem;  // without gross outliers
   ParameterSet parameters;     // aligned
   Linearization all;           // every requested coordinate
-  Linearization estimated;     // what the data can tell of them
+  Linearization estimated;     // what the data can determine of them
   double scale = 1.0;          // of the whitening sigmas
   Unidentifiable lost;
 };

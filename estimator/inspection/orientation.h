@@ -1,4 +1,4 @@
-// Whether the flange turns enough to tell where a marker sits on it from where the base stands.
+// Whether the flange turns enough to separate where a marker sits on it from where the base stands.
 #pragma once
 
 #include <string>

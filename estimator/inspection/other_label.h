@@ -33,7 +33,7 @@ struct OtherLabel {
 
 std::optional<OtherLabel> FindOtherLabel(const CalibrationProblem& problem, FarRows rows);
 
-// A marker beside others whose rows fit on the base or after a joint, and not where it is said to be: an `on` that is
+// A marker, among others, whose rows fit on the base or after a joint, and not where it is said to be: an `on` that is
 // missing or wrong.
 std::optional<OtherLabel> FindOtherFrame(const CalibrationProblem& problem);
 

@@ -214,7 +214,7 @@ std::map<std::string, Eigen::VectorXd> NeighboursById(const Measurements& data, 
   return neighbours;
 }
 
-// Points of one configuration written beside the joint values of its neighbour.
+// Points of one configuration written next to the joint values of its neighbour.
 void AddRowShifts(const CalibrationProblem& problem, Readings* readings) {
   for (const int shift : {1, -1}) {
     const auto move = [neighbours = NeighboursById(problem.data(), shift)](Measurements* data) {

@@ -83,7 +83,7 @@ CalibrationProblem SampledProblem(const CalibrationProblem& problem) {
   sampled.set_data(std::move(kept.data));
   sampled.mutable_experiment()->validation = ValidationSpec();
   sampled.mutable_experiment()->validation.kind = ValidationSpec::Kind::kNone;
-  sampled.latent = LatentModel();  // inspection takes joints as exact
+  sampled.latent = LatentModel();  // inspection assumes joints to be exact
   sampled.parameters.DropSpringTie();
   std::vector<ShotInput> inputs;  // time and temperature count from the origins of all rows
   for (const int s : kept.shots) inputs.push_back(problem.shot_inputs()[s]);

@@ -1,5 +1,5 @@
 // Some hundred configurations show as well as all that a robot and its readings do not belong together, and trying some
-// 150 other readings of 10^5 rows would take minutes.
+// 150 other readings of 10^5 rows would need minutes.
 #pragma once
 
 #include "problems/calibration_problem.h"

@@ -1,8 +1,8 @@
 // Measured joint torques (columns tau<i>) against those that the model expects of its loads, joint by joint.
 //
 // A line measured = offset + slope * modelled by least squares. A slope near 1 and a high correlation: the two agree. A
-// slope near -1: the file gives what the drives deliver, not what the loads ask for. What is left besides the line is
-// what the model lacks (link weights) or what the sensor adds (friction, offsets).
+// slope near -1: the file gives what the drives deliver, not what the loads ask for. What is left other than the line
+// is what the model lacks (link weights) or what the sensor adds (friction, offsets).
 #pragma once
 
 #include <string>

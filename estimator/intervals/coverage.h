@@ -4,7 +4,7 @@
 //
 //   C = (J'J)^-1 at the truth, rows whitened by the true noise.
 //
-// Beside the bound, the linear generalised least squares at the truth on the same
+// In addition to the bound, the linear generalised least squares at the truth on the same
 // draws: theta + C J' r. The ratio of the two RMSE is free of the draws' luck.
 #pragma once
 

@@ -200,7 +200,7 @@ HWY_INLINE void RowsTimes(const Lanes& j, std::size_t row, const double* by_colu
   for (int r = 0; r < kRows; ++r) product[r] = hn::Add(hn::Add(sum[r][0], sum[r][1]), hn::Add(sum[r][2], sum[r][3]));
 }
 
-// Calls take(row, J's row times numbers by column) for every row: most come by points of three.
+// Calls `take` with the row and J's row times numbers by column, for every row: most come by points of three.
 template <typename Take>
 HWY_INLINE void ForEachRowTimes(const Lanes& j, const double* by_column, const Take& take) {
   V three[3], one[1];
@@ -266,7 +266,7 @@ unsigned ScoresOfLanes(const ClusterLanes& clusters, const ScoreFit& fit, double
       coefficient *= (2.0 * k - 1.0) / (2.0 * k);
       TransposeTimes(j, rest, by_column);
       SymmetricTimes(fit.inverse_normal, clusters.columns, by_column, moved);
-      // The first power of H shows a direction of large leverage only as far as r has it: it does not tell what
+      // The first power of H shows a direction of large leverage only as far as r has it: it does not show what
       // follows.
       const V before = k == 1 ? hn::Zero(d) : size;
       size = hn::Zero(d);

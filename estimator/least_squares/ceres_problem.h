@@ -35,7 +35,7 @@ using LatentBlocks = std::vector<std::vector<double>>;
 // rotations are quaternions x y z w on a RotationManifold. Coordinates that
 // are not estimated (fixed or held) are held constant. Where the problem states
 // a repeatability, `latents` receives one block per visit, each with its prior;
-// eliminate these first (bundle adjustment). Null: joints are taken as exact.
+// eliminate these first (bundle adjustment). Null: joints are assumed to be exact.
 // `problem` and `latents` must outlive `ceres_problem`.
 void AddToProblem(const CalibrationProblem& problem, const ResidualSelection& selection, ParameterSet* parameters,
                   ceres::Problem* ceres_problem, LatentBlocks* latents = nullptr);

@@ -14,7 +14,7 @@ namespace sagitta {
 // the spring tie are inside. `equations` and `parameters` must outlive the problem.
 void AddCondensed(const NormalEquations& equations, ParameterSet* parameters, ceres::Problem* ceres_problem);
 
-// Levenberg-Marquardt on it, as MinimizeJointly but for joints, whose deviations are as the equations take them.
+// Levenberg-Marquardt on it, as MinimizeJointly but for joints, whose deviations are as the equations have them.
 MinimizeSummary MinimizeSums(const NormalEquations& equations, const MinimizeOptions& options,
                              ParameterSet* parameters);
 

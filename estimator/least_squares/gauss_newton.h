@@ -44,7 +44,7 @@ GaussNewtonResult GaussNewton(const RowsAt& rows_at, const std::vector<int>& col
                               const GaussNewtonOptions& options = {});
 
 // One step from `parameters`, where the rows are `here`, for methods that alternate. A step that promises less than a
-// thousandth of the cost is taken without looking whether the cost falls.
+// thousandth of the cost is made without looking whether the cost falls.
 StepOutcome TakeOneStep(const RowsAt& rows_at, const Linearization& here, ParameterSet* parameters);
 
 }  // namespace sagitta

@@ -26,7 +26,7 @@ struct HeldInfluence {
   Eigen::MatrixXd second_moment;  // S, SI
 };
 
-// Held coordinates of a set: asked for, but the data cannot tell them.
+// Held coordinates of a set: asked for, but the data do not determine them.
 std::vector<int> HeldCoordinates(const ParameterSet& parameters);
 
 // Standard deviation of a parameter of which nothing is known but what it is,

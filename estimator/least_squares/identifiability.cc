@@ -28,13 +28,13 @@ double HoldPreference(const Coordinate& coordinate) {
   return 1.0;
 }
 
-// A column that alone is told a million times better than its limit counts as told that well: wide priors and limits
-// of what hardly moves anything would else drown all others in rounding.
+// A column that alone is determined a million times better than its limit counts as determined that well: wide priors
+// and limits of what hardly moves anything would else drown all others in rounding.
 Eigen::VectorXd HoldLimits(const Linearization& linearization, const ParameterSet& parameters, double sigma) {
   Eigen::VectorXd limits(linearization.num_columns());
   for (int c = 0; c < limits.size(); ++c) {
     const Coordinate& coordinate = parameters.coordinates()[linearization.columns[c]];
-    // A stated prior is knowledge: what it alone tells is not held.
+    // A stated prior is knowledge: what it alone determines is not held.
     limits[c] = std::max(coordinate.hold_limit, 2.0 * coordinate.prior_sigma);
     const double told = linearization.jacobian.col(c).norm() * limits[c] / std::max(sigma, kLeastSigma);
     if (told > kWellTold) limits[c] *= kWellTold / told;

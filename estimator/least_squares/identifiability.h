@@ -1,4 +1,4 @@
-// What the data cannot tell, decided relative to the noise and said in words.
+// What the data do not determine, decided relative to the noise and said in words.
 //
 // Columns are scaled so that one unit is the largest standard deviation that
 // still means anything: 5 mm, 5 mrad, and of compliances and effects what moves
@@ -22,7 +22,7 @@ struct Direction {
   std::string remedy;
 };
 
-// What the data can tell, in numbers and directions.
+// What the data can determine, in numbers and directions.
 struct Identifiability {
   int rank = 0;
   double condition = 0.0;  // of the column-normalised Jacobian of what is estimated

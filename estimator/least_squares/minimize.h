@@ -11,7 +11,7 @@ struct MinimizeOptions {
   int max_iterations = 100;
   int num_threads = 1;
   // For starting values: small steps, because the problem may be rank
-  // deficient, and joints taken as exact. Otherwise the first step is
+  // deficient, and joints assumed to be exact. Otherwise the first step is
   // Gauss-Newton (4-5 iterations from nominal).
   bool cautious = false;
 };

@@ -1,5 +1,5 @@
 // Sums in place of rows: cost, gradient, Gauss-Newton step, covariance and rank of a least-squares problem follow from
-// the one matrix [J r]'[J r]. What takes rows (covariance, identifiability, bounded steps) is given as many rows as
+// the one matrix [J r]'[J r]. What accepts rows (covariance, identifiability, bounded steps) is given as many rows as
 // there are columns, with the same sums: `Condense`.
 #pragma once
 
@@ -54,7 +54,7 @@ NormalSums SelectColumns(const NormalSums& sums, const std::vector<int>& columns
 Linearization Condense(const NormalSums& sums);
 
 // A hundred configurations of three markers and 56 unknowns: below, the rows' own factors cost a few milliseconds, and
-// keep the digits that squaring the condition number takes.
+// keep the digits that squaring the condition number costs.
 bool AreMany(double rows, double columns);
 // Rows that are kept: 16 MB. More are looked at piece by piece (row_stream.h).
 constexpr double kMostHeld = 2e6;

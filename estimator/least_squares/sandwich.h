@@ -1,11 +1,11 @@
-// Covariance that does not take the stated noise at its word: paper 003, eq. (8),
+// Covariance that does not assume the stated noise: paper 003, eq. (8),
 //
 //   C = M (sum_g s_g s_g') M,   M = (J'J)^-1,   s_g = J_g' A_g r_g
 //
 // with one term per cluster g of rows that share errors (a configuration: its
 // markers, visits and loads share the robot's error there), so that whatever is
 // correlated inside a cluster, or differs between clusters, counts as it is seen.
-// A_g = (I - H_gg)^-1/2, H = J M J', undoes what the fit took from the residuals
+// A_g = (I - H_gg)^-1/2, H = J M J', undoes what the fit removed from the residuals
 // (Bell and McCaffrey 2002, "CR2"): without it few clusters look too certain.
 #pragma once
 

@@ -41,7 +41,7 @@ Eigen::MatrixXd Unshrinking(const Eigen::MatrixXd& h) {
     }
     return sum;
   }
-  // (1 - l)^-1/2 - 1 of every eigenvalue l; -1 takes its direction out of A.
+  // (1 - l)^-1/2 - 1 of every eigenvalue l; -1 removes its direction from A.
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(h);
   Eigen::VectorXd gain(h.rows());
   for (int i = 0; i < gain.size(); ++i) {

@@ -1,4 +1,4 @@
-// What is taken from and known of the clusters of a robust covariance (sandwich.h).
+// What is removed from and known of the clusters of a robust covariance (sandwich.h).
 #pragma once
 
 #include <utility>

@@ -13,7 +13,7 @@
 
 namespace sagitta {
 
-// Appends the rows to a linearization; what is estimated beside its columns stands still.
+// Appends the rows to a linearization; what is estimated other than its columns stands still.
 void AppendSpringTie(const ParameterSet& parameters, Linearization* linearization);
 
 // Adds them to a problem that has the markers' blocks.

@@ -10,7 +10,7 @@ namespace {
 // and a ninth of it at 630.
 constexpr int kFewUnknowns = 100;
 constexpr double kSparseShare = 0.3;
-// There an iteration on sums takes 3 ns for the cube of the unknowns, a sparse one 4.5 us per row: n^3 of what a row is
+// There an iteration on sums needs 3 ns for the cube of the unknowns, a sparse one 4.5 us per row: n^3 of what a row is
 // worth.
 constexpr double kCubePerRow = 1500.0;
 

@@ -28,7 +28,7 @@ struct RowGroups {
 RowGroups GroupRows(const Measurements& data, ResidualGroup by);
 
 // Root of every observation from the residuals of an estimate: diagonal, sigma per axis. Groups without a calibration
-// row take the spread of their axis.
+// row get the spread of their axis.
 NoiseRoots SpreadOfResiduals(const CalibrationProblem& problem, const Estimate& estimate, const RowGroups& groups,
                              std::vector<NoiseGroup>* report);
 

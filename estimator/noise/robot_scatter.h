@@ -1,6 +1,6 @@
 // Where the stated sigmas are an instrument's and the robot scatters by far more, weights 1 / sigma^2 count what hardly
-// matters: rows that the instrument saw a little better outvote the others. Beside its stated covariance S_i every
-// point then scatters by tau on each axis, found from the residuals r_i by maximum likelihood,
+// matters: rows that the instrument saw a little better outvote the others. In addition to its stated covariance S_i
+// every point then scatters by tau on each axis, found from the residuals r_i by maximum likelihood,
 //
 //   max over tau of  - sum_i ( ln det(S_i + tau^2 I) + r_i' (S_i + tau^2 I)^-1 r_i )
 //
@@ -27,7 +27,7 @@ struct RobotScatter {
 };
 RobotScatter FindRobotScatter(const CalibrationProblem& problem, const Estimate& estimate);
 
-// What one more measurement of a point shows besides its stated S_i, m per coordinate: tau as above, of as many
+// What one more measurement of a point shows in addition to its stated S_i, m per coordinate: tau as above, of as many
 // residuals as the fit leaves free. One factor on all sigmas would widen rows that the instrument saw badly and leave
 // rows that it saw well at a fraction of what the robot does there. 0: the residuals are not several times as large, or
 // the noise is not stated for points alone.

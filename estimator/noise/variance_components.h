@@ -5,7 +5,7 @@
 //
 // r, J whitened by the roots S at hand; a scales S S'; L_j is what one reference deviation of
 // joint j does in the rows of a visit. The parameters x are projected out (hence
-// restricted: plain maximum likelihood takes their degrees of freedom for
+// restricted: plain maximum likelihood mistakes their degrees of freedom for
 // precision):
 //
 //   D(a, v) = ln|V| + ln|J'V^-1 J| + r'P r,   P = V^-1 - V^-1 J (J'V^-1 J)^-1 J'V^-1

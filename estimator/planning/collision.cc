@@ -9,7 +9,7 @@
 
 namespace sagitta {
 
-// A convex body and the sphere around it, by which most pairs are told apart.
+// A convex body and the sphere around it, by which most pairs are separated.
 struct CollisionBody {
   std::string name;
   std::shared_ptr<fcl::CollisionGeometryd> shape;

@@ -2,7 +2,7 @@
 //
 //   I   tr(W C)            W = mean J'J of test points: mean squared position error there after compensation, the
 //                          industry-oriented measure of papers 000 and 002
-//   D   ln det C_SS        S: the robot's parameters; base and markers stay unknown beside them (marginalised)
+//   D   ln det C_SS        S: the robot's parameters; base and markers stay unknown together with them (marginalised)
 //   A   tr C_SS
 //   E   largest eigenvalue of C_SS
 //   O1..O5                 observability indices (Sun and Hollerbach, ICRA 2008) of the singular values s of the

@@ -176,7 +176,7 @@ void SolveOnActive(const CandidateSet& set, const Eigen::MatrixXd& known, const 
   design->gain = GainsOf(set, design->slope);
 }
 
-// The candidate that makes the cost least beside covariance c; its cost in *cost. The cost is convex in the
+// The candidate that makes the cost least given covariance c; its cost in *cost. The cost is convex in the
 // information, so that no candidate saves more than its gain d_i: those of small gain need no look.
 class Adder {
  public:
@@ -209,10 +209,10 @@ class Adder {
   const CandidateSet set_;
 };
 
-// One pose at a time, beside a little of the approximate design so that the first ones have a cost.
+// One pose at a time, together with a little of the approximate design so that the first ones have a cost.
 std::vector<int> Greedy(const CandidateSet& set, const Eigen::MatrixXd& known, const Adder& adder, int poses,
                         const ApproximateDesign& approximate, bool repeats) {
-  constexpr double kShare = 0.1;  // of one pose: fades against the poses taken
+  constexpr double kShare = 0.1;  // of one pose: fades against the poses chosen
   Eigen::MatrixXd c = InverseOfPositive(InformationOf(set, known, kShare * approximate.weights));
   std::vector<bool> barred(set.size(), false);
   std::vector<int> picks;
@@ -241,7 +241,7 @@ std::vector<int> Drawn(const Eigen::VectorXd& weights, int poses, bool repeats, 
   return picks;
 }
 
-// Each pose in turn is taken out and the best one put in, until a round changes nothing.
+// Each pose in turn is removed and the best one put in, until a round changes nothing.
 ExactDesign Exchanged(const CandidateSet& set, const Eigen::MatrixXd& known, const Criterion& criterion,
                       const Adder& adder, std::vector<int> picks, bool repeats, int rounds) {
   constexpr double kWorth = 1e-6;  // of the cost's scale: below is rounding

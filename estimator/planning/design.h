@@ -1,6 +1,6 @@
 // Which of many candidates to measure, and how good any choice can be. Numbers only: rows of a whitened Jacobian.
 //
-// A candidate i brings information A_i' A_i; N of them, beside what is known already (M0), M = M0 + sum n_i A_i' A_i.
+// A candidate i brings information A_i' A_i; N of them, given what is known already (M0), M = M0 + sum n_i A_i' A_i.
 // The approximate design lets n_i = N w_i be any share. It is solved by the multiplicative algorithm (Silvey,
 // Titterington and Torsney 1978; Yu, Annals of Statistics 38, 2010), w_i <- w_i d_i^p / sum, d_i = tr(G A_i' A_i) with
 // G = -d cost / d M, p as large as still descends, on those candidates alone that have gained most so far (column
@@ -61,7 +61,7 @@ struct ExactDesign {
 struct ExactOptions {
   int starts = 3;
   int rounds = 20;       // of exchange, at most
-  bool repeats = true;   // a pose may be taken again
+  bool repeats = true;   // a pose may be chosen again
   int max_trials = 300;  // candidates that an exchange tries: those of the largest d_i
   std::uint64_t seed = 1;
 };
@@ -74,7 +74,7 @@ ExactDesign SolveExact(const CandidateSet& set, const Eigen::MatrixXd& known, co
 
 // C of a list of candidates.
 Eigen::MatrixXd CovarianceOf(const CandidateSet& set, const Eigen::MatrixXd& known, const std::vector<int>& picks);
-// C after A' A is added (sign 1) or taken away (-1).
+// C after A' A is added (sign 1) or removed (-1).
 Eigen::MatrixXd Updated(const Eigen::MatrixXd& c, const Eigen::MatrixXd& a, double sign);
 
 // What the cost becomes where one more candidate is added to what left covariance C.

@@ -6,7 +6,7 @@
 //   delta_j(q) = sum_{k=1..4} c_k cos(k q) + s_k sin(k q),   c_k, s_k ~ N(0, a^2)
 //
 // a Gaussian process of standard deviation 2 a with covariance a^2 sum_k cos(k (q - q')), which has fallen to half
-// within 30 deg. a is such that what a calibration with very many poses cannot take up has the root mean square that
+// within 30 deg. a is such that what a calibration with very many poses cannot absorb has the root mean square that
 // the former estimate showed at points it had not fitted, beyond its prediction of them:
 //
 //   a^2 tr(H' (1 - P) H) / n = rms^2 - predicted^2
@@ -24,7 +24,7 @@ namespace sagitta {
 // Its effects, without those that the robot or `beside` has.
 std::vector<EffectSpec> FieldEffects(const Robot& robot, const std::vector<EffectSpec>& beside);
 
-// a, rad, for an excess of `rms`, m per coordinate. 0: everything else takes the field up.
+// a, rad, for an excess of `rms`, m per coordinate. 0: everything else absorbs the field.
 double FieldAmplitude(const PlanScene& scene, const std::vector<int>& columns, const std::vector<bool>& of_field,
                       double rms);
 

@@ -1,4 +1,4 @@
-// A plan's scene as numbers: what each candidate tells of the scaled unknowns, what is known before, what test points
+// A plan's scene as numbers: what each candidate says of the scaled unknowns, what is known before, what test points
 // depend on.
 #pragma once
 
@@ -18,7 +18,7 @@ struct PlanNumbers {
   Eigen::MatrixXd test_rows;  // m per unit, three per test point
   int equations_known = 0;    // measured rows and priors
   // Of `columns`: base and markers that only test poses see. They are registered there, so test_rows do not depend on
-  // them, and what else registering takes up is no error either.
+  // them, and what else registering absorbs is no error either.
   std::vector<bool> registered;
   // Of `columns`: those of the model error (model_field.h), which have a prior and are nobody's parameters.
   std::vector<bool> of_field;

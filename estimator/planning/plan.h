@@ -2,11 +2,11 @@
 //
 // One problem holds what is measured, the candidates and the test points (scene.h). Its linearization at the robot's
 // values, in the experiment's noise, with priors and joint repeatability (once per arrival), gives the information of
-// each candidate: all shots of one configuration (numbers.h). Directions that no data could tell count with the hold
-// limits of the estimate (FORMATS section 4). The predicted error at a test point is that of the point in its station's
-// frame, sqrt(tr(J C J')), as far as the model is true: what a calibration with the plan's readings leaves. Stations
-// and markers that only test poses see count as registered there. The search is search.h, the order in which poses are
-// measured route.h.
+// each candidate: all shots of one configuration (numbers.h). Directions that no data could determine count with the
+// hold limits of the estimate (FORMATS section 4). The predicted error at a test point is that of the point in its
+// station's frame, sqrt(tr(J C J')), as far as the model is true: what a calibration with the plan's readings leaves.
+// Stations and markers that only test poses see count as registered there. The search is search.h, the order in which
+// poses are measured route.h.
 #pragma once
 
 #include <functional>
@@ -41,7 +41,7 @@ struct PlanRequest {
   const Measurements* candidates = nullptr;  // null: drawn in the joint limits
   const Measurements* tests = nullptr;       // null: the validation rows of the experiment, else all rows
   bool random_tests = false;                 // drawn in the joint limits instead
-  const Cell* cell = nullptr;                // what poses must keep to besides the joint limits
+  const Cell* cell = nullptr;                // what poses must keep to in addition to the joint limits
   double model_error = 1.0;                  // factor by which errors exceed those predicted (Estimate's model error)
   double field = 0.0;    // m per coordinate: by which the model is wrong at unseen points (model_field.h); 0: not known
   bool move = true;      // drawn poses may move to better places

@@ -1,4 +1,4 @@
-// Poses that a plan may choose from, each with the shots that the experiment takes of a configuration.
+// Poses that a plan may choose from, each with the shots that the experiment has of a configuration.
 //
 // Joint values are a Halton sequence in as many prime bases as joints (Halton 1960), rotated by a seeded shift: they
 // fill their ranges evenly and are the same on every machine.

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kMostPatterns = 8;   // ways to measure a configuration that are offered for every pose
 constexpr int kRandomTests = 100;  // poses; their mean square is known to about a tenth
-constexpr int kPlacing = 100;      // candidates beside the rows in the problem that base and markers are found with
+constexpr int kPlacing = 100;  // candidates in addition to the rows in the problem that base and markers are found with
 constexpr int kTriesPerPose = 200;
 
 bool NeedsApproach(const Robot& robot) {
@@ -272,7 +272,7 @@ void AddTests(const Measurements& data, const PlanRequest& request, const Drawin
   }
 }
 
-// Base and markers, found with the rows and some poses beside them, so that there are more equations than unknowns.
+// Base and markers, found with the rows and some poses in addition, so that there are more equations than unknowns.
 void FindPlaces(const Robot& robot, const Measurements& data, const Experiment& experiment, const PlanRequest& request,
                 const Drawing* drawing, PlanScene* scene) {
   SceneRows rows(data);

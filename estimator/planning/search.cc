@@ -15,7 +15,7 @@ namespace {
 // Of the certificate, relative to the cost: of the plan that is handed out, and on the way there.
 constexpr double kTolerance = 0.01, kOnTheWay = 0.03;
 constexpr int kShortList = 2000;  // candidates of the curve
-constexpr int kMostStarts = 40;   // of searches for candidates beside those drawn
+constexpr int kMostStarts = 40;   // of searches for candidates other than those drawn
 
 using CostOfRows = std::function<double(const Eigen::MatrixXd&)>;
 

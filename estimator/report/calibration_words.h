@@ -1,5 +1,5 @@
 // What the joint estimate says of itself: why it stopped, what its intervals are, what contradicts it, which load would
-// tell what is held. Numbers come in SI.
+// determine what is held. Numbers come in SI.
 #pragma once
 
 #include <string>
@@ -35,7 +35,7 @@ std::string PullSideways(double newtons, const std::vector<std::string>& configu
 std::string HangOffAxis(const Vector3<double>& point, const std::vector<std::string>& configurations,
                         const std::string& reached);
 std::string NoLoadTells();
-// What would tell the compensator: its markers are tied to it, or its L is what is open, or else.
+// What would determine the compensator: its markers are tied to it, or its L is what is open, or else.
 enum class SpringDoubt { kTied, kLength, kOther };
 std::string SpringRemedyInWords(SpringDoubt doubt);
 

@@ -40,7 +40,7 @@ std::string FewHeldOut(int configurations);
 std::string HoldoutFarAboveFloor(double rms, double floor);
 std::string HoldoutBelowFloor(double rms, double floor);
 
-// Effects beside a rest without a name, each with its probability by the fitted rows.
+// Effects given a rest without a name, each with its probability by the fitted rows.
 std::string NotConfirmed(const std::vector<std::pair<EffectSpec, double>>& effects);
 // Of probabilities: averaged over so many resamples of the poses.
 std::string AreBagged(int resamples);

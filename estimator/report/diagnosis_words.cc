@@ -18,7 +18,7 @@ constexpr size_t kMostNames = 3;         // of what another prior would name
 constexpr double kCompatible = 0.01;     // p below which two halves contradict each other
 constexpr size_t kMostCauses = 4;        // of a verdict: with its first line five
 constexpr size_t kMostTargets = 6;       // named of one cause
-constexpr size_t kMostEffects = 5;       // told one by one on a terminal
+constexpr size_t kMostEffects = 5;       // listed one by one on a terminal
 
 // definition: null for the compensator, which has no settings.
 std::string SettingsInWords(const EffectDefinition* definition, const EffectSpec& spec) {
@@ -129,7 +129,7 @@ std::vector<EffectGroup> EffectGroupsOf(const Diagnosis& d) {
   return groups;
 }
 
-// At most kMostCauses; the last takes what is left.
+// At most kMostCauses; the last has what is left.
 std::vector<std::string> CausesInWords(const Diagnosis& d) {
   std::vector<EffectGroup> groups = EffectGroupsOf(d);
   while (groups.size() > kMostCauses) {

@@ -23,7 +23,7 @@ std::string VerdictInWords(const Diagnosis& diagnosis);
 std::vector<std::string> VerdictLines(const Diagnosis& diagnosis);
 std::string EffectInWords(const Robot& robot, const FoundEffect& effect);
 std::string AlternativeInWords(const Robot& robot, const Alternative& alternative);
-// Poses, loads or columns that would tell this effect from another.
+// Poses, loads or columns that would distinguish this effect from another.
 std::string SeparateBy(const Robot& robot, const EffectSpec& spec);
 std::string HalvesInWords(const Confirmation& confirmation);
 std::string NoiseInWords(const NoiseFinding& noise);
@@ -42,7 +42,7 @@ std::string ClosedInWords(const GapReport& gap);
 // Whether a machine could show sign and size.
 bool IsPlausible(const Robot& robot, const FoundEffect& effect);
 std::string PhysicalInWords(const Robot& robot, const FoundEffect& effect);
-// Whether the data tell this parameter of the effect; the others are held near neutral.
+// Whether the data determine this parameter of the effect; the others are held near neutral.
 bool IsTold(const FoundEffect& effect, const ParameterEstimate& row);
 
 std::string DiagnosisToText(const Diagnosis& diagnosis);

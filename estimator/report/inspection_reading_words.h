@@ -38,7 +38,7 @@ Advice PointsInInches();
 Advice JointInRadians(const std::string& joint);
 Advice LinearJointsIn(bool metres);  // or millimetres
 
-// Every point taken for the configuration after (else before) its own.
+// Every point read with the configuration after (else before) its own.
 Advice RowsShifted(bool is_after);
 
 }  // namespace sagitta

@@ -1,4 +1,4 @@
-// What is said of directions that the data cannot tell.
+// What is said of directions that the data do not determine.
 #pragma once
 
 #include <string>

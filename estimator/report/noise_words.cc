@@ -91,7 +91,7 @@ std::string ChoiceWords(const NoiseReport& report) {
                           : "The data carry one repeatability for all joints of a kind" + figures + ".";
 }
 
-// Arrivals at one configuration tell the robot's scatter from what the model lacks there.
+// Arrivals at one configuration separate the robot's scatter from what the model lacks there.
 bool VisitsTwice(const CalibrationProblem& problem) {
   std::map<int, std::set<int>> visits;
   for (size_t s = 0; s < problem.data().shots.size(); ++s) {

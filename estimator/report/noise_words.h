@@ -8,7 +8,7 @@
 
 namespace sagitta {
 
-// tau: what every coordinate scatters by beside the stated sigmas, m (noise/robot_scatter.h).
+// tau: what every coordinate scatters by in addition to the stated sigmas, m (noise/robot_scatter.h).
 std::string RobotScatterInWords(double tau);
 std::string RotationScatterInWords(double spread);
 

@@ -26,7 +26,7 @@ std::string PatternsLeftOut(int left_out, int offered);
 std::string BodiesAreNotStated();
 std::string BoxesAreNotStated();
 
-// Why a pose cannot be taken, and what of it is checked.
+// Why a pose cannot be used, and what of it is checked.
 std::string BelowItsLimit(const std::string& joint);
 std::string AboveItsLimit(const std::string& joint);
 std::string OutsideItsRange(const std::string& joint);
@@ -49,7 +49,7 @@ std::string HasNoEquilibrium();
 std::string CertificateInWords(const Plan& plan);
 // What the accuracies over the number of poses are, and why the plan's own is another one.
 std::string CurveInWords(const Plan& plan);
-// What the numbers of a plan that tells effects apart mean.
+// What the numbers of a plan that distinguishes effects mean.
 std::string SeparationInWords();
 
 }  // namespace sagitta

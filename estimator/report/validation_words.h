@@ -29,7 +29,7 @@ std::string SomethingMoved(const CalibrationProblem& problem, const Break& found
 // With suspect rows it is these that are to be looked at first.
 std::string RobotStillMisses(double distance_rms, bool has_suspects);
 
-// What limits it besides: a joint whose axis was never turned, a correction larger than arms need (of coordinate
+// What else limits it: a joint whose axis was never turned, a correction larger than arms need (of coordinate
 // `name`, SI).
 std::string JointWasNotMeasured(const Joint& joint, double least, double most);
 std::string CorrectionIsLarge(const std::string& name, double correction, bool is_length);

@@ -221,7 +221,7 @@ Json FinalToJson(const Diagnosis& d) {
   return json;
 }
 
-// Adds the compliance to that of the robot; not where that would be less than none, as beside a simulation that is
+// Adds the compliance to that of the robot; not where that would be less than none, as with a simulation that is
 // softer than the arm.
 bool MoveHome(const EffectSpec& spec, Robot* robot) {
   const int joint = robot->chain.FindJoint(spec.target);

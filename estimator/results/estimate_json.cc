@@ -64,7 +64,7 @@ Json DeflectionToJson(const Estimate& estimate) {
 }
 
 // Held parameters that this one moves together with: its value and interval
-// take them as exact.
+// assume them to be exact.
 Json ConditionalOn(const ParameterEstimate& row, const Estimate& estimate) {
   Json held = Json::array();
   if (!row.free) return held;

@@ -20,7 +20,7 @@ namespace sagitta {
 nlohmann::ordered_json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,
                                       const Provenance& provenance);
 
-// What the data can tell, as estimate.json has it.
+// What the data can determine, as estimate.json has it.
 nlohmann::ordered_json IdentifiabilityToJson(const CalibrationProblem& problem, const Identifiability& identifiability);
 
 // Pretty enough to read, one line per parameter.

@@ -132,7 +132,7 @@ class EstimateReader {
     throw InputError({known_.file, 0, key}, "'" + name + "' is none of the parameters");
   }
 
-  // As many rows as unknowns, and no noise stated: nothing tells how well anything is known.
+  // As many rows as unknowns, and no noise stated: nothing shows how well anything is known.
   bool HasNoNoise() const {
     const auto sigma = root_.Find("sigma");
     if (!sigma) return false;

@@ -1,4 +1,4 @@
-// Loads of rows or targets beside those that an estimate knows.
+// Loads of rows or targets other than those that an estimate knows.
 #pragma once
 
 namespace sagitta {

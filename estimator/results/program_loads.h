@@ -14,7 +14,7 @@ namespace sagitta {
 inline constexpr char kDefaultName[] = "default";  // of a tool, frame or load where the program names none
 
 struct ProgramLoads {
-  Experiment loading;                 // of the estimate, with the loads of the program beside its own
+  Experiment loading;                 // of the estimate, with the loads of the program in addition to its own
   std::vector<std::string> of_point;  // by point of the program: name of its load in `loading`
   std::vector<std::string> unclear;   // by point: why its load is not known; "": it is
   bool needs_flange = false;          // a centre of mass stands in the controller's flange

@@ -1,5 +1,5 @@
 // residuals.csv and the rows of predict: the input rows in their order with all
-// their columns, and more columns beside them.
+// their columns, and more columns next to them.
 #pragma once
 
 #include <string>

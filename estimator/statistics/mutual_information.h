@@ -1,4 +1,4 @@
-// What readings tell of which explanation is the right one: one measure for plans and for the diagnosis.
+// What readings say of which explanation is the right one: one measure for plans and for the diagnosis.
 //
 // Under the right explanation i the log odds of i over j that the readings bring are normal about D_ij / 2 with
 // variance D_ij, D_ij the squared distance of what both predict in the covariance of the readings (exact for known
@@ -8,7 +8,7 @@
 //   information = H + sum_i p_i E ln P_i,   decides = sum_i p_i E P_i
 //
 // the mutual information of name and readings (H: entropy of the names), and the probability that the right name is
-// expected to have after them. For two explanations both are exact; for more the x_ij of one i are taken as moving
+// expected to have after them. For two explanations both are exact; for more the x_ij of one i are assumed to move
 // together.
 #pragma once
 

@@ -259,8 +259,8 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStr
                      problem.data().observations[i].point_in_station - estimate.predicted.col(i) - moved;
                  if (!are_predicted) fold.predicted.Add(scatter[place], root * rows);
                });
-  // What is held besides moves what was held before: no step from the whole finds that. A fold without which something
-  // is not measured is calibrated without.
+  // What is held in addition moves what was held before: no step from the whole finds that. A fold without which
+  // something is not measured is calibrated without.
   for (int f = 0; f < count; ++f) {
     if (!folds[static_cast<size_t>(f)].loses) continue;
     std::vector<int> left_out;

@@ -77,7 +77,7 @@ Widening BetweenPartsWiden(double noise, double dof, double between, double draw
   return widening;
 }
 
-// One per estimated coordinate. What no parts tell is widened like the median of the others.
+// One per estimated coordinate. What no parts determine is widened like the median of the others.
 std::vector<Widening> WideningsOf(const Estimate& estimate, const BetweenParts& between, double excess) {
   std::vector<Widening> all(estimate.estimated.size());
   std::vector<double> sigmas, intervals;

@@ -9,7 +9,7 @@
 //   columns       everything that moves a slot by d f bends the arm by the twist H d f,  H = Xi (I - F_u)^-1, Xi the
 //                 slots' twists; a column is the twist of the flange per unit of its parameter,
 //   rows          J = P [w; v],  P = W B [-[p]x | I] of each marker; W whitener, B = d seen / d point, axes of the
-//                 station; W = s I, the same noise in all directions, takes half of the products
+//                 station; W = s I, the same noise in all directions, needs half of the products
 //
 // Instructions are chosen at run time (AVX-512, AVX2, or plain ones). Lanes where Newton does not settle are left to
 // the caller (the reference decides whether the arm folds).

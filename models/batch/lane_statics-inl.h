@@ -296,7 +296,7 @@ class LaneStatics {
     for (int c = 0; c < 3; ++c) sums->q.column[c] = sums->q.column[c] + other.q.column[c];
   }
 
-  // Where nothing pulls but the spring, which acts on its own joint, the law takes no notice of the rest of the arm.
+  // Where nothing pulls but the spring, which acts on its own joint, the law does not depend on the rest of the arm.
   bool NeedsChain() const { return slots_ > 0 && p_.num_levels > 0; }
 
   void FindStep() {

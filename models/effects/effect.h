@@ -15,7 +15,7 @@
 //
 // An effect that depends on what came before a shot (play, heat) says with
 // Remember what it keeps of it: one number per shot, from all shots in the order
-// they were taken.
+// they were measured.
 //
 // A new effect is one file with one definition, declared in catalogue.h and
 // listed in catalogue.cc.
@@ -146,7 +146,7 @@ struct ShotTerms {
 
 constexpr int kApproachNotStated = 2;
 
-// What a shot is, beside its wrenches: all that an effect may look at.
+// What a shot is, other than its wrenches: all that an effect may look at.
 struct ShotConditions {
   Eigen::VectorXd q;  // commanded, as in the file
   std::string station;
@@ -202,7 +202,7 @@ struct SettingDefinition {
   std::string FallbackFor(const Robot& robot) const { return fallback_of != nullptr ? fallback_of(robot) : fallback; }
 };
 
-// What must be among the data or in the model before an effect can be told.
+// What must be among the data or in the model before an effect can be determined.
 enum class EffectNeeds { kNothing, kLoads, kCompliances, kNoCompliances };
 
 // What drives it, for plots: the angle of its joint (or of the joint that a setting names), time or temperature. The
@@ -245,7 +245,7 @@ struct EffectDefinition {
   // "" or the column that this shot lacks, e.g. "approach3"; null: none but what drives it.
   std::string (*missing)(const EffectContext& context) = nullptr;
   PressedBy (*pressed_by)(const EffectSpec& spec) = nullptr;  // null: it asks for no such thing
-  std::string separate_by = {};  // which data tell it from its rivals; {target} is replaced
+  std::string separate_by = {};  // which data distinguish it from its rivals; {target} is replaced
   std::string note = {};         // what to bear in mind where it is named
   std::string sizes = {};        // where the typical sizes are from
   // What this use keeps of the shots before each: one number per shot. `campaign` is in the order it was measured.

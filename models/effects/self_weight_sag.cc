@@ -1,5 +1,5 @@
 // Deflection = sum over links i beyond the joint of axis . ((R_i s_i) x down):
-// compliance x weight x arm where no load tells them apart. The torque of a couple
+// compliance x weight x arm where no load separates them. The torque of a couple
 // (+down at s_i, -down at the origin of frame i) about the slot.
 #include "models/effects/catalogue.h"
 

@@ -1,5 +1,5 @@
 // The line of sight is bent by a vertical gradient of temperature. A ray of
-// curvature kappa (1/m) that is taken for straight at its arrival seems to come
+// curvature kappa (1/m) that is assumed to be straight at its arrival seems to come
 // from above by the angle between chord and tangent: elevation too large by
 // kappa s / 2 at the range s. kappa = -(d n / d T)(d T / d z) / n = 0.95e-6 1/K times
 // the gradient for visible light in air (Ciddor, Applied Optics 35 (1996) 1566).

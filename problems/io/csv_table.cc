@@ -67,7 +67,7 @@ bool TakeQuotedCell(std::string_view* rest, std::string* cell) {
 }
 
 // False: no byte of the text begins a control character but ends of lines, and tabs. Without a jump per byte: the
-// compiler takes 16 at once.
+// compiler checks 16 at once.
 bool MayHoldControl(std::string_view text) {
   unsigned char control = 0, returns = 0;
   for (const char c : text) {
@@ -99,7 +99,7 @@ void CheckControl(const std::string& path, const CsvLine& line) {
   }
 }
 
-// Calls take(cell) for each cell, `quoted` being memory for those in quotes. At most limits::kColumns.
+// Calls `take` for each cell, `quoted` being memory for those in quotes. At most limits::kColumns.
 template <typename Take>
 void ForEachCell(const std::string& path, const CsvLine& line, std::string* quoted, const Take& take) {
   size_t cells = 0;
@@ -166,7 +166,7 @@ void CheckHeader(const std::string& path, const CsvLine& line, const std::vector
   }
 }
 
-// Of a large table beside what reads it, an eighth of the time; where there is no thread to be had, when it is asked
+// Of a large table while it is read, an eighth of the time; where there is no thread to be had, when it is asked
 // for.
 std::future<std::string> DigestMeanwhile(const std::string& text) {
   constexpr size_t kLarge = 1 << 20;  // bytes: half a millisecond, many times what a thread costs

@@ -26,7 +26,7 @@ void CheckFilesExist(const Experiment& experiment) {
   for (const std::string& path : experiment.measurement_files) check("measurements", path);
 }
 
-// One file that is no experiment: what is missing beside it.
+// One file that is no experiment: what is missing next to it.
 [[noreturn]] void FailAlone(const std::string& path) {
   const std::string text = ReadTextFile(path);
   const std::string hint = "give ROBOT.yaml MEAS.csv…, or a file with schema: sagitta/experiment/1";

@@ -15,7 +15,7 @@ std::map<std::string, StationSpec> ReadStations(const YamlValue& value);
 void ReadTool(const YamlValue& value, Experiment* experiment);
 void ReadGravity(const YamlValue& value, Experiment* experiment);
 
-// Takes the choice that the value names; Choice: an enum of problems/choices.h.
+// Sets the choice that the value names; Choice: an enum of problems/choices.h.
 template <typename Choice>
 void ReadChoice(const YamlValue& value, Choice* choice) {
   *choice = *FindChoice<Choice>(value.OneOf(WordsOf<Choice>()));

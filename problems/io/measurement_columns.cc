@@ -28,7 +28,7 @@ bool IsReserved(const std::string& name) {
   return reserved.count(name) > 0;
 }
 
-// Too short for a slip of the pen to be told from another name.
+// Too short for a slip of the pen to be distinguished from another name.
 bool IsQuaternion(const std::string& name) {
   return name.size() == 2 && name[0] == 'o' && name.find_first_of("wxyz", 1) == 1;
 }
@@ -173,7 +173,7 @@ void ColumnFinder::CheckJointCount() const {
        "columns q1 .. q" + std::to_string(joints_.size()) + " are expected");
 }
 
-// All joints or none: a torque that is left out would be taken for zero, or for the model's.
+// All joints or none: a torque that is left out would be read as zero, or for the model's.
 void ColumnFinder::CheckTorques(const MeasurementColumns& columns) const {
   for (const std::string& name : table_.file.header) {
     const auto number = NumberAfter(name, "tau");

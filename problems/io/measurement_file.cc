@@ -65,7 +65,7 @@ bool SameCells(const MeasurementFile& file, const MeasurementFile::Row& row, con
   return true;
 }
 
-// A shot takes the mean of the times, temperatures and joint torques that its rows state.
+// A shot has the mean of the times, temperatures and joint torques that its rows state.
 struct Moment {
   int times = 0, temperatures = 0, torques = 0;
   double earliest = 0.0, latest = 0.0;
@@ -322,7 +322,7 @@ void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns,
   }
 }
 
-// "s1" beside "S1": a slip of the hand makes another instrument of it, with a pose of its own.
+// "s1" next to "S1": a slip of the hand makes another instrument of it, with a pose of its own.
 void WarnOfLetterCase(const std::string& what, const std::vector<std::string>& labels,
                       std::vector<std::string>* warnings) {
   std::map<std::string, std::string> seen;  // by the label in small letters
@@ -336,7 +336,7 @@ void WarnOfLetterCase(const std::string& what, const std::vector<std::string>& l
   }
 }
 
-// A label in one row alone, where others are in many: unknowns of its own take up all that the row says.
+// A label in one row alone, where others are in many: unknowns of its own absorb all that the row says.
 template <typename LabelOf>
 void WarnOfSingleRows(const std::string& what, const std::vector<std::string>& labels, const LabelOf& label_of,
                       Measurements* data) {

@@ -17,7 +17,7 @@ struct MeasurementReadOptions {
 
 // Several files make one set of data; ids are shared across them. `joints` are
 // the robot's joint names, for messages; columns are q1 .. qN by position,
-// `prismatic[j]` tells which unit column j has to have. Throws InputError.
+// `prismatic[j]` states which unit column j has to have. Throws InputError.
 Measurements ReadMeasurements(const std::vector<std::string>& paths, const std::vector<std::string>& joints,
                               const std::vector<bool>& prismatic, const MeasurementReadOptions& options = {});
 

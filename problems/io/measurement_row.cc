@@ -143,7 +143,7 @@ void ReadLoad(const RowReader& reader, const MeasurementColumns& columns, Measur
     row->wrench.moment[i] = reader.NumberOr(columns.wrench[i + 3], 0.0, limits::kMoment);
   }
   const bool loaded = !row->wrench.IsZero();
-  // Without a load column the wrench alone tells the two states apart.
+  // Without a load column the wrench alone distinguishes the two states.
   row->load = reader.Text(columns.load, columns.load < 0 && loaded ? "unnamed" : kNoLoad);
   if (IsNoneInOtherLetters(row->load)) {
     reader.Fail("load", "'" + std::string(row->load) + "': " + kLoadOrNone, kHowNoneIsWritten);

@@ -13,7 +13,7 @@
 namespace sagitta {
 namespace {
 
-// A column's name taken apart: quantity x, q1, sigma_x .., unit "" where it has none of ours.
+// A column's name in its parts: quantity x, q1, sigma_x .., unit "" where it has none of ours.
 struct Column {
   std::string quantity;
   std::string unit;

@@ -112,8 +112,8 @@ LongText InOnePiece(const std::string& name, const std::string& text) {
   return {name, [&text](const TextSink& write) { write(text); }};
 }
 
-// A new file that is locked while the run lives, so that others tell it from what a killed run has left. One of them
-// may have come between opening and locking and swept it away: then another name.
+// A new file that is locked while the run lives, so that others distinguish it from what a killed run has left. One of
+// them may have come between opening and locking and swept it away: then another name.
 Descriptor NewLockedFile(int folder, const std::string& start, std::string* name) {
   while (true) {
     *name = RandomName(start);

@@ -25,7 +25,7 @@ struct LongText {
 // Throws InputError; then the file is as it was.
 void WriteTextFile(const std::string& path, const std::string& text);
 
-// Folders on the way to an output, made where they are absent and taken away again if they stay empty.
+// Folders on the way to an output, made where they are absent and removed again if they stay empty.
 class NewFolders {
  public:
   explicit NewFolders(const std::string& folder);  // throws InputError

@@ -10,7 +10,7 @@
 namespace sagitta {
 
 // Throws InputError. Reads YAML, JSON as its subset, and URDF where one chain can
-// be meant (urdf_robot.h). `own_effects`: definitions beside the catalogue that the
+// be meant (urdf_robot.h). `own_effects`: definitions in addition to the catalogue that the
 // file may use; the robot carries them on.
 Robot ReadRobotFile(const std::string& path, const std::vector<const EffectDefinition*>& own_effects = {});
 Robot ReadRobotText(const std::string& text, const std::string& file_in_messages,

@@ -127,7 +127,7 @@ KinematicsKeys ReadKinematicsKeys(const YamlValue& value) {
   return keys;
 }
 
-// Joints that the robot file states besides its URDF: the same ones; their limits come first.
+// Joints that the robot file states in addition to its URDF: the same ones; their limits come first.
 void TakeLimits(const YamlValue& value, const std::vector<Joint>& stated, Chain* chain) {
   std::vector<std::string> names;
   for (const Joint& joint : chain->joints) names.push_back(joint.name);

@@ -110,7 +110,7 @@ bool HasContainers(const Json& json) {
   return false;
 }
 
-// Plain where no reader could take it for a number, null or syntax.
+// Plain where no reader could mistake it for a number, null or syntax.
 bool IsPlainText(const std::string& text) {
   if (text.empty() || (!std::isalpha(static_cast<unsigned char>(text[0])) && text[0] != '_') || text.back() == ' ') {
     return false;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kFormulaStarts = "=+-@\t\r";
 
-// Bytes that no reader of tables takes for anything else.
+// Bytes that no reader of tables mistakes for anything else.
 constexpr std::array<bool, 256> PlainBytes() {
   std::array<bool, 256> plain = {};
   for (const char c : std::string_view("0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz._")) {

@@ -14,14 +14,14 @@ inline bool HasControlCharacter(std::string_view text) { return FindControlChara
 // "U+001B" of the one at `at`.
 std::string NameOfControlCharacter(std::string_view text, size_t at);
 
-// The text with control characters as \x1b and, unless it is told to keep them, line ends and tabs as \n and \t.
+// The text with control characters as \x1b and, unless `keep_lines` keeps them, line ends and tabs as \n and \t.
 std::string Printable(std::string_view text, bool keep_lines = false);
 
 // The same text in UTF-8 for certain: bytes that are none become U+FFFD.
 std::string ValidUtf8(const std::string& text);
 
 // A cell of a CSV file: quoted where it has to be, and, where it is a text that a spreadsheet would compute (=1+1,
-// +cmd, -x, @f), with an apostrophe before it, which UnguardedCell takes away. Numbers stay numbers.
+// +cmd, -x, @f), with an apostrophe before it, which UnguardedCell removes. Numbers stay numbers.
 std::string CsvCell(const std::string& text);
 // Appends the same to a line.
 void AddCsvCell(std::string_view text, std::string* line);

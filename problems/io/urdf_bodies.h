@@ -14,7 +14,7 @@ namespace sagitta {
 struct UrdfBodies {
   std::vector<LinkCapsule> capsules;  // named after their links; several of one link: with a number behind
   std::vector<std::string> meshes;    // links with a collision geometry that is not read
-  std::vector<std::string> moving;    // links beside the chain that move on their own
+  std::vector<std::string> moving;    // links outside the chain that move on their own
   std::vector<std::string> bare;      // links of the chain that have no collision geometry
 };
 

@@ -43,11 +43,11 @@ struct UrdfShape {
   Pose<double> link_from_shape;
 };
 
-// A link of the chain with the shapes of whatever is fixed to it beside the chain.
+// A link of the chain with the shapes of whatever is fixed to it outside the chain.
 struct UrdfLink {
   std::string name;
   std::vector<UrdfShape> shapes;
-  std::vector<std::string> moving_beside;  // links that a joint beside the chain moves: their shapes are left out
+  std::vector<std::string> moving_beside;  // links that a joint outside the chain moves: their shapes are left out
 };
 
 struct UrdfChain {

@@ -116,7 +116,7 @@ Coupling CouplingOf(const UrdfChain& urdf, const UrdfJoint& follower, const Chai
 }  // namespace
 
 Vector3<double> RpyFromRotation(const Matrix3<double>& rotation) {
-  // Each angle is taken from what the ones before leave, so that an undetermined yaw does no harm.
+  // Each angle is read from what the ones before leave, so that an undetermined yaw does no harm.
   const double yaw = std::atan2(rotation(1, 0), rotation(0, 0));
   const Matrix3<double> rest = Eigen::AngleAxisd(-yaw, Vector3<double>::UnitZ()).toRotationMatrix() * rotation;
   return {std::atan2(-rest(1, 2), rest(1, 1)), std::atan2(-rest(2, 0), rest(0, 0)), yaw};

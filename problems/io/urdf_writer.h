@@ -25,7 +25,7 @@ struct EditedUrdf {
 // attributes xyz and rpy of joints that change (by more than 1e-12), everything
 // else byte for byte. The robot's joints are the URDF's, in order. A chain that was
 // read from a URDF keeps its frames; for any other the URDF's frames are moved
-// onto the robot's axes by the least turn and shift, and the last fixed joint takes
+// onto the robot's axes by the least turn and shift, and the last fixed joint absorbs
 // the rest. Throws InputError where that is not possible, and where an origin
 // would move by more than 100 mm or 10 degrees: then it is another robot.
 EditedUrdf EditUrdf(const std::string& text, const std::string& file_in_messages, const UrdfEnds& ends,

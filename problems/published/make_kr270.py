@@ -71,7 +71,7 @@ class Frame:
 def flange(q_deg, error, deflection=(0.0,) * 6, joints=None):
     """The flange in the base frame, mm; error in mm and rad by name.
 
-    joints: a list that takes (axis, origin) of every joint and the frames right after A1 and A2.
+    joints: a list that receives (axis, origin) of every joint and the frames right after A1 and A2.
     """
     q = [math.radians(value) + bent for value, bent in zip(q_deg, deflection)]
     x_axis, y_axis, z_axis = 0, 1, 2

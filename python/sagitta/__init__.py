@@ -517,7 +517,7 @@ def _names(names):
 
 
 def _whole(number, name, least=-2**31, most=2**31 - 1):
-    """As an int of C++; what it may be besides is asked there."""
+    """As an int of C++; what else it may be is asked there."""
     try:
         whole = _operator.index(number)
     except TypeError:
@@ -603,7 +603,7 @@ def diagnose(experiment, *, threads=None, force=False, progress=None):
 
 
 def inspect(experiment, *, progress=None):
-    """What a data set can tell, and what is wrong with it, without an estimate."""
+    """What a data set can determine, and what is wrong with it, without an estimate."""
     return Inspection(_core.inspect(_experiment(experiment), "sagitta.inspect", progress))
 
 
@@ -641,7 +641,7 @@ def changed(old, new):
 
 
 def _frames(frames):
-    """{"world": "same", "TOOL_DATA[1]": (x, y, z, roll, pitch, yaw)} as the program takes it."""
+    """{"world": "same", "TOOL_DATA[1]": (x, y, z, roll, pitch, yaw)} as the program accepts it."""
     parts = []
     for name, pose in frames.items():
         parts.append("%s=%s" % (name, pose if isinstance(pose, str) else ",".join(repr(float(n)) for n in pose)))
@@ -687,7 +687,7 @@ def plan(experiment, *, poses=None, accuracy_mm=None, augment=False, criterion="
 
     tests: rows, or "random". cell: what poses keep to, the path of a cell.yaml, its text or a dict of its keys.
     model_error: an estimate of a former calibration, or the path of its estimate.json: what it shows to be wrong with
-    the model is part of the plan. move: drawn poses may move to where they tell more.
+    the model is part of the plan. move: drawn poses may move to where they determine more.
     """
     if (poses is None) == (accuracy_mm is None):
         raise _tables._input_error("one of poses and accuracy_mm says how many", "poses", "poses=20")

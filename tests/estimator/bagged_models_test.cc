@@ -57,7 +57,7 @@ TEST(BaggedModels, WhatEveryResampleShowsStays) {
   EXPECT_LT(bagged.Of(weak), 0.7);
 }
 
-// The poses as they are count as one resample: beside them each of these holds a name or does not.
+// The poses as they are count as one resample: in addition to them each of these holds a name or does not.
 TEST(BaggedModels, EveryResampleHasOneShare) {
   const std::unique_ptr<Evidence> evidence = Weigh(40);
   const Posterior whole = PosteriorOf(*evidence, evidence->models());

@@ -47,7 +47,7 @@ TEST(BetweenParts, MomentsFindTheCovarianceOfTheModelError) {
   EXPECT_EQ(found.covariance(0, 1), 0.0);
 }
 
-// Base poses are compared along the base's axes and told along the station's.
+// Base poses are compared along the base's axes and stated along the station's.
 TEST(BetweenParts, TurnsBackToTheAxesOfTheStation) {
   const CalibrationProblem problem = test::Kr270Problem({}, {}, 1);
   std::vector<int> columns;

@@ -215,7 +215,7 @@ TEST(Breaks, WhatFollowsTheAngleIsNone) {
   EXPECT_EQ(jumped->index, 1);
 }
 
-// What a verdict needs besides: rows that are held out but have been seen.
+// What else a verdict needs: rows that are held out but have been seen.
 TEST(Verdict, HeldOutRowsThatWereFittedAreNoCheck) {
   CalibrationProblem problem = Measured(Kr270Truth());
   Measurements data = problem.data();
@@ -277,8 +277,8 @@ TEST(Breaks, TimesGoBeforeTheOrderOfRows) {
   EXPECT_FALSE(FindBreak(problem, EstimateJointly(problem)));
 }
 
-// Loads change from shot to shot, or once: 250 kg and two sideways pulls beside none, one station, by the generator of
-// tests/support/loaded_kr270.h.
+// Loads change from shot to shot, or once: 250 kg and two sideways pulls in addition to none, one station, by the
+// generator of tests/support/loaded_kr270.h.
 test::LoadedTruth LoadedArm() {
   test::LoadedTruth truth = test::Everything();
   truth.spring.reset();

@@ -216,7 +216,7 @@ TEST_F(CompensationTest, EstimatedParametersKeepTheirPromise) {
   EXPECT_GE(beyond_half, 1);
 }
 
-// A robot of these joints with every nominal length or angle a little off, and what it takes.
+// A robot of these joints with every nominal length or angle a little off, and what it needs.
 FlangeSolution SolveOffset(const Chain& chain, const Eigen::VectorXd& q, const Pose<double>& shift) {
   static std::vector<std::unique_ptr<ForwardModel>> models;
   models.push_back(std::make_unique<ForwardModel>(chain));

@@ -103,7 +103,7 @@ TEST(Diagnosis, MeasuredAndSimulatedFollowTheDriver) {
     EXPECT_NEAR(view.simulated[i], 1e6 * harmonic(q), 25.0);  // 5 standard deviations of either coefficient
     squared += std::pow(view.measured[i] - 1e6 * harmonic(q), 2);
   }
-  // 20 um on three markers about 2 m away, less what base and geometry take: below 40 urad.
+  // 20 um on three markers about 2 m away, less what base and geometry absorb: below 40 urad.
   EXPECT_LT(std::sqrt(squared / static_cast<double>(view.x.size())), 40.0);
 }
 
@@ -204,9 +204,9 @@ TEST(Diagnosis, WrongStatedNoiseIsAFindingAndNoEffect) {
   EXPECT_GT(diagnosis.noise.high, 2.0);
 }
 
-// Joints that come to rest 40 urad (standard deviation) beside where they should, and nobody said so. Of 20 intervals
-// at 95 %, fewer than 15 hold the truth once in 3000. About 35 x 6 deviations less 50 unknowns tell the size: 5.6 %
-// each, 1.3 % for the mean.
+// Joints that come to rest 40 urad (standard deviation) away from where they should, and nobody said so. Of 20
+// intervals at 95 %, fewer than 15 hold the truth once in 3000. About 35 x 6 deviations less 50 unknowns determine the
+// size: 5.6 % each, 1.3 % for the mean.
 TEST(Diagnosis, UndeclaredRepeatabilityIsMeasured) {
   constexpr double kTruth = 40e-6;
   constexpr int kTrials = 20;
@@ -228,9 +228,9 @@ TEST(Diagnosis, UndeclaredRepeatabilityIsMeasured) {
   EXPECT_NEAR(sum / kTrials, kTruth, 0.05 * kTruth);
 }
 
-// Deviations of joints about as large as the instrument's noise move all markers of an arrival alike: taken for white
-// noise they are anybody's effect. Every pose is visited once: an error that follows the pose would look the same, and
-// that is said.
+// Deviations of joints about as large as the instrument's noise move all markers of an arrival alike: mistaken for
+// white noise they are anybody's effect. Every pose is visited once: an error that follows the pose would look the
+// same, and that is said.
 TEST(Diagnosis, DeviatingJointsAreNoEffect) {
   for (int trial = 0; trial < 3; ++trial) {
     std::mt19937_64 random(40 + trial);
@@ -286,11 +286,11 @@ TEST(Diagnosis, OpenSigmaFollowsWhatIsNamed) {
   EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kExplained);
   ASSERT_EQ(diagnosis.effects.size(), 1u);
   EXPECT_EQ(diagnosis.effects[0].candidate.spec.Path(), "effect/joint_harmonic[order=2]/A3");
-  // 105 rows less about 35 unknowns tell sigma to 8 % and predict with up to sqrt(1.5) of it.
+  // 105 rows less about 35 unknowns determine sigma to 8 % and predict with up to sqrt(1.5) of it.
   EXPECT_NEAR(diagnosis.final.estimate.noise_floor, 1.2 * kSigma, 0.4 * kSigma);
 }
 
-// Asked for, too, it takes nothing away from what has a name.
+// Asked for, too, it removes nothing from what has a name.
 TEST(Diagnosis, AskedRepeatabilityLeavesEffectsTheirNames) {
   CalibrationProblem problem = Hidden(2, [](double q) { return 80e-6 * std::cos(2 * q) - 50e-6 * std::sin(2 * q); });
   for (Observation& observation : problem.mutable_data()->observations) observation.sigma.setZero();
@@ -356,8 +356,8 @@ TEST(Diagnosis, WhatHasANameIsNotLearnt) {
   EXPECT_EQ(diagnosis.learnt, nullptr);
 }
 
-// A cause with a name on joint 5, with a ripple that has none, beside a larger one without a name on joint 1: the
-// ripple makes a smooth function of joint 5 fit better than the gain alone, which holds all the same.
+// A cause with a name on joint 5, with a ripple that has none, together with a larger one without a name on joint 1:
+// the ripple makes a smooth function of joint 5 fit better than the gain alone, which holds all the same.
 TEST(Diagnosis, NamedCauseHoldsBesideOneWithoutAName) {
   const auto bump = [](double q) { return 300e-6 * std::exp(-0.5 * std::pow((q - 0.3) / 0.15, 2)); };
   const auto gain = [](double q) { return 90e-6 * q + 25e-6 * std::sin(9.0 * q) * std::exp(-q * q); };

@@ -169,7 +169,7 @@ TEST(EvidenceColumns, RowsOfVisitsAndOfPosesScatterTogether) {
       }
     }
   }
-  // Beside what is believed: rows less what these tell of unknowns, and what no value of these explains.
+  // Given what is believed: rows less what these determine of unknowns, and what no value of these explains.
   const BesideBelieved beside = columns.Project(sums);
   const Eigen::MatrixXd white = root.matrixL().solve(all);
   const Eigen::VectorXd scale = white.colwise().norm().cwiseInverse();

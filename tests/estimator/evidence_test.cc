@@ -43,7 +43,7 @@ struct Small {
     return {Eigen::MatrixXd(a.transpose() * a), a.transpose() * r, r.squaredNorm(), static_cast<double>(r.size())};
   }
 
-  // Log density of the residual beside the believed columns, without (2 pi)^(-n/2), sigma times `factor`.
+  // Log density of the residual given the believed columns, without (2 pi)^(-n/2), sigma times `factor`.
   double LogDensity(const Eigen::MatrixXd& coefficients_root, double factor = 1.0) const {
     const Eigen::MatrixXd a = left.transpose() * columns * coefficients_root;
     const Eigen::VectorXd r = left.transpose() * residual;
@@ -250,7 +250,7 @@ TEST(Sweep, FollowsGroupsThatComeAndGo) {
   insert(1, second, 1.0);
 }
 
-// Of three groups each in turn: by leaving it out, and by taking it out of the sweep with all.
+// Of three groups each in turn: by leaving it out, and by removing it from the sweep with all.
 TEST(Sweep, WithoutOneIsTheSweepOfTheOthers) {
   const Small small(15, 3, 6, 31);
   const ProjectedNormal normal = small.Normal();
@@ -316,7 +316,7 @@ std::map<std::vector<int>, double> Enumerated(const SetSearch& search, const std
   return weights;
 }
 
-// Two true causes, and one wide group that imitates both: greedy addition takes that one first.
+// Two true causes, and one wide group that imitates both: greedy addition adds that one first.
 TEST(SetSearch, FindsWhatEnumerationFinds) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Small small(60, 3, 9, 100 * seed);

@@ -78,7 +78,7 @@ TEST(FeasibleTest, BodiesMeetWhereTheirAxesComeNearerThanTheirRadii) {
       room = std::min(room, SampledDistance(frame * body.from, frame * body.to, flange * tool.from, flange * tool.to) -
                                 body.radius - tool.radius - 0.010);
     }
-    if (std::abs(room) < 0.003) continue;  // sampling does not tell
+    if (std::abs(room) < 0.003) continue;  // sampling does not decide
     ++compared;
     const std::string words = scene.Collision(frames);
     EXPECT_EQ(words.empty(), room > 0.0) << words << ", room " << room;

@@ -86,7 +86,7 @@ TEST(GapMap, IsDrawnOverWhatVaries) {
   EXPECT_EQ(names(), (std::vector<std::string>{"A4", "approach of A4", "time"}));
 }
 
-// Markers on the axis of A6 do not see it turn; where the fit puts them beside it by rounding and noise, they would
+// Markers on the axis of A6 do not see it turn; where the fit puts them next to it by rounding and noise, they would
 // draw thousands of radians.
 TEST(GapMap, LeavesOutAJointThatNoMarkerSees) {
   test::Kr270Truth on_axis;

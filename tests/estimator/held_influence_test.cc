@@ -1,5 +1,5 @@
-// Intervals that do not take a held parameter as exact: a grid whose flange never
-// turns cannot tell the tool from the base.
+// Intervals that do not assume a held parameter to be exact: a grid whose flange never
+// turns cannot separate the tool and the base.
 #include "estimator/least_squares/held_influence.h"
 
 #include <gmock/gmock.h>

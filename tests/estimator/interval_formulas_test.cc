@@ -192,7 +192,7 @@ TEST(IntervalFormulas, WhatHeldParametersMayBe) {
   HeldInfluence held = FindHeldInfluence(both, parameters, 1, s);
   EXPECT_NEAR(held.slopes(0, 0), 0.0, 1e-15);
   EXPECT_NEAR(held.second_moment(0, 0), 1.0 / information + pull * pull, 1e-12);
-  // h = (2, 0, 0.5): the estimated one takes the mean, -2.5 / 3 for each unit; what is left of h is h - 2.5 / 3.
+  // h = (2, 0, 0.5): the estimated one absorbs the mean, -2.5 / 3 for each unit; what is left of h is h - 2.5 / 3.
   both.jacobian.col(1) = Vector3<double>(2.0, 0.0, 0.5);
   held = FindHeldInfluence(both, parameters, 1, s);
   EXPECT_NEAR(held.slopes(0, 0), -2.5 / 3.0, 1e-12);

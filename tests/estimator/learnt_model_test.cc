@@ -1,4 +1,4 @@
-// What goes beside a learnt function where poses are few.
+// What goes with a learnt function where poses are few.
 #include "estimator/diagnosis/learnt_model.h"
 
 #include <gtest/gtest.h>

@@ -124,7 +124,7 @@ std::vector<Variant> Variants() {
        [](LoadedTruth* t, LoadedDesign* d) {
          t->spring = test::SpringTruth();
          t->spring->preload = false;
-         d->sigma = 1e-6;  // its stiffness alone tells little
+         d->sigma = 1e-6;  // its stiffness alone determines little
        }},
   };
 }

@@ -58,7 +58,7 @@ TEST(MutualInformationTest, OfTwoIsTheIntegralOverTheReading) {
   }
 }
 
-// Odds of three predictions on a line do not move together. Taken as if they did, the information errs by less than a
+// Odds of three predictions on a line do not move together. Treated as if they did, the information errs by less than a
 // tenth of all there is to know.
 TEST(MutualInformationTest, OfThreeIsNearTheIntegral) {
   const Eigen::Vector3d p(0.5, 0.3, 0.2);
@@ -68,7 +68,7 @@ TEST(MutualInformationTest, OfThreeIsNearTheIntegral) {
     EXPECT_NEAR(MutualInformation(p, OwnNames(p), ApartOf(means)), Integrated(p, means).information, 0.1 * all)
         << distance;
   }
-  // Nothing told: what was known before. All told: the entropy.
+  // Nothing distinguished: what was known before. All distinguished: the entropy.
   EXPECT_NEAR(ExpectedProbability(p, OwnNames(p), Eigen::Matrix3d::Zero()), p.squaredNorm(), 1e-12);
   EXPECT_NEAR(MutualInformation(p, OwnNames(p), Eigen::Matrix3d::Zero()), 0.0, 1e-12);
   Eigen::Matrix3d far = Eigen::Matrix3d::Constant(500.0);

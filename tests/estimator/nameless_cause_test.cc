@@ -77,7 +77,7 @@ TEST(NamelessCause, OddsAreThoseOfTheTwoPriors) {
   const auto odds = [&](const std::vector<int>& members) {
     return std::exp(causes.LogPriorOdds(members, causes.OneOf(members)));
   };
-  // Two causes, drawn in either order, with 0.3 for the second: 0.3 2 0.02 of the gain beside the function. One cause
+  // Two causes, drawn in either order, with 0.3 for the second: 0.3 2 0.02 of the gain with the function. One cause
   // with a piece like it: 0.3 0.02 / (0.02 + 0.05).
   EXPECT_NEAR(odds({gain, angle}), (0.3 * 0.02 / 0.07) / (0.3 * 2.0 * 0.02), 1e-12);
   // Of three causes one further one was seen: (0.3 + 1) / 2 that there is one more.

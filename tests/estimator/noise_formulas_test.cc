@@ -57,7 +57,7 @@ TEST(NoiseFormulas, WeightsOfEquation14) {
   EXPECT_LT((root.diagonal() - Vector3<double>(1.5e-5, 2e-5, 3e-5)).norm(), 1e-18);
 }
 
-// s^2 = sum r^2 / sum (1 - h) per axis, h from a dense QR: 39 unknowns take a quarter of 162 equations.
+// s^2 = sum r^2 / sum (1 - h) per axis, h from a dense QR: 39 unknowns absorb a quarter of 162 equations.
 TEST(NoiseFormulas, SpreadOfResidualsCountsWhatTheFitLeaves) {
   const CalibrationProblem problem = test::Kr270Problem(test::Kr270Design(), test::Kr270Truth(), 6);
   const Estimate estimate = EstimateJointly(problem);

@@ -328,7 +328,7 @@ Reduced Reduce(ceres::Problem* problem, const std::vector<double*>& first, const
           g.head(num_first) - jacobian.leftCols(num_first).transpose() * (of_later * step)};
 }
 
-// What Ceres is told: the cost of all rows, and its gradient; joint deviations, blocks of their own in the cost per
+// What Ceres is given: the cost of all rows, and its gradient; joint deviations, blocks of their own in the cost per
 // marker, are at their optimum.
 TEST_P(NormalEquationsOf, CondensedCostIsTheCostPerMarker) {
   const NormalEquations equations(problem_, rows_.observations, rows_.noise, LatentTreatment::kMarginalise, 1);
@@ -379,7 +379,7 @@ TEST_P(NormalEquationsOf, EstimatesAreThoseByMarker) {
 INSTANTIATE_TEST_SUITE_P(Problems, NormalEquationsOf, testing::ValuesIn(kProblems),
                          [](const auto& own) { return std::string(own.param.name); });
 
-// From nominal a loaded arm takes few steps, however few the configurations.
+// From nominal a loaded arm needs few steps, however few the configurations.
 TEST(JointEstimate, TakesAtMostFiveIterationsFromNominal) {
   for (const int configurations : {18, 100}) {
     test::LoadedTruth truth = test::Everything();

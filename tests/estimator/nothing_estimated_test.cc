@@ -1,5 +1,5 @@
-// Nothing can be told of anything: rows without columns everywhere. That ends in words, and no matrix is reached into
-// that has no memory (which the sanitizers see).
+// Nothing can be determined of anything: rows without columns everywhere. That ends in words, and no matrix is reached
+// into that has no memory (which the sanitizers see).
 #include <gtest/gtest.h>
 
 #include <cmath>

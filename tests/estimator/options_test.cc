@@ -1,4 +1,4 @@
-// Options are checked once, where the library takes them: what is out of range is an InputError that names the option
+// Options are checked once, where the library accepts them: what is out of range is an InputError that names the option
 // and says what is expected, and nothing else happens.
 #include <gtest/gtest.h>
 
@@ -197,7 +197,7 @@ TEST(Options, OfAnExperimentAreRefusedAtTheirKey) {
   }
 }
 
-// The functions that take options ask before they do anything else: of the progress nothing is heard.
+// The functions that accept options ask before they do anything else: of the progress nothing is heard.
 TEST(Options, AreAskedAtTheDoor) {
   const test::Kr270Truth truth;
   test::Kr270Design design;

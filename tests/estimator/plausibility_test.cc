@@ -88,7 +88,7 @@ TEST(Plausibility, WrongTablesAreRefusedWithTheirCure) {
   }
 }
 
-// Each error of an arm drawn up to 5 mm and 1 deg; alone, and with rows that are far off beside.
+// Each error of an arm drawn up to 5 mm and 1 deg; alone, and with rows in addition that are far off.
 TEST(Plausibility, RobotsWithLargeErrorsAreNotRefused) {
   for (int seed = 0; seed < 40; ++seed) {
     const Plausibility found = CheckPlausible(test::ArmWithLargeErrors(seed));
@@ -129,7 +129,7 @@ TEST(Plausibility, ManyRowsShiftedByOneAreRefusedWithTheirCure) {
   EXPECT_EQ(found.finding.code, "row_shift") << found.finding.words;
 }
 
-// A lost reading at the end is left out where each point is taken for the configuration after its own: that the others
+// A lost reading at the end is left out where each point is read with the configuration after its own: that the others
 // fit says nothing for it.
 TEST(Plausibility, ALostReadingIsNoShift) {
   for (const bool is_last : {true, false}) {

@@ -1,4 +1,4 @@
-// Which poses are taken, and what is expected of them, by closed forms of a few readings.
+// Which poses are chosen, and what is expected of them, by closed forms of a few readings.
 #include "estimator/diagnosis/pose_choice.h"
 
 #include <gtest/gtest.h>

@@ -381,7 +381,7 @@ TEST_F(ProgramLoadTest, WhatIsStatedOtherwiseOrTwice) {
   EXPECT_EQ(CompensateProgram(rigid, ReadAs(".src", load + home), scene_, 1).results[0].untouched, "");
 }
 
-// 'N U T, 0, 0, 1': one of three joints stands beyond 180 deg. Limits tell which, or the user does.
+// 'N U T, 0, 0, 1': one of three joints stands beyond 180 deg. Limits decide which, or the user does.
 TEST_F(ProgramCompensationTest, FanucTurns) {
   const Eigen::VectorXd q = Joints({20, -95, 100, 30, 40, 200});
   std::string text = "/PROG P\n/POS\nP[1]{\n   GP1:\n\tUF : 2, UT : 1,\t\tCONFIG : 'F U T, 0, 0, 1',\n\t";

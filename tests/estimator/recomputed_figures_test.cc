@@ -263,7 +263,7 @@ TEST(RecomputedFigures, Deflections) {
   EXPECT_NEAR(estimate.deflection_after.distance_max, farthest, 1e-12);
 }
 
-// Three repeats of 18 arrivals tell sigma by few degrees of freedom: F, not chi-square.
+// Three repeats of 18 arrivals determine sigma by few degrees of freedom: F, not chi-square.
 TEST(RecomputedFigures, LackOfFitAgainstFewRepeats) {
   test::RepeatDesign design;
   design.configurations = 18;

@@ -13,7 +13,7 @@
 namespace sagitta::redraw_test {
 namespace {
 
-// Markers on the spring sit beside its ends by their stated sigmas, anew in every draw, wherever the truth has them.
+// Markers on the spring are off its ends by their stated sigmas, anew in every draw, wherever the truth has them.
 TEST(Redraw, MarkersOnTheSpringAreOffByTheirSigmas) {
   test::LoadedTruth truth;
   truth.spring = test::SpringTruth();

@@ -129,7 +129,7 @@ TEST(Bootstrap, OfConfigurationsSeesWhatAConfigurationShares) {
   EXPECT_EQ(drawn.intervals.kind, BootstrapKind::kConfigurations);
   EXPECT_EQ(drawn.intervals.clusters, 120);
   // A geometric error that moves all markers alike: its variance is that of the
-  // shared error, 3 times what rows taken as independent say.
+  // shared error, 3 times what rows say that are assumed to be independent.
   const int i = model.parameters.FindCoordinate("base/S1/x");
   EXPECT_GT(drawn.table[i].sigma, 1.4 * model.table[i].sigma);
 }

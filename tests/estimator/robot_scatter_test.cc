@@ -52,7 +52,7 @@ TEST(RobotScatter, IsFoundAndMakesTheFitBetter) {
     const CalibrationProblem problem = Measured(kTau, seed, NoiseSpec::From::kDefault);
     const ResolvedEstimate found = EstimateWithNoise(problem);
     ASSERT_TRUE(IsUsable(found.estimate.status)) << found.estimate.message;
-    // 540 coordinates less 33 unknowns: 3.1 % of a standard deviation, and what the unknowns take (3 %).
+    // 540 coordinates less 33 unknowns: 3.1 % of a standard deviation, and what the unknowns absorb (3 %).
     EXPECT_NEAR(FindRobotScatter(problem, found.estimate).tau, kTau, (4 * 0.031 + 0.03) * kTau);
     const ResolvedEstimate stated = EstimateWithNoise(Measured(kTau, seed, NoiseSpec::From::kRows));
     EXPECT_TRUE(stated.problem.resolved_noise.empty());

@@ -1,4 +1,4 @@
-// Poses whose rotations scatter by another size than their points, against an estimate that is told both.
+// Poses whose rotations scatter by another size than their points, against an estimate to which both are stated.
 #include "estimator/noise/rotation_noise.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 namespace sagitta::rotation_noise_test {
 namespace {
 
-constexpr double kPoint = 5e-5, kRotation = 6e-4;  // m, rad: 0.05 mm beside 0.6 mrad
+constexpr double kPoint = 5e-5, kRotation = 6e-4;  // m, rad: 0.05 mm with 0.6 mrad
 constexpr int kConfigurations = 60;
 
 // Sixty poses with that noise; `point` and `rotation`: what the rows state; `turned`: what rotations scatter by.
@@ -97,7 +97,7 @@ TEST(RotationNoise, WhatIsStatedRightStays) {
   EXPECT_TRUE(right.estimate.noise_report.words.empty());
 }
 
-// Rotations that are fifty times as good as the 1 mrad that is assumed of them, beside points that state their noise or
+// Rotations that are fifty times as good as the 1 mrad that is assumed of them, with points that state their noise or
 // do not: nothing is missing.
 TEST(RotationNoise, WhatRotationsDoNotStateIsNoMissingEffect) {
   for (const double point : {kPoint, 0.0}) {

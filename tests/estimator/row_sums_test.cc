@@ -44,7 +44,7 @@ TEST(SumOfRows, BeginsAnewAndMovesWithItsMemory) {
   EXPECT_LT((moved.Total() - expected).cwiseAbs().maxCoeff(), 1e-14);
 }
 
-// Rows that fill strips and vectors or not, and of as many columns as are taken together, of fewer and of more.
+// Rows that fill strips and vectors or not, and of as many columns as are summed together, of fewer and of more.
 TEST(TallProduct, IsEigensOnEveryInstructionSet) {
   test::OnEveryInstructionSet([] {
     NormalNumbers normal(3);

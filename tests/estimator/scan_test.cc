@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kShots = 40, kRowsOfShot = 3, kSources = 2;
 
-// Rows of each source in each shot, and residuals that are orthogonal to both, as they are beside what is believed.
+// Rows of each source in each shot, and residuals that are orthogonal to both, as they are given what is believed.
 struct Rows {
   Eigen::MatrixXd moved;  // rows x sources
   Eigen::VectorXd residual;
@@ -36,7 +36,8 @@ Rows RandomRows() {
   return rows;
 }
 
-// What chi-square loses where each of the sources follows the function besides a constant: two least-squares fits.
+// What chi-square loses where each of the sources follows the function in addition to a constant: two least-squares
+// fits.
 double LostBy(const Rows& rows, const Eigen::VectorXd& function) {
   Eigen::MatrixXd columns(rows.moved.rows(), 2 * kSources);
   columns.leftCols(kSources) = rows.moved;

@@ -165,7 +165,7 @@ TEST(SpringTie, GeometryScattersAsItsCovarianceSays) {
   NormalNumbers normal(11);
   double sum = 0.0;
   for (int trial = 0; trial < kTrials; ++trial) {
-    test::LoadedTruth off = truth;  // the reflectors sit beside the ends
+    test::LoadedTruth off = truth;  // the reflectors are off the ends
     for (int i = 0; i < 3; ++i) {
       off.link_markers["L1"].second[i] += kLever * normal();
       off.link_markers["L2"].second[i] += kAnchor * normal();

@@ -213,7 +213,7 @@ TEST(Trust, ACorrectionLargerThanArmsNeedIsSaid) {
 }
 
 // One configuration alone tilts the flange: the fold that holds it out leaves the marker unmeasured, and the figure is
-// that of a calibration without it, which holds what it cannot tell.
+// that of a calibration without it, which holds what it does not determine.
 TEST(CrossValidation, WhatOnlyOneConfigurationMeasuresIsHeldWhereItIsLeftOut) {
   const CalibrationProblem problem = Problem([](Measurements* data) {
     for (size_t c = 0; c < data->configurations.size(); ++c) {

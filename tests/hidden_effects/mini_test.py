@@ -284,7 +284,7 @@ class PapersOwnCases(WithFolder):
     def test_gravity_compensator_with_its_shape(self):
         found, sealed = self.named('gravity_compensator', 1)
         truth = sealed['parameters']
-        # The gauge: lengths times c, the rate over c^2. The search takes a lever of 200 mm.
+        # The gauge: lengths times c, the rate over c^2. The search assumes a lever of 200 mm.
         c = 200 / truth['L_mm']
         for name, factor in (('a_x_mm', c), ('a_y_mm', c), ('s0_mm', c), ('Kc_N_per_mm', 1 / c ** 2)):
             self.assertLess(abs(found[name]['value'] - factor * truth[name]), 4 * found[name]['sigma'], name)
@@ -319,7 +319,7 @@ class WhatWasOnceNamedWrong(WithFolder):
             self.assert_explained({'kinds': kind, 'scales': 1, 'case': 1, 'stations': 2})
 
     def test_beside_what_has_no_name_an_effect_needs_untouched_rows(self):
-        """Joints drop when brakes close: the fitted rows are sure of a soft base besides, resamples and rows that were
+        """Joints drop when brakes close: the fitted rows are sure of a soft base as well, resamples and rows that were
         not fitted are not."""
         diagnosis, _ = self.diagnosed({'study': 9901, 'case': 10, 'kinds': 'brake_drop', 'scales': 1.7347429390368514,
                                        'robot': 'kr270', 'configurations': 60, 'stations': 1})
@@ -332,7 +332,7 @@ class WhatWasOnceNamedWrong(WithFolder):
         self.assertIn('resamples', cautions)
 
     def test_wide_functions_on_half_of_a_real_arm(self):
-        """Three smooth functions beside a residual of 10^6, averaged over all their sizes, were once given a weight
+        """Three smooth functions with a residual of 10^6, averaged over all their sizes, were once given a weight
         above all others by rounding: nothing was named."""
         folder, file = real_rows.DATA_SETS['ur10_b']
         folder = HERE.parents[2] / 'shared/data' / folder
@@ -350,7 +350,7 @@ class WhatWasOnceNamedWrong(WithFolder):
         self.assertIn(('joint_harmonic', 'j3'), [(s['effect'], s['target']) for s in diagnosis['steps']])
 
     def test_poses_are_proposed_between_functions_without_a_name(self):
-        """They are listed anew beside few effects of the catalogue, those of the loads' points among them. What is read
+        """They are listed anew with few effects of the catalogue, those of the loads' points among them. What is read
         where nothing was written is no number then."""
         with unittest.mock.patch.dict(os.environ, MALLOC_PERTURB_='255'):
             diagnosis, _ = self.diagnosed({'study': 9801, 'case': 27, 'kinds': 'two_faces', 'scales': 0.411300015,

@@ -259,7 +259,7 @@ TEST(BatchRows, LargeDeflectionsAreLeftToTheModel) {
   EXPECT_TRUE(!there.converged || std::abs(there.values[slot] - commanded) > 0.5);
 }
 
-// A shot beside shots that bend two thousand times as far says what it says beside its like: rows in another order
+// A shot among shots that bend two thousand times as far says what it says among its like: rows in another order
 // share a register with others.
 TEST(BatchRows, AShotTakesNoNoticeOfItsNeighbours) {
   const ForwardModel model(test::ContractArm(), test::ContractMarkers());

@@ -55,7 +55,7 @@ TEST(Conventions, TransverseComplianceInTheFrameAfterTheJoint) {
 }
 
 // J2 about y: u = z, v = x. 50 N along y at 0.4 m: 20 N m about z (u), 20 * 3 urad = 60 urad, 24 um along y.
-// -100 N at 0.2 m beside: -20 N m about x (v), -60 urad, the point beside sinks by 0.2 * 60 urad = 12 um.
+// -100 N at 0.2 m to the side: -20 N m about x (v), -60 urad, the point at the side sinks by 0.2 * 60 urad = 12 um.
 TEST(Conventions, TransverseComplianceCountsTheAxesCyclically) {
   TwoLinkScene scene;
   scene.Load({0.0, 50.0, 0.0});
@@ -128,7 +128,7 @@ TEST(Conventions, SelfWeightSag) {
 }
 
 // About v (y) of J1 by link 2: a couple, so the way from J1 to link 2 does not count: 100 urad, 1.4 m * 100 urad down.
-// (Without the force that is taken away at the link's origin it would be 1 m + 1 m: 200 urad.)
+// (Without the force that is removed at the link's origin it would be 1 m + 1 m: 200 urad.)
 TEST(Conventions, SagOfALinkFurtherOutIsACouple) {
   TwoLinkScene scene;
   scene.Add({"self_weight_sag", "J1", {{"about", "v"}}, {0.0, 0.0, 0.0, 100e-6, 0.0, 0.0}});
@@ -204,7 +204,7 @@ TEST(Conventions, LearntShiftOfALoad) {
                      {0.0, 0.0, -0.05, 0.0, 0.0, 0.0, -0.03, 0.0, 0.0}});
 }
 
-// Where an axis is identified beside its place on the drawing is no length that grows.
+// Where an axis is identified away from its place on the drawing is no length that grows.
 TEST(Conventions, AnIdentifiedRobotHasTheLengthsOfTheDrawing) {
   Chain chain = test::TwoLink().chain;
   chain.transforms.insert(chain.transforms.begin() + 2, test::Translate(Axis::kY, 0.0, "b1"));

@@ -297,7 +297,7 @@ TEST(InstrumentConventions, MarkerAcceptance) {
   ExpectPoint(scene.Seen(), 0.0, 3.4, 0.5, 1e-12);
 }
 
-// acos(0.9995)^2 = 0.03162409...^2 on both sides of where the series takes over.
+// acos(0.9995)^2 = 0.03162409...^2 on both sides of where the series begins.
 TEST(InstrumentConventions, SquaredAngleIsSmooth) {
   EXPECT_NEAR(SquaredAngle(1.0), 0.0, 1e-300);
   EXPECT_NEAR(SquaredAngle(std::cos(0.03)), 9e-4, 1e-13);

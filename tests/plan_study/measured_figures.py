@@ -72,7 +72,7 @@ def marked(calibration, validation):
 def ur5(folder, options):
     """20 of the 1000 grid poses. Judged on the 20 poses drawn at random, which are in no plan, and on the grid poses that
     were not chosen; then 20 times from 300 of the grid poses, drawn at random, for how much plans differ. The former
-    estimate is that of all grid poses: it tells the plan one number, the model error."""
+    estimate is that of all grid poses: it gives the plan one number, the model error."""
     program, source = Program(options.build), options.shared.resolve() / "data/ur5_gts3800"
     rows = table(source / "measurements.csv")
     grid, apart = [r for r in rows if r["group"] == "grid"], [r for r in rows if r["group"] == "random"]

@@ -147,7 +147,7 @@ def zero(values):
 
 def discriminate(folder, options):
     """Per pair: campaigns whose rows leave the truth a probability between 0.1 and 0.9; then six planned poses and, apart
-    from them, six uniform in the joint limits, each beside the campaign's rows."""
+    from them, six uniform in the joint limits, each with the campaign's rows."""
     program = Program(options.build)
     wanted = options.random or 5
     decided = {"planned": [], "random": []}

@@ -28,7 +28,7 @@ std::string RobotError(const std::string& text) {
 TEST(LimitsTest, Joints) {
   EXPECT_EQ(RobotError(RobotOf(64)), "");
   EXPECT_TRUE(SaysInOrder(RobotError(RobotOf(65)), {"r.yaml", "joints", "64 joints"}));
-  // Counted before anything is looked up by name, which would take minutes.
+  // Counted before anything is looked up by name, which would need minutes.
   EXPECT_TRUE(SaysInOrder(RobotError(RobotOf(20000)), {"r.yaml", "joints", "64 joints"}));
 }
 

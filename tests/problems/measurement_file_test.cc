@@ -443,7 +443,7 @@ TEST_F(MeasurementFileTest, AFileGivenTwiceIsRefused) {
                           {"t.csv:2", "equals", "m.csv:2"}));
 }
 
-// How long they take is measured by tests/benchmarks.
+// How long they need is measured by tests/benchmarks.
 TEST_F(MeasurementFileTest, RepeatsAmongManyRowsAreShotsOfTheirConfiguration) {
   std::string text = "config,marker,repeat,q1_deg,q2_mm,x_mm,y_mm,z_mm\n";
   constexpr int kRows = 20000;

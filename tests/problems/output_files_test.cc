@@ -98,7 +98,7 @@ TEST_F(OutputFilesTest, RefusesAnImpossibleFolder) {
   EXPECT_EQ(ReadTextFile(Path("file")), "x");
 }
 
-// One name of three is taken by a folder: the other two stay as they were.
+// One name of three is that of a folder: the other two stay as they were.
 TEST_F(OutputFilesTest, WhatCannotBeWrittenLeavesAllAsItWas) {
   WriteSet("old");
   const OutputFolder out(Path("out"), {"a", "b", "c"});

@@ -52,7 +52,7 @@ TEST(TextChecksTest, GuardedCellsReadBack) {
   }
 }
 
-// Cells that are taken together are those that stand as they are one by one; the usual ones are.
+// Cells that are read together are those that stand as they are one by one; the usual ones are.
 TEST(TextChecksTest, CellsTogetherAreThoseOneByOne) {
   const auto taken = [](const std::string& cells, size_t count) {
     std::string line = "before,";

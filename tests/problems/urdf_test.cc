@@ -53,7 +53,7 @@ TEST_P(UrdfStyle, WrittenAnewItIsThatOfKdl) {
   test::ExpectSameFlange(yaml.chain, test::KdlChainOfUrdf(GetParam().rows), 1e-9);
 }
 
-// Errors span every motion of the flange: of 4R + 2P + 6 parameters (Everett, Driels, Mooring 1987) base and tool take
+// Errors span every motion of the flange: of 4R + 2P + 6 parameters (Everett, Driels, Mooring 1987) base and tool have
 // 12, also where a pitch of 90 degrees makes roll and yaw of rpy the same.
 TEST_P(UrdfStyle, DefaultErrorsAreCompleteAndMinimal) {
   const Robot robot = ReadUrdfText(UrdfText(GetParam().rows), "arm.urdf");

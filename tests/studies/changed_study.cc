@@ -25,7 +25,7 @@ using test::Kr270Truth;
 
 constexpr double kSigma = 3e-5;  // m
 
-// Errors of 0.3 mm and 0.3 mrad (standard deviations) beside the published ones.
+// Errors of 0.3 mm and 0.3 mrad (standard deviations) in addition to the published ones.
 Kr270Truth RandomTruth(std::uint64_t seed) {
   Kr270Truth truth;
   NormalNumbers normal(seed);

@@ -12,8 +12,8 @@
 // deviations of the sum psig^2 + parm^2 + pnoise^2, with model error in psig and without. Halves by a joint predict
 // beyond what that joint measured; three random thirds of the configurations, each predicted by the rest, lie within.
 //
-// simulated: so many clean data sets of the KR 270 besides (60 configurations): how often ci95 holds the truth, and in
-// how many data sets any of it differs from ci95_noise_only.
+// simulated: so many clean data sets of the KR 270 in addition (60 configurations): how often ci95 holds the truth, and
+// in how many data sets any of it differs from ci95_noise_only.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -3,7 +3,7 @@
 //   sagitta_plausibility_study [robots=200] [first seed=0]
 //
 // Each error of an arm drawn up to 5 mm and 1 deg (UR5, UR10, Puma 560, iiwa in turn), 30 configurations of one marker,
-// of every fourth robot one row half a metre off; then the measured robots beside the tree (../shared/data).
+// of every fourth robot one row half a metre off; then the measured robots next to the tree (../shared/data).
 #include <cstdio>
 #include <cstdlib>
 

@@ -160,7 +160,7 @@ struct LoadedDesign : Kr270Design {
   std::function<void(std::vector<Configuration>*)> change;  // of the drawn configurations
 };
 
-// In the first three configurations two sideways pulls beside the load.
+// In the first three configurations two sideways pulls in addition to the load.
 inline LoadedDesign WithPulls() {
   LoadedDesign design;
   design.pulls = {"PX", "PY"};
@@ -240,7 +240,7 @@ inline LoadedSetup SetupFor(const LoadedTruth& truth) {
   if (truth.coupling != 0.0) setup.robot.chain.couplings.push_back({2, 1, truth.coupling});
   if (truth.spring) {
     const SpringTruth& s = *truth.spring;
-    const double off = s.preload ? 0.01 : 0.0;  // its stiffness alone does not tell where it is fixed
+    const double off = s.preload ? 0.01 : 0.0;  // its stiffness alone does not determine where it is fixed
     setup.robot.gravity_compensator =
         GravityCompensator{1, s.L, s.a_x * (1 + off), s.a_y * (1 - 2 * off), s.s0 * 1.01, s.Kc * 0.9, s.preload};
     setup.experiment.estimate.gravity_compensator = {Selection::Kind::kList, {"s0", "Kc"}};

@@ -1,4 +1,4 @@
-// Where the tests find the tree, the data beside it and the built program.
+// Where the tests find the tree, the data next to it and the built program.
 #pragma once
 
 #include <string>

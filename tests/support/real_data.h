@@ -1,4 +1,4 @@
-// The measured robots beside the tree (../shared/data), where they are there.
+// The measured robots next to the tree (../shared/data), where they are there.
 #pragma once
 
 #include <filesystem>

@@ -194,7 +194,7 @@ TEST_F(BadInputTest, ApproachThatOneRowOfAShotLacks) {
                 {"m.csv:3: approach3", "differs", "another visit"});
 }
 
-// To YAML it is one long text: its beginning is enough to tell it.
+// To YAML it is one long text: its beginning is enough to recognise it.
 TEST_F(BadInputTest, MeasurementsWhereTheRobotBelongs) {
   const std::string file = Published("kr270/geometric.csv");
   const Outcome outcome = Run({"calibrate", file, file, "--out=" + Path("out")});

@@ -1,4 +1,4 @@
-// The command beside the diagnosis itself: against somebody else's simulation, and what it says of its results.
+// The command around the diagnosis itself: against somebody else's simulation, and what it says of its results.
 #include <gmock/gmock.h>
 
 #include "tests/tools/program.h"
@@ -114,7 +114,7 @@ TEST_F(DiagnoseCommandTest, TheEstimateHasTheVerdictThatCalibrateWrites) {
   EXPECT_LT(report.find("<h1>Diagnosis: consistent</h1>"), report.find("<details>"));
 }
 
-// What is found consistent has no poses to propose and nothing learnt: such files beside it are not its own.
+// What is found consistent has no poses to propose and nothing learnt: such files next to it are not its own.
 TEST_F(DiagnoseCommandTest, FilesOfAnEarlierRunAreCalledSo) {
   std::filesystem::create_directory(Path("out"));
   Write("out/robot.learnt.yaml", "of another diagnosis");

@@ -108,7 +108,7 @@ TEST_F(DiagnosisFiguresTest, GapProbabilitiesAndIntervals) {
   EXPECT_GT(looked_at, 0) << json["candidates"];
 }
 
-// What is found beside a believed compliance is added to it in its home.
+// What is found in addition to a believed compliance is added to it in its home.
 TEST_F(DiagnosisFiguresTest, AFoundComplianceIsAddedToTheBelievedOne) {
   believed_ = "compliance: {A2: {k_urad_per_Nm: 0.3}, A3: {k_urad_per_Nm: 0.2}}\n";
   Simulate("compliance: {A2: {k_urad_per_Nm: 0.3}, A3: {k_urad_per_Nm: 0.5}}\n", true);

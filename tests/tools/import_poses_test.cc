@@ -239,7 +239,8 @@ TEST_F(Import, TheConventionOfATableIsThatOfTheReadings) {
   EXPECT_EQ(Run({"import", robot, data, "--out=" + Path("strict"), "--strict", "--convention=standard"}).status, 0);
 }
 
-// A program that was moved, away from where it was built, finds its tables beside it; a variable that is set is obeyed.
+// A program that was moved, away from where it was built, finds its tables next to it; a variable that is set is
+// obeyed.
 TEST_F(Import, ShippedTablesAreFoundWhereTheProgramIs) {
   namespace fs = std::filesystem;
   const std::string data = Write("d.csv", Table(Readings()).ToText());
@@ -297,7 +298,7 @@ TEST_F(AsPublished, Ur5) {
   EXPECT_NEAR(ReadJson("results/estimate.json")["fit"]["distance_rms_mm"].get<double>(), 0.111, 0.003);
 }
 
-// Semicolons, decimal commas, commanded poses beside the measured ones, damaged time stamps.
+// Semicolons, decimal commas, commanded poses next to the measured ones, damaged time stamps.
 TEST_F(AsPublished, Ur10) {
   const std::string cubes = Set("ipa-robot-accuracy/Series_D/measurements_iso_cubes.csv");
   const Outcome imported = Run({"import", cubes, "--robot=ur10", "--out=" + Path("job")});

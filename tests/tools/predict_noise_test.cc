@@ -61,14 +61,14 @@ TEST_F(PredictNoiseTest, EveryNoiseModelSaysWhatOneMeasurementShows) {
         "noise: {sigma_mm: 0.03}\nweights: eq14\n"}) {
     const auto rows = Predict(kPlain, keys);
     ASSERT_EQ(rows.size(), 217u);
-    // 30 um, or what the robot adds to it where nothing tells the two apart.
+    // 30 um, or what the robot adds to it where nothing separates the two.
     for (const char* axis : {"pnoise_x_mm", "pnoise_y_mm", "pnoise_z_mm"}) {
       const std::string cell = rows[1][Column(rows, axis)];
       ASSERT_FALSE(cell.empty()) << keys;
       EXPECT_GT(std::stod(cell), 0.024) << keys;
       EXPECT_LT(std::stod(cell), 0.07) << keys;
     }
-    // The rows took part in the fit: a little less is seen than predicted, not more.
+    // The rows were used in the fit: a little less is seen than predicted, not more.
     EXPECT_GT(PredictedOverObserved(), 0.9) << keys;
     EXPECT_LT(PredictedOverObserved(), 1.6) << keys;
   }

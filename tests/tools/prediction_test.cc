@@ -1,4 +1,4 @@
-// What an estimate says of other rows: the same point whatever stands beside it in the file, and how well it is known.
+// What an estimate says of other rows: the same point whatever stands next to it in the file, and how well it is known.
 #include <cmath>
 
 #include "tests/tools/program.h"

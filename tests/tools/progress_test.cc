@@ -1,4 +1,4 @@
-// What progress lines say: which phase, and how long the rest will take.
+// What progress lines say: which phase, and how long the rest will need.
 #include "tools/progress.h"
 
 #include <gtest/gtest.h>
@@ -11,10 +11,10 @@ TEST(ProgressMeter, SaysThePhaseAndTheTimeLeft) {
   EXPECT_EQ(meter.Line(0.0), "");
   meter.Say("aligning the robot", 0.0);
   EXPECT_EQ(meter.Line(0.5), "phase 1 of 3: aligning the robot ...");
-  meter.Say("solving for 30 unknowns", 5.0);  // an eighth of all took 5 s: 40 s together
+  meter.Say("solving for 30 unknowns", 5.0);  // an eighth of all needed 5 s: 40 s together
   EXPECT_EQ(meter.Line(5.0), "phase 2 of 3: solving for 30 unknowns (about 35 s left)");
   EXPECT_EQ(meter.Line(18.0), "phase 2 of 3: solving for 30 unknowns (about 22 s left)");
-  // Longer than its share: half of all took 60 s or more.
+  // Longer than its share: half of all needed 60 s or more.
   EXPECT_EQ(meter.Line(60.0), "phase 2 of 3: solving for 30 unknowns (about 60 s left)");
   meter.Say("comparing parts", 100.0);  // half
   EXPECT_EQ(meter.Line(100.0), "phase 3 of 3: comparing parts (about 2 min left)");
@@ -48,7 +48,7 @@ TEST(ProgressMeter, WhatBelongsToNoPhaseBelongsToThePresentOne) {
   meter.Say("once more with joints that deviate", 3.0);
   EXPECT_EQ(meter.Line(3.0), "phase 1 of 2: once more with joints that deviate (3 s so far)");
   meter.Say("fitting", 4.0);
-  meter.Say("weighing 20 explanations", 5.0);  // no phase is taken back
+  meter.Say("weighing 20 explanations", 5.0);  // no phase is said again
   EXPECT_EQ(meter.Line(6.0), "phase 2 of 2: weighing 20 explanations (about 2 s left)");
 }
 

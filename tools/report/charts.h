@@ -28,7 +28,7 @@ struct Bar {
 // Where there are several groups, a menu chooses one.
 Picture BarPicture(const std::string& title, const std::string& x_label, const std::vector<Bar>& bars);
 
-// A value after each stage, what each stage took away, and the floor that none can go below. A stage whose value is no
+// A value after each stage, what each stage removed, and the floor that none can go below. A stage whose value is no
 // number is left out.
 struct Stage {
   std::string name;

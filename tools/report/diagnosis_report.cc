@@ -38,7 +38,7 @@ Picture Waterfall(const Diagnosis& d) {
                           1e3 * d.final.estimate.noise_floor, "noise floor");
 }
 
-// Before: what the measurements ask for with the effect taken out of the model, and what the effect says. After: the
+// Before: what the measurements ask for with the effect removed from the model, and what the effect says. After: the
 // rest.
 std::vector<Picture> EffectPictures(const EffectView& view) {
   std::vector<double> rest;

@@ -18,7 +18,7 @@ std::vector<Picture> BeforeAndAfter(const UnseenPoints& before, const UnseenPoin
 // Counts in equal bins between the extremes of all, one row of bars per series.
 Picture HistogramPicture(const std::string& title, const std::string& x_label, const std::vector<NamedSeries>& series);
 
-// (measured - predicted) / sigma of calibration rows, per axis, beside the normal distribution.
+// (measured - predicted) / sigma of calibration rows, per axis, next to the normal distribution.
 Picture WhitenedHistogram(const CalibrationProblem& problem, const Estimate& estimate);
 
 }  // namespace sagitta

@@ -1,5 +1,5 @@
-// What a page carries besides its text: style, the libraries that draw, templates of pictures. Made of page/ and of the
-// packages libjs-vega and libjs-three when the program is built (page/embed.cmake).
+// What a page carries in addition to its text: style, the libraries that draw, templates of pictures. Made of page/ and
+// of the packages libjs-vega and libjs-three when the program is built (page/embed.cmake).
 #pragma once
 
 #include <string_view>

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr size_t kMostColours = 12;  // more groups than these nobody tells apart
+constexpr size_t kMostColours = 12;  // more groups than these nobody distinguishes
 constexpr int kSlices = 8;           // of an axis, in the table
 constexpr size_t kWorstShown = 20;
 constexpr double kArrowOfSize = 0.08;  // an arrow of the 95th percentile, of all that is shown

@@ -1,4 +1,5 @@
-// report.html of a validation: how far the calibrated and the nominal robot are from points that took no part.
+// report.html of a validation: how far the calibrated and the nominal robot are from points that were not used in the
+// fit.
 #pragma once
 
 #include <string>
@@ -9,7 +10,7 @@
 
 namespace sagitta {
 
-// validation: of `known` on `rows`. For the terminal; the page has pictures besides.
+// validation: of `known` on `rows`. For the terminal; the page has pictures in addition.
 std::vector<Section> ValidationSections(const KnownRobot& known, const Measurements& rows,
                                         const Validation& validation);
 std::string ValidationToHtml(const KnownRobot& known, const Measurements& rows, const Validation& validation,

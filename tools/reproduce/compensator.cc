@@ -8,7 +8,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kAnchorSigma = 0.23;  // mm, what P2 must have had beside the tracker's noise
+constexpr double kAnchorSigma = 0.23;  // mm, what P2 must have had in addition to the tracker's noise
 
 // P1 on link 2 rides on a circle of radius L about joint 2, P2 stands still: their points without noise, the anchor at
 // (a_x, a_y) in the plane of (cos q, sin q), as the paper prints it. That is (-a_y, -a_x) of compensator_geometry.h.

@@ -30,7 +30,7 @@ struct EquivalentSpring {
   double s0 = 0.0;                                       // m
   double k0 = 0.0;                                       // 1 / K0, rad/(N m)
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // of (k0, Kc, s0), from the nodes' sigmas
-  double rms = 0.0;                                      // of the nodes' k, rad/(N m), no degrees of freedom taken off
+  double rms = 0.0;                                      // of the nodes' k, rad/(N m), no degrees of freedom subtracted
   double condition = 0.0;                                // of the column-normalised system
 };
 

@@ -24,7 +24,7 @@ std::string DataFolderFromFlags() {
   if (!FLAGS_data.empty()) return FLAGS_data;
   const char* set = std::getenv("SAGITTA_DATA");
   if (set != nullptr && *set != '\0') return set;
-  std::error_code error;  // where it is installed: bin/ beside share/
+  std::error_code error;  // where it is installed: bin/ next to share/
   const std::filesystem::path bin = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
   const std::filesystem::path installed = bin.parent_path() / "share/sagitta/published";
   return std::filesystem::exists(installed, error) ? installed.string() : SAGITTA_DATA_DIR;
@@ -68,7 +68,7 @@ std::vector<ReproducibleTable> TablesAsked(const std::vector<std::string>& argum
   return asked;
 }
 
-// Seconds with 2000 trials: the trials take the time, and run where they are first asked for.
+// Seconds with 2000 trials: the trials need the time, and run where they are first asked for.
 double ShareOf(const std::string& table) { return table == "002-VI" ? 7.0 : table == "003-3" ? 1.5 : 0.05; }
 
 // A file of another version or a mutilated one: an input error, not a crash.

@@ -12,7 +12,7 @@ namespace {
 constexpr double kNearPublished = 0.10;
 constexpr double kFactor = 3.0;
 
-// Beside that of all pages.
+// In addition to that of all pages.
 constexpr const char* kStyle = R"(body{max-width:72em}th,td{text-align:left;vertical-align:top;white-space:normal}
 .n{text-align:right}td+td{white-space:nowrap}td.n{white-space:pre}ol{margin:.5em 0;padding-left:1.8em}
 figure td,figure th{text-align:right}.reproduced{color:#1a8b3f}.order{color:#a8701a}.not{color:#d2352b}.note,.input{opacity:.75}

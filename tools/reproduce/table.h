@@ -1,11 +1,11 @@
-// A published table beside what can be computed of it, and a verdict on each row.
+// A published table next to what can be computed of it, and a verdict on each row.
 //
 //   reproduced           within 10 % (or what the row states)
 //   order of magnitude   within a factor of 3, or as near as it can be judged where the
 //                        configurations or the layout are not printed
 //   not reproducible     from what is printed, and why
 //   input                drives the simulation: nothing is proved by getting it back
-//   not in the paper     what the paper should have printed beside it
+//   not in the paper     what the paper should have printed next to it
 #pragma once
 
 #include <limits>

@@ -1,4 +1,4 @@
-// Paper 002, section V: errors in configurations that did not take part.
+// Paper 002, section V: errors in configurations that were not used in the fit.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -93,7 +93,7 @@ WeightedFit FitToTheEnd(const WeightDesign& design, const Eigen::VectorXd& defle
   return fit;
 }
 
-// OLS whose eq. (8) takes its sigmas from the same residuals.
+// OLS whose eq. (8) has its sigmas from the same residuals.
 WeightMethod PlainFromResiduals() {
   WeightMethod method;
   method.weights = StudyWeights::kResidual;

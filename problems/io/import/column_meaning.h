@@ -1,6 +1,6 @@
 // What a column of a foreign table means, by its name.
 //
-// Only names that say so are taken for measured points; commanded, nominal and
+// Only names that say so are read as measured points; commanded, nominal and
 // target positions and differences are recognised as such and left out with the
 // reason. How an angle is meant, no name says (rotation_reading.h).
 #pragma once

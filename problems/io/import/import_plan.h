@@ -30,7 +30,7 @@ struct ImportPlan {
   std::vector<PlannedColumn> columns;
   std::vector<std::pair<std::string, std::string>> unused;  // header, why
   std::vector<std::string> guesses;
-  std::string choice;  // what tells this plan from the others, in words
+  std::string choice;  // what distinguishes this plan from the others, in words
 
   // Columns of a rotation and its standard deviations, used once it is known what they mean.
   std::vector<PlannedColumn> rotation_columns;
@@ -48,7 +48,7 @@ struct ImportPlan {
 std::vector<ImportPlan> PossiblePlans(const TextTable& table, const std::vector<Joint>& joints,
                                       const std::map<std::string, std::string>& columns);
 
-// The plan by the size of the numbers alone, where no fit can tell.
+// The plan by the size of the numbers alone, where no fit can decide.
 size_t PlanBySize(const TextTable& table, const std::vector<ImportPlan>& plans);
 
 }  // namespace sagitta

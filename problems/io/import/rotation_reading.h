@@ -25,7 +25,7 @@ struct RotationReading {
   // scalar_is_last.
   Matrix3<double> StationFromTarget(const std::vector<double>& numbers) const;
 
-  // Standard deviations of the left perturbation from those of the angles (rad), which are taken as independent:
+  // Standard deviations of the left perturbation from those of the angles (rad), which are assumed to be independent:
   // roots of the diagonal of E S^2 E', E the columns about which each angle turns.
   Vector3<double> PerturbationSigmas(const std::vector<double>& numbers, const Vector3<double>& sigmas) const;
 

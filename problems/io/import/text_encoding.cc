@@ -14,7 +14,7 @@ std::string Converted(const std::string& bytes, const char* encoding, const std:
   if (conversion == reinterpret_cast<iconv_t>(-1)) {  // NOLINT(performance-no-int-to-ptr): as POSIX says it
     throw InputError({path, 0, ""}, std::string("this system cannot convert ") + encoding, "save the file as UTF-8");
   }
-  std::string text(4 * bytes.size() + 16, '\0');  // no character of these encodings takes more
+  std::string text(4 * bytes.size() + 16, '\0');  // no character of these encodings needs more
   char* from = const_cast<char*>(bytes.data());
   char* to = text.data();
   size_t from_left = bytes.size(), to_left = text.size();

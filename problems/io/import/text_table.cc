@@ -19,7 +19,7 @@ namespace {
 struct TableLine {
   int number = 0;
   std::string text;
-  bool is_comment = false;  // '#' or '%' in front, taken off
+  bool is_comment = false;  // '#' or '%' in front, removed
 };
 
 // Spreadsheets of some countries write U+2212 where a number is negative.
@@ -287,7 +287,7 @@ class Builder {
     for (TextTable::Row& row : table_.rows) row.cells.pop_back();
   }
 
-  // Comma where it stands in numbers alone; both alone: one of them groups thousands, and which cannot be told.
+  // Comma where it stands in numbers alone; both alone: one of them groups thousands, and which cannot be decided.
   void FindDecimalSign() {
     const TextTable::Row* comma = nullptr;
     const TextTable::Row* point = nullptr;

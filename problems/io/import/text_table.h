@@ -28,7 +28,7 @@ struct TextTable {
   std::string encoding;               // in words
   std::string separator;              // in words
   bool decimal_comma = false;
-  std::vector<std::string> guesses;  // what a reader could take otherwise, in words
+  std::vector<std::string> guesses;  // what a reader could understand otherwise, in words
 
   bool has_header() const { return header_line > 0; }
   int columns() const { return static_cast<int>(header.size()); }
@@ -37,7 +37,7 @@ struct TextTable {
 };
 
 // Throws InputError: no table of numbers, a workbook, rows of unequal length, a
-// separator or decimal sign that cannot be told.
+// separator or decimal sign that cannot be decided.
 TextTable ReadTextTable(const std::string& path);
 TextTable ParseTextTable(const std::string& bytes, const std::string& path);
 

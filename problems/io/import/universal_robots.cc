@@ -106,7 +106,7 @@ std::string Six(const Pose<double>& pose) {
 }  // namespace
 
 bool LooksLikeUrCalibration(const std::string& text) {
-  // The pattern last: on a long table it takes seconds.
+  // The pattern last: on a long table it needs seconds.
   return text.find("shoulder:") != std::string::npos && text.find("wrist_3:") != std::string::npos &&
          SearchPattern(text, MakePattern(R"((^|\n)kinematics:)"));
 }
@@ -225,7 +225,7 @@ std::string RobotToUrCalibration(const Robot& robot) {
     if (chain.joints[j].type != JointType::kRevolute) throw refuse("joint '" + chain.joints[j].name + "' slides");
     Pose<double> link = state.frames[e + 1];
     if (j == 5) link = state.frames.back();
-    // The frame's z has to be the axis: turn it there, the next origin takes the rest.
+    // The frame's z has to be the axis: turn it there, the next origin absorbs the rest.
     const Vector3<double> axis = joint.sign * state.frames[e].rotation.col(static_cast<int>(joint.axis));
     if (j == 5) {
       const Vector3<double> away = link.translation - state.frames[e].translation;

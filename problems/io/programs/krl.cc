@@ -1,6 +1,6 @@
 // KUKA KRL: .src and .dat. Points are aggregates, {X 1, Y 2, ..., A 0, S 2, T 35} and {A1 0, A2 -90, ...}; tool and
 // base of taught points stand in their FDAT, of others in $TOOL and $BASE as the program goes. The load, {M 5, CM {X 0,
-// ...}, J {...}} with the centre of mass in the flange and all that hangs there in it, is $LOAD; BAS sets it beside
+// ...}, J {...}} with the centre of mass in the flange and all that hangs there in it, is $LOAD; BAS sets it with
 // $TOOL. What the program changes as it runs (LOAD_DATA[1].M = 5, a second LOAD_DATA[1] = {...}) is not stated.
 #include <limits>
 #include <set>

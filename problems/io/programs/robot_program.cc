@@ -37,7 +37,7 @@ ProgramDialect DialectOf(const std::string& path) {
 // R = Rz(z) Ry(y) Rx(x); z in (-pi, pi], y in [-pi/2, pi/2].
 Vector3<double> RollPitchYaw(const Matrix3<double>& r) {
   const double pitch = std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0)));
-  if (std::hypot(r(0, 0), r(1, 0)) < 1e-9) {  // only yaw -+ roll is told: all of it as yaw
+  if (std::hypot(r(0, 0), r(1, 0)) < 1e-9) {  // only yaw -+ roll is determined: all of it as yaw
     return {0.0, pitch, std::atan2(-r(0, 1), r(1, 1))};
   }
   return {std::atan2(r(2, 1), r(2, 2)), pitch, std::atan2(r(1, 0), r(0, 0))};

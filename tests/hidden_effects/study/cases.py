@@ -144,9 +144,9 @@ def noise_suite(seed, count, options):
 
 
 def unstated_suite(seed, count, options):
-    """Three markers and no loads where the effect needs none: the hardest to tell deviating joints from effects. The
-    sigma is stated, not stated, or by two poses alone that are shot twice; the joints deviate by about the noise,
-    unsaid, or not; each alone, then with one strong effect."""
+    """Three markers and no loads where the effect needs none: the hardest to separate deviating joints from
+    effects. The sigma is stated, not stated, or by two poses alone that are shot twice; the joints deviate by about the
+    noise, unsaid, or not; each alone, then with one strong effect."""
     sources = [('sigma stated', {}), ('none stated', {'noise': 'none'}),
                ('two repeats', {'noise': 'repeats', 'repeated': 2})]
     i = 0
@@ -171,8 +171,8 @@ def unstated_suite(seed, count, options):
 
 
 def slight_suite(seed, count, options):
-    """Noise that is a little wrong, in data that tell little of it: too small to show in the markers' rigidity, but not
-    in all rows; then a declared repeatability that is three times the true one, alone and beside a strong effect."""
+    """Noise that is a little wrong, in data that say little of it: too small to show in the markers' rigidity, but not
+    in all rows; then a declared repeatability that is three times the true one, alone and with a strong effect."""
     i = 0
     for repeat in range(count):
         for markers in (1, 2, 3):

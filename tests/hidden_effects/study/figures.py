@@ -9,7 +9,7 @@ SIGNIFICANCE = 0.01
 SHARE_OF_GATE = 0.25  # of the significance, for the search over effects, divided by the candidates of the case
 TYPICAL_TESTS = 300
 REPRODUCED = 25.0    # noise-free chi-square left; less is seldom detected
-TIE = 6.0            # of the best penalised chi-square: the rule takes the simpler
+TIE = 6.0            # of the best penalised chi-square: the rule chooses the simpler
 # Parameters per effect: degrees of freedom of its test. In catalogue order.
 DOF = {'frozen_geometry': 1, 'joint_compliance': 1, 'compliance_hardening': 1, 'transverse_compliance': 2,
        'gravity_compensator': 4, 'link_gravity': 4, 'self_weight_sag': 3, 'base_compliance': 2, 'payload': 1,
@@ -190,7 +190,7 @@ def holdout_is_worse(record):
 
 
 def in_the_catalogue(record):
-    """The named effects reproduce what was hidden: no data could tell otherwise."""
+    """The named effects reproduce what was hidden: no data could show otherwise."""
     return record.get('left') is not None and record['left'] < REPRODUCED
 
 

@@ -1,4 +1,4 @@
-"""When two effects are the same: effect, target and settings, but not those that take any value (times, widths)."""
+"""When two effects are the same: effect, target and settings, but not those that have any value (times, widths)."""
 # A change point lies somewhere between two visits; of the others the search has a few values.
 FREE_SETTINGS = {'after_s', 'tau_s', 'lag_s', 'width_deg', 'width_Nm'}
 HARMONIC = 'joint_harmonic'
@@ -17,7 +17,7 @@ def words(name):
 
 
 def accepted_besides(hidden):
-    """Names that are right beside the main one: further harmonics of the same gear."""
+    """Names that are right in addition to the main one: further harmonics of the same gear."""
     return {(HARMONIC, hidden['target'], (('order', str(n)),)) for n in hidden.get('further_orders', [])}
 
 

@@ -8,7 +8,7 @@
   const darkness = window.matchMedia('(prefers-color-scheme: dark)');
   let printing = false;
 
-  // Colours of Okabe and Ito: told apart by people who see fewer colours. Groups differ in shape as well.
+  // Colours of Okabe and Ito: distinguished by people who see fewer colours. Groups differ in shape as well.
   function theme() {
     const dark = darkness.matches && !printing;
     return {
@@ -44,7 +44,7 @@
 
   // Of a scatter the points of the columns that are chosen, and its axes: up to three times what 95 % of the points reach.
   // What is farther lies at the edge, framed; groups of few points lie on top, larger. Made here and not by expressions
-  // of the template, which take ten times as long for each point.
+  // of the template, which need ten times as long for each point.
   function pointsOf(picture, choice, colours) {
     const {rows} = picture.data, groups = rows[choice.colour] || [], points = [], members = {};
     const us = rows[choice.x] || [], vs = rows[choice.y] || [];
