@@ -6,7 +6,7 @@ namespace Eigen {
 namespace internal {
 namespace {
 
-// Aligned as what it maps is: Eigen goes the same steps.
+// Aligned as what it maps is: Eigen does the same steps.
 template <typename Result>
 using MapOf = Map<Result, AlignedMax>;
 

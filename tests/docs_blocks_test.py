@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Files that the pages show are files that the program accepts: every block ```yaml of README.md and docs/ is given to it
-as printed, alone or, where it is a part of a file, in its place. So is the command of docs/COMPENSATION.md.
+"""Files that the pages show are files that the program accepts: every block ```yaml of README.md and docs/ is given to
+it as printed, alone or, where it is a part of a file, in its place. So is the command of docs/COMPENSATION.md.
 
 Blocks ```sh and ```text are those of docs_test.py, code that of docs_code_test.py and repository_test.py.
 

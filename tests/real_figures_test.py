@@ -52,8 +52,8 @@ class RealFigures(unittest.TestCase):
         self.assertLessEqual(figures['distance_rms_mm'], most)
         self.assertGreater(figures['distance_rms_mm'], 0.95 * independent)
 
-    # The fits by NumPy that are quoted next to the data: 0.104 of the UR5's 20 random poses by its grid, 0.500 and 0.502 of
-    # three series of the UR10 and of poses held out of them.
+    # The fits by NumPy that are quoted next to the data: 0.104 of the UR5's 20 random poses by its grid, 0.500 and 0.502
+    # of three series of the UR10 and of poses held out of them.
     def test_figures_are_those_of_an_independent_fit(self):
         random = self.figures('validation', UR5 / 'robot.yaml', UR5 / 'measurements.csv', '--validation=group=random')
         self.assertEqual(random['observations'], 20)
@@ -64,8 +64,8 @@ class RealFigures(unittest.TestCase):
         self.assertEqual(held_out['observations'], 1470)
         self.expect_as_good_as(0.502, 0.507, held_out)
 
-    # A robot with model error: the first sentence is of points that were not used in the fit, and the intervals that people
-    # are shown are the wider ones. (Where model error is nil they are equal: estimator/validation_test.cc.)
+    # A robot with model error: the first sentence is of points that were not used in the fit, and the intervals that
+    # people are shown are the wider ones. (Where model error is nil they are equal: estimator/validation_test.cc.)
     def test_the_first_screen_is_of_unseen_points_and_ci95_carries_model_error(self):
         for flags, unseen in (([], lambda e: e['cross_validation']), (['--holdout=0.3'], lambda e: e['validation'])):
             done = self.calibrate(UR5 / 'robot.yaml', UR5 / 'measurements.csv', *flags)

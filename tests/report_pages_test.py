@@ -135,7 +135,7 @@ class Browser:
         return sum(one['cpuTime'] for one in processes if one['type'] == 'renderer')
 
     def load(self, path):
-        """Seconds of the processor that the page needs, and of the clock, until every picture on the screen is drawn."""
+        """Seconds of the processor that the page needs, and of the clock, until every picture on screen is drawn."""
         before = self.seconds_of_pages()
         self.call('Page.navigate', url=path.as_uri())
         for _ in range(3000):

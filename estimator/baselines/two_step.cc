@@ -21,7 +21,7 @@ namespace {
 constexpr double kSmallestScale = 1e-4;  // times it: 0.1 um, the scale of steps on data without noise
 constexpr double kDiverged = 1e12;       // standard deviations per step
 constexpr double kRoundOff = 1e-5;       // standard deviations: a step below it may be a rounding error
-constexpr int kRateWindow = 6;           // iterations the measured rate is averaged over ...
+constexpr int kRateWindow = 6;           // iterations over which the rate is measured ...
 constexpr int kStandstill = 20;          // iterations without progress that show rounding
 constexpr double kRateFloor = 1e-6;      // ... the last ones with steps above this many standard deviations
 

@@ -41,8 +41,8 @@ struct CompensatedTarget {
 std::vector<CompensatedTarget> Compensate(const CompensationInput& input, const std::vector<Target>& targets,
                                           int threads, const std::function<void(size_t done)>& progress = {});
 
-// Radius of the sphere that holds 95 % of a normal vector of this covariance: |x|^2 is assumed to be g chi^2_h with the
-// same mean and variance, g = tr C^2 / tr C, h = (tr C)^2 / tr C^2 (Satterthwaite 1946; Box 1954).
+// Radius of the sphere that holds 95 % of a normal vector of this covariance: |x|^2 is approximated by g chi^2_h with
+// the same mean and variance, g = tr C^2 / tr C, h = (tr C)^2 / tr C^2 (Satterthwaite 1946; Box 1954).
 double Radius95(const Matrix3<double>& covariance);
 
 }  // namespace sagitta

@@ -1,4 +1,4 @@
-// What is removed from and known of the clusters of a robust covariance (sandwich.h).
+// What the fit removed from the clusters of a robust covariance, and what is known of them (sandwich.h).
 #pragma once
 
 #include <utility>

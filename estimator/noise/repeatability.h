@@ -1,7 +1,7 @@
 // Instrument scale and repeatability of the joints together, by REML: one
 // repeatability for all joints of a kind, or one for each where the data carry it.
 //
-// One per joint is estimated where its deviance is lower than the common one's by more than
+// One per joint is chosen where its deviance is lower than the common one's by more than
 //   (components more) ln(rows - parameters)
 // the price of the Bayesian information criterion: on a few dozen arrivals, separate values that do not earn it are
 // noise in the weights.

@@ -1,4 +1,4 @@
-// What a shot learns of its rows: clocks, gravity, instrument; and what one unit of a parameter moves.
+// What a shot gets from its rows: clocks, gravity, instrument; and what one unit of a parameter moves.
 #include <gtest/gtest.h>
 
 #include "problems/excitation.h"

@@ -40,7 +40,7 @@ TEST_F(ProblemChecksTest, WhatIsNamedHasRows) {
   EXPECT_TRUE(SaysInOrder(Refusal(), {"experiment.yaml", "stations.S2", "no row is measured from", "S1"}));
 }
 
-// Whoever may change the data, at once or later, learns what is fitted as they are then; copies are not.
+// Whoever may change the data, at once or later, gets what is fitted as they are then; copies are not.
 TEST_F(ProblemChecksTest, WhatIsFittedFollowsTheData) {
   CalibrationProblem problem = MakeCalibrationProblem(robot_, data_, experiment_);
   std::vector<int> expected = problem.CalibrationObservations();

@@ -74,7 +74,8 @@ inline double LargestDeviation(const Estimate& estimate, const Estimate& referen
   return largest;
 }
 
-// Random halves of the configurations, fitted from the estimate of all. `after` learns how many splits are done.
+// Random halves of the configurations, fitted from the estimate of all. `after` is called with the number of splits
+// that are done.
 inline Agreement CompareRandomHalves(const CalibrationProblem& problem, int splits, unsigned seed,
                                      const std::function<void(int)>& after = {}) {
   std::mt19937_64 random(seed);

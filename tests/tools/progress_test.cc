@@ -48,7 +48,7 @@ TEST(ProgressMeter, WhatBelongsToNoPhaseBelongsToThePresentOne) {
   meter.Say("once more with joints that deviate", 3.0);
   EXPECT_EQ(meter.Line(3.0), "phase 1 of 2: once more with joints that deviate (3 s so far)");
   meter.Say("fitting", 4.0);
-  meter.Say("weighing 20 explanations", 5.0);  // no phase is said again
+  meter.Say("weighing 20 explanations", 5.0);  // the phase never goes back
   EXPECT_EQ(meter.Line(6.0), "phase 2 of 2: weighing 20 explanations (about 2 s left)");
 }
 

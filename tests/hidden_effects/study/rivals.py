@@ -125,7 +125,7 @@ def left_by_steps(programs, answer_folder, diagnosis):
 
 
 def own_parameters(effect, fit, without):
-    """How many parameters of an effect the data determine; a compensator's shape is searched, so that all four count."""
+    """How many parameters of an effect the data determine; a compensator's shape is searched, so all four count."""
     if effect == 'gravity_compensator':
         return 4
     return max(1, fit['free_parameters'] - without['free_parameters']) if without else 1
