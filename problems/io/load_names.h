@@ -8,7 +8,7 @@
 
 namespace sagitta {
 
-// "None", "NONE": a load of that name or no load, nothing decides. The readers refuse it with the words below.
+// "None", "NONE": a load of that name or no load, nothing decides which. The readers refuse it with the words below.
 inline bool IsNoneInOtherLetters(std::string_view load) {
   const std::string_view none = kNoLoad;
   const auto is_letter = [](char c, char small) { return (c | 0x20) == small; };  // ASCII: one bit is the case

@@ -173,7 +173,7 @@ void ColumnFinder::CheckJointCount() const {
        "columns q1 .. q" + std::to_string(joints_.size()) + " are expected");
 }
 
-// All joints or none: a torque that is left out would be read as zero, or for the model's.
+// All joints or none: a torque that is left out would be read as zero, or as the model's.
 void ColumnFinder::CheckTorques(const MeasurementColumns& columns) const {
   for (const std::string& name : table_.file.header) {
     const auto number = NumberAfter(name, "tau");

@@ -277,7 +277,7 @@ TEST(Breaks, TimesGoBeforeTheOrderOfRows) {
   EXPECT_FALSE(FindBreak(problem, EstimateJointly(problem)));
 }
 
-// Loads change from shot to shot, or once: 250 kg and two sideways pulls in addition to none, one station, by the
+// Loads change from shot to shot, or once: none, 250 kg and two sideways pulls, one station, by the
 // generator of tests/support/loaded_kr270.h.
 test::LoadedTruth LoadedArm() {
   test::LoadedTruth truth = test::Everything();
