@@ -61,7 +61,7 @@ class Generator(WithFolder):
         listed = subprocess.run([str(PROGRAMS.generator), '--list'], capture_output=True, text=True, check=True).stdout
         kinds = [line.split()[0] for line in listed.splitlines()]
         self.assertEqual(sorted(kinds), sorted(cases.CATALOGUE + cases.OUTSIDE + cases.FOREIGN + cases.STRANGERS +
-                                               cases.NEWCOMERS))
+                                               cases.NEWCOMERS + cases.LATECOMERS))
         for kind in kinds:
             flags = {'kinds': kind, 'study': SEED, 'case': 2, 'stations': 2 if kind == 'station_scale' else 1}
             if kind == 'self_weight_sag':
@@ -88,6 +88,7 @@ class Generator(WithFolder):
             by = [float(true[c]) - p for c, p in zip(('x_mm', 'y_mm', 'z_mm'), at)]
             told.append({'config': true['config'], 'load': true['load'], 'marker': true['marker'],
                          's': float(true['time_s']) - start, 'mm': math.hypot(*by), 'at': at, 'by': by,
+                         'air': float(true['temperature_degC']),
                          'q': {c[:-4]: math.radians(float(true[c])) for c in true if c.endswith('_deg')}})
         return sealed, told
 
@@ -197,6 +198,116 @@ class Generator(WithFolder):
             sealed, rows = self.moved_by('radiant_heat', case)
             self.assertLess(max(r['mm'] for r in rows if r['s'] == 0.0), none)
             self.assertGreater(max(r['mm'] for r in rows), 0.01)
+
+    def test_latecomers_follow_the_laws_their_answers_say(self):
+        none = 1e-9  # mm: the tenth decimal of the file
+
+        def numbers(sealed):
+            return [float(t) for t in re.findall(r'-?[0-9]+\.[0-9]+', sealed['words'])]
+
+        def minus(a, b):
+            return [x - y for x, y in zip(a, b)]
+
+        def dot(a, b):
+            return sum(x * y for x, y in zip(a, b))
+
+        def pairs(rows):
+            """Readings of two markers in one shot: between their points, and between their displacements."""
+            for one, other in zip(rows, rows[1:]):
+                if one['s'] == other['s']:
+                    yield one, minus(other['at'], one['at']), minus(other['by'], one['by'])
+
+        def is_upright(between):
+            """Its height is at least the half. The station is off upright by 3 mrad (sigma) per axis, and what lies level
+            adds to what stands by three of these: 0.02 of it."""
+            return abs(between[2]) > 0.5 * math.hypot(*between)
+
+        def assert_steady(ratios, tolerance):
+            self.assertGreater(len(ratios), 1)
+            self.assertLess(max(ratios) - min(ratios), tolerance * max(abs(r) for r in ratios))
+
+        for case in range(3):
+            # At half the width from the middle there are exp(-1/16) of the play, at 1.7 of it less than 3e-4.
+            sealed, rows = self.moved_by('worn_sector', case)
+            middle, half_width = numbers(sealed)[:2]
+            away = [abs(r['q']['q' + sealed['target'][1:]] - middle) / half_width for r in rows]
+            least = min(r['mm'] for r, x in zip(rows, away) if x < 0.5)
+            self.assertGreater(least, 1e-3)
+            self.assertLess(max(r['mm'] for r, x in zip(rows, away) if x > 1.7), 3e-4 * 0.1 * 4.0)  # 100 urad at 4 m
+
+            # The plate only lifts: what is higher above the ground goes over, two markers by their heights alone.
+            sealed, rows = self.moved_by('rocking_foot', case)
+            lifted = [r for r in rows if r['mm'] > none]
+            self.assertTrue(0 < len(lifted) < len(rows) / 2)
+            aside = [(r, between, by) for r, between, by in pairs(lifted) if is_upright(between)]
+            self.assertTrue(aside)
+            headings = [math.atan2(by[1] / between[2], by[0] / between[2]) for _, between, by in aside]
+            spread = [math.remainder(h - headings[0], 2 * math.pi) for h in headings]
+            self.assertLess(max(spread) - min(spread), 0.05)
+
+            # dh/dt = (r - h) / tau in steps of a second.
+            sealed, rows = self.moved_by('spindle_heat', case)
+            tau, *switches = numbers(sealed)
+            heat = [0.0]
+            for second in range(int(rows[-1]['s']) + 2):
+                runs = sum(t < second + 0.5 for t in switches) % 2
+                heat.append(heat[-1] + (runs - heat[-1]) * (1.0 - math.exp(-1.0 / tau)))
+            warm = [(r, heat[int(r['s'])] + (r['s'] % 1.0) * (heat[int(r['s']) + 1] - heat[int(r['s'])])) for r in rows]
+            for marker in {r['marker'] for r in rows}:
+                assert_steady([r['mm'] / h for r, h in warm if r['marker'] == marker and h > 0.1], 0.02)
+
+            # A rigid body between two seats: each marker as far as before, and two of them as far apart.
+            sealed, rows = self.moved_by('reseated_tool', case)
+            times = numbers(sealed)
+            epoch = [sum(r['s'] >= t for t in times) for r in rows]
+            self.assertTrue(all(r['mm'] < none for r, e in zip(rows, epoch) if e == 0))
+            for key in {(r['marker'], e) for r, e in zip(rows, epoch) if e > 0}:
+                assert_steady([r['mm'] for r, e in zip(rows, epoch) if (r['marker'], e) == key], 1e-4)
+            for _, between, by in pairs(rows):
+                self.assertLess(abs(dot(between, by)), 1e-2 * math.hypot(*between) * (math.hypot(*by) + none))
+
+            sealed, rows = self.moved_by('swinging_load', case)
+            self.assertTrue(all((r['mm'] > none) == (r['load'] in ('V250', 'V120')) for r in rows))
+
+            # The head's friction drags the stand along: by the part 1 - exp(-turn / width) of what is left.
+            sealed, rows = self.moved_by('stand_twist', case)
+            twist, width = numbers(sealed)
+            state, before = 0.0, math.atan2(rows[0]['at'][1], rows[0]['at'][0])
+            for row in rows:
+                azimuth = math.atan2(row['at'][1], row['at'][0])
+                turned, before = math.remainder(azimuth - before, 2 * math.pi), azimuth
+                state += (math.copysign(1.0, turned) - state) * (1.0 - math.exp(-abs(turned) / width))
+                expected = [1e-6 * twist * state * row['at'][1], -1e-6 * twist * state * row['at'][0], 0.0]
+                # The arm's errors of 0.5 mrad and 0.3 mm per part, of its 4 m, turn the ray by 2 mrad.
+                self.assertLess(math.dist(row['by'], expected), 1e-6 * twist * math.hypot(*row['at']) * 0.005 / width)
+
+            sealed, rows = self.moved_by('thermal_scaling', case)
+            ppm, *times = numbers(sealed)
+            typed = {}
+            for row in rows:
+                temperature = typed.setdefault(sum(row['s'] >= t for t in times), row['air'])
+                for by, at in zip(row['by'], row['at']):
+                    self.assertLess(abs(by + 1e-6 * ppm * (temperature - 20.0) * at), 2e-9)
+
+            # A saw in time: two markers go apart by how full the pallet is, times the heights between them.
+            sealed, rows = self.moved_by('stacked_pallet', case)
+            fills, phase = numbers(sealed)
+            filled = [(between, by, (r['s'] / fills + phase) % 1.0) for r, between, by in pairs(rows)]
+            slopes = [(by[0] / between[2] / f, by[1] / between[2] / f) for between, by, f in filled
+                      if f > 0.2 and is_upright(between)]
+            self.assertGreater(len(slopes), 10)
+            for slope in slopes:
+                self.assertLess(math.dist(slope, slopes[0]), 0.04 * math.hypot(*slopes[0]))
+                self.assertAlmostEqual(1e6 * math.hypot(*slope), 22.0, delta=0.5)
+
+            sealed, rows = self.moved_by('load_number', case)
+            self.assertTrue(all((r['mm'] > none) == (r['s'] >= numbers(sealed)[0]) for r in rows))
+
+            # Each of two joints gives way by the torque about the other: without a load there is little of it.
+            sealed, rows = self.moved_by('wrist_windup', case)
+            means = {load: sum(r['mm'] for r in rows if r['load'] == load) / sum(r['load'] == load for r in rows)
+                     for load in ('none', 'V120', 'V250')}
+            self.assertTrue(means['none'] < means['V120'] < means['V250'], means)
 
     def test_the_value_that_is_hidden_is_the_value_that_is_estimated(self):
         # The generator makes these from their causes, so their second order remains: 20 urad squared over metres.

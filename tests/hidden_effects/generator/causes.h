@@ -1,4 +1,4 @@
-// What the three lists of causes outside the catalogue share (foreign.cc, strangers.cc, newcomers.cc).
+// What the four lists of causes outside the catalogue share (foreign.cc, strangers.cc, newcomers.cc, latecomers.cc).
 #pragma once
 
 #include <algorithm>
@@ -67,6 +67,16 @@ inline Placement PlaceAt(const Arm& arm, const VectorXd& values) {
 }
 
 inline Placement PlaceAsCommanded(const Arm& arm, const Shot& shot) { return PlaceAt(arm, shot.q); }
+
+// Of length 1.
+inline Vector3d Horizontal(double heading) { return {std::cos(heading), std::sin(heading), 0.0}; }
+
+// A force at a point, about a joint's axis: N m, base frame.
+inline double TorqueOf(const Placement& placement, int joint, const Vector3d& at, const Vector3d& force) {
+  return placement.axis[joint].dot((at - placement.after_joint[joint].origin).cross(force));
+}
+
+inline double AzimuthOf(const Vector3d& point) { return std::atan2(point.y(), point.x()); }
 
 // By kind.
 using Makers = std::vector<std::pair<std::string, void (*)(Draw)>>;

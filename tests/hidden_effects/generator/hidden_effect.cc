@@ -386,6 +386,7 @@ HiddenEffect Hide(const std::string& kind, double scale, const RobotKind& robot,
   if (Holds(ForeignKinds(), kind)) return HideForeign(kind, scale, robot, design, random, nature);
   if (Holds(StrangerKinds(), kind)) return HideStranger(kind, scale, robot, design, random, nature);
   if (Holds(NewcomerKinds(), kind)) return HideNewcomer(kind, scale, robot, design, random, nature);
+  if (Holds(LatecomerKinds(), kind)) return HideLatecomer(kind, scale, robot, design, random, nature);
   return HideOutside(kind, scale, robot, design, random, nature);
 }
 

@@ -34,6 +34,7 @@ std::vector<std::string> OutsideKinds();
 std::vector<std::string> ForeignKinds();
 std::vector<std::string> StrangerKinds();
 std::vector<std::string> NewcomerKinds();
+std::vector<std::string> LatecomerKinds();
 
 // Draws target and shape, sets it to `scale` times a typical size, adds it to
 // nature. Throws for a kind that is not known.
@@ -51,6 +52,8 @@ HiddenEffect HideStranger(const std::string& kind, double scale, const RobotKind
                           Stream* random, Nature* nature);
 HiddenEffect HideNewcomer(const std::string& kind, double scale, const RobotKind& robot, const Design& design,
                           Stream* random, Nature* nature);
+HiddenEffect HideLatecomer(const std::string& kind, double scale, const RobotKind& robot, const Design& design,
+                           Stream* random, Nature* nature);
 
 // Any revolute joint.
 int RevoluteJoint(const RobotKind& robot, Stream* random);

@@ -138,6 +138,7 @@ int main(int argc, char** argv) {
       for (const std::string& kind : hidden::ForeignKinds()) std::printf("%s foreign\n", kind.c_str());
       for (const std::string& kind : hidden::StrangerKinds()) std::printf("%s strangers\n", kind.c_str());
       for (const std::string& kind : hidden::NewcomerKinds()) std::printf("%s newcomers\n", kind.c_str());
+      for (const std::string& kind : hidden::LatecomerKinds()) std::printf("%s latecomers\n", kind.c_str());
       return 0;
     }
     if (flags.Has("displacements")) {

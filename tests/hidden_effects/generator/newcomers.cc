@@ -9,16 +9,6 @@
 namespace hidden {
 namespace {
 
-// Of length 1.
-Vector3d Horizontal(double heading) { return {std::cos(heading), std::sin(heading), 0.0}; }
-
-// A force at a point, about a joint's axis: N m, base frame.
-double TorqueOf(const Placement& placement, int joint, const Vector3d& at, const Vector3d& force) {
-  return placement.axis[joint].dot((at - placement.after_joint[joint].origin).cross(force));
-}
-
-double AzimuthOf(const Vector3d& point) { return std::atan2(point.y(), point.x()); }
-
 Vector3d FlangeFromStation(const Draw& d, const Shot& shot) {
   const StationPose& station = d.nature->stations.at(shot.station);
   return station.origin + station.turn * PlaceAsCommanded(d.nature->arm, shot).flange.origin;

@@ -18,15 +18,20 @@ STRANGERS = ['brake_drop', 'bearing_play', 'shifting_load', 'soft_tool', 'drive_
 # A third.
 NEWCOMERS = ['gas_balancer', 'creeping_gear', 'slipping_clamp', 'slow_tail', 'tool_balancer', 'lifting_coupling',
              'swapped_balls', 'two_faces', 'warm_sheet', 'radiant_heat']
+# A fourth.
+LATECOMERS = ['worn_sector', 'wrist_windup', 'rocking_foot', 'spindle_heat', 'reseated_tool', 'swinging_load',
+              'stand_twist', 'thermal_scaling', 'stacked_pallet', 'load_number']
 NEEDS_COLUMN = {'joint_slip': 'time', 'station_drift': 'time', 'marker_shift': 'time', 'time_wave': 'time',
                 'thermal_growth': 'temperature', 'backlash': 'approach', 'warm_up': 'time',
                 'link_heating': 'time', 'reading_bursts': 'time', 'seat_wear': 'time', 'floor_settling': 'time',
                 'soft_lost_motion': 'approach', 'cable_drag': 'approach', 'drive_heat': 'time', 'weather_dropouts': 'time',
                 'gas_balancer': 'approach', 'creeping_gear': 'time', 'slow_tail': 'approach', 'tool_balancer': 'approach',
-                'lifting_coupling': 'time', 'swapped_balls': 'time', 'radiant_heat': 'time'}
+                'lifting_coupling': 'time', 'swapped_balls': 'time', 'radiant_heat': 'time',
+                'worn_sector': 'approach', 'spindle_heat': 'time', 'reseated_tool': 'time', 'thermal_scaling': 'time',
+                'stacked_pallet': 'time', 'load_number': 'time'}
 NEEDS_LOADS = {'joint_compliance', 'compliance_hardening', 'transverse_compliance', 'link_gravity', 'base_compliance',
                'payload', 'gravity_compensator', 'load_com', 'soft_lost_motion', 'brake_drop', 'shifting_load',
-               'creeping_gear', 'tool_balancer', 'lifting_coupling'}
+               'creeping_gear', 'tool_balancer', 'lifting_coupling', 'wrist_windup', 'swinging_load'}
 ONE_STATION = {'time_wave'}
 # Truths that such designs confound (DIAGNOSIS.md), and the papers' own two.
 CONFOUNDED = ['joint_compliance@A1', 'gravity_compensator@A2', 'encoder_gain@A2', 'joint_harmonic@A2', 'link_gravity@A2',
@@ -243,5 +248,6 @@ robots_suite = mixed_suite('robots', robots_flags)
 SUITES = {'null': null_suite, 'healthy': healthy_suite, 'catalogue': catalogue_suite, 'pairs': pairs_suite,
           'outside': outside_suite('outside', OUTSIDE), 'foreign': outside_suite('foreign', FOREIGN),
           'strangers': outside_suite('strangers', STRANGERS), 'newcomers': outside_suite('newcomers', NEWCOMERS),
+          'latecomers': outside_suite('latecomers', LATECOMERS),
           'noise': noise_suite, 'unstated': unstated_suite, 'slight': slight_suite,
           'confounded': confounded_suite, 'few': few_suite, 'stations': stations_suite, 'robots': robots_suite}

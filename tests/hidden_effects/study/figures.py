@@ -4,7 +4,7 @@ import math
 from . import probabilities
 from . import statistics as st
 
-FOREIGN_SUITES = ('foreign', 'strangers', 'newcomers')  # causes outside the catalogue that real cells have
+FOREIGN_SUITES = ('foreign', 'strangers', 'newcomers', 'latecomers')  # causes outside the catalogue that real cells have
 SIGNIFICANCE = 0.01
 SHARE_OF_GATE = 0.25  # of the significance, for the search over effects, divided by the candidates of the case
 TYPICAL_TESTS = 300

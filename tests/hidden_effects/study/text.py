@@ -117,7 +117,8 @@ def summary(figures):
             g, ', '.join('%s %s' % (k.replace('_', ' '), share(v)) for k, v in f.items()))
             for g, f in figures['outside'].items()])
     for suite, title in (('foreign', 'Foreign causes'), ('strangers', 'Foreign causes, the second list'),
-                         ('newcomers', 'Foreign causes, the third list')):
+                         ('newcomers', 'Foreign causes, the third list'),
+                         ('latecomers', 'Foreign causes, the fourth list')):
         if figures[suite]:
             lines += block(title, foreign_lines(figures[suite]))
     learnt = figures['closed_by_learning']
