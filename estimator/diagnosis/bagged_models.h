@@ -9,16 +9,15 @@
 
 #include <vector>
 
-#include "estimator/diagnosis/posterior.h"
+#include "estimator/diagnosis/pose_groups.h"
 
 namespace sagitta {
 
 // The evidence's models, averaged with the most probable set of each of kResamples resamples in the leading model's
-// view; all poses as they are count as one of them. The search begins with nothing on each, among what may have a place
-// in the leading set or next to it on all poses. in_places: InPlaces of the leading model. Where its set holds
-// nothing, or poses are fewer than the groups that are drawn (20), these are the evidence's models as they are.
+// view; all poses as they are count as one of them. The search begins with nothing on each, among what the groups ask
+// for. Where the leading set holds nothing, or poses are too few, these are the evidence's models as they are.
 std::vector<WeightedModel> BaggedModels(const Evidence& evidence, const WeightedModel& leading,
-                                        const std::vector<std::vector<NamedProbability>>& in_places);
+                                        const PoseGroups& groups);
 
 constexpr int kResamples = 10;  // one moves a probability by 0.09, less than chance does from resample to resample
 

@@ -226,6 +226,7 @@ class Session {
       d_.has_unexplained = true;
     }
     aside_.FromHeldOut(!named_, &d_.baseline, &d_.final);
+    d_.has_unexplained |= Misfits();
   }
 
   // Of the selected effects; -1: all hold.
@@ -311,8 +312,8 @@ class Session {
 
   void Describe() {
     Say("alternatives and halves");
-    const std::vector<std::vector<NamedProbability>> in_places = InPlaces(*evidence_, leading_);
-    const std::vector<WeightedModel> models = Bagged(in_places);
+    in_places_ = InPlaces(*evidence_, leading_);
+    const std::vector<WeightedModel> models = Bagged();
     const Posterior bagged = PosteriorOf(*evidence_, models);
     d_.posterior = Report(*evidence_, posterior_, bagged, options_.prior, NamingGate());
     posterior_ = bagged;
@@ -322,7 +323,7 @@ class Session {
     d_.effects.resize(selected_.size());
     std::vector<int> members;
     for (const SelectedEffect& effect : selected_) members.push_back(effect.explanation);
-    const std::vector<CheckedEffect> checked = CheckEffects(*evidence_, posterior_, leading_, in_places, members);
+    const std::vector<CheckedEffect> checked = CheckEffects(*evidence_, posterior_, leading_, in_places_, members);
     double before = HoldoutRms(d_.baseline);
     const std::vector<EffectView> views = ViewEffects(d_.final, SpecsOf(CandidatesOf(selected_)));
     for (size_t k = 0; k < selected_.size(); ++k) {
@@ -341,8 +342,8 @@ class Session {
     }
     d_.next = ProposeNext(*evidence_, *working_, d_.baseline.estimate.parameters, kSeedOfPoses);
     d_.gap_map = MapGap(d_.baseline, d_.final);
-    d_.gap = JudgeGap(d_.baseline, d_.final, IsSigmaStated(problem_));
-    d_.groups = GroupEffects(d_.effects, lacking_, d_.baseline, d_.final, joint_);
+    d_.gap = JudgeGap(d_.baseline, d_.final, NoiseFloor(), IsSigmaStated(problem_));
+    d_.groups = GroupEffects(d_.effects, lacking_, d_.baseline, d_.final, d_.gap.floor, joint_);
     for (EffectGroup& group : d_.groups) {
       const double probability = ProbabilityOf(group.effect, *evidence_, models);
       if (probability > 0.0) group.probability = probability;  // else a group of several effects
@@ -350,12 +351,17 @@ class Session {
   }
 
   // What effects are said to be: with a rest without a name, the poses as they are would make it too sure.
-  std::vector<WeightedModel> Bagged(const std::vector<std::vector<NamedProbability>>& in_places) {
+  std::vector<WeightedModel> Bagged() {
     if (!named_ || !MayLeaveARest()) return evidence_->models();
-    std::vector<WeightedModel> models = BaggedModels(*evidence_, leading_, in_places);
+    std::vector<WeightedModel> models = BaggedModels(*evidence_, leading_, Groups());
     const bool is_bagged = models.size() > evidence_->models().size();  // else poses are too few
     if (is_bagged) d_.cautions.push_back(AreBagged(kResamples));
     return models;
+  }
+
+  const PoseGroups& Groups() {
+    if (!groups_) groups_ = std::make_unique<PoseGroups>(*evidence_, leading_, in_places_);
+    return *groups_;
   }
 
   // Of the first candidates that have a share of the probability: each alone with the believed model.
@@ -406,6 +412,13 @@ class Session {
            !d_.noise.repeatability_is_overstated;
   }
 
+  // m. A deviation of the joints that may be an error which follows the pose is no noise: it would close the gap by
+  // being called noise.
+  double NoiseFloor() const {
+    const bool is_gap = IsSigmaStated(problem_) && MayFollowThePose();
+    return (is_gap ? d_.baseline : d_.final).estimate.noise_floor;
+  }
+
   // Where untouched rows get no better at all, what was found is at most a part of it, too. After MeasurePrefixes,
   // where anything is selected.
   bool MayLeaveARest() {
@@ -414,7 +427,6 @@ class Session {
   }
 
   void Decide() {
-    d_.has_unexplained |= Misfits();
     for (const int i : aside_.outliers()) {
       d_.noise.outliers.push_back(problem_.data().SourceOf(problem_.data().observations[i]));
     }
@@ -424,7 +436,7 @@ class Session {
     if (d_.has_unexplained) {
       d_.unexplained = LearnFunction(*evidence_, leading_, *lacking_.problem);
       Say("learning what has no name");
-      auto learnt = LearnModel(*evidence_, leading_, d_.baseline, d_.final, joint_);
+      auto learnt = LearnModel(*evidence_, leading_, Groups(), d_.baseline, d_.final, joint_);
       if (learnt) d_.learnt = std::make_shared<LearntModel>(*std::move(learnt));
     }
     d_.noise.is_bound = d_.has_unexplained;
@@ -451,6 +463,8 @@ class Session {
   bool named_ = false;
   WeightedModel leading_;
   DiagnosedModel lacking_;  // the believed model with the noise that goes with the leading set
+  std::vector<std::vector<NamedProbability>> in_places_;
+  std::unique_ptr<PoseGroups> groups_;
   std::vector<SelectedEffect> selected_;
   std::vector<DiagnosedModel> prefixes_;  // the lacking model with none, one, two, … of them
 };

@@ -150,11 +150,11 @@ class EvidenceColumns {
   AlongSources SumAlong(const std::vector<Source>& sources) const;
 
   int num_believed() const { return static_cast<int>(believed_.size()); }
-  // Rows [believed, columns] of one pose that need not be fitted, whitened; and products of the fitted rows with
-  // [believed, columns, residual], priors of the believed included.
+  // Rows [believed, columns] of one pose that need not be fitted, whitened.
   Eigen::MatrixXd RowsAt(const std::vector<int>& observations, const JointScatter& scatter,
                          const std::vector<int>& columns) const;
-  Eigen::MatrixXd FittedProducts(const JointScatter& scatter, const std::vector<int>& columns) const;
+  // Products of RowSums, the priors of the believed included.
+  Eigen::MatrixXd WithPriors(Eigen::MatrixXd products) const;
 
  private:
   struct Block {

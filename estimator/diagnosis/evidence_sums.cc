@@ -228,8 +228,7 @@ Eigen::MatrixXd EvidenceColumns::RowsAt(const std::vector<int>& observations, co
   return rows.leftCols(rows.cols() - 1);
 }
 
-Eigen::MatrixXd EvidenceColumns::FittedProducts(const JointScatter& scatter, const std::vector<int>& columns) const {
-  Eigen::MatrixXd products = Sum(scatter, &columns).products;
+Eigen::MatrixXd EvidenceColumns::WithPriors(Eigen::MatrixXd products) const {
   const long believed = num_believed(), last = products.cols() - 1;
   Eigen::MatrixXd own = products.topLeftCorner(believed, believed);
   Eigen::VectorXd along = products.col(last).head(believed);

@@ -100,10 +100,10 @@ bool IsFarFromFloor(const DiagnosedModel& model, bool is_sigma_stated, double si
 
 // The interval: configurations drawn with replacement, 2.5 and 97.5 % of the draws (Efron and Tibshirani 1993,
 // section 13.3).
-GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extended, bool is_noise_stated) {
+GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extended, double floor, bool is_noise_stated) {
   GapReport gap;
+  gap.floor = floor;
   const HoldoutSums before = SumHoldout(baseline), after = SumHoldout(extended);
-  const double floor = extended.estimate.noise_floor;
   std::vector<int> held_out;
   for (int c = 0; c < before.coordinates.size(); ++c) {
     if (before.coordinates[c] > 0.0) held_out.push_back(c);

@@ -36,12 +36,13 @@ bool IsFarFromFloor(const DiagnosedModel& model, bool is_sigma_stated, double si
 // Not a number without a hold-out, and where nothing states the noise: a floor that is the model's own scatter would
 // call every gap closed. No interval below three held-out configurations.
 struct GapReport {
+  double floor = 0.0;                // m
   double before = 0.0, after = 0.0;  // m
   double closed = 0.0;               // share of the squared gap
   Interval closed_ci95;              // bootstrap over hold-out configurations
 };
 
-// How much of the gap of the baseline the extended model closes on the hold-out.
-GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extended, bool is_noise_stated);
+// How much of the gap of the baseline the extended model closes on the hold-out, above a floor (m).
+GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extended, double floor, bool is_noise_stated);
 
 }  // namespace sagitta

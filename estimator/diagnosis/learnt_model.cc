@@ -1,5 +1,7 @@
 #include "estimator/diagnosis/learnt_model.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <iterator>
 #include <map>
@@ -13,8 +15,6 @@
 
 namespace sagitta {
 namespace {
-
-constexpr size_t kMostTried = 12;  // functions: each costs a refit
 
 Candidate CandidateOf(const EffectSpec& spec, const Robot& robot, double scale) {
   Candidate candidate{spec};
@@ -50,13 +50,13 @@ DiagnosedModel WithSpringsAsTheyAre(const DiagnosedModel& model) {
 
 class Learner {
  public:
-  Learner(const Evidence& evidence, const WeightedModel& leading, const DiagnosedModel& final,
+  Learner(const Evidence& evidence, const WeightedModel& leading, const PoseGroups& groups, const DiagnosedModel& final,
           const JointOptions& joint)
       : evidence_(evidence),
         search_(evidence.SearchIn(leading.view)),
-        set_(leading.set),
+        groups_(groups),
+        leading_(leading.set),
         final_(WithSpringsAsTheyAre(final)),
-        with_(final_),
         joint_(joint) {
     if (leading.pieces.empty()) return;
     WeightedModel as_effects = leading;
@@ -67,80 +67,101 @@ class Learner {
   }
 
   std::optional<LearntModel> Run(const DiagnosedModel& baseline) {
-    WeightedSet kept;
-    for (size_t k = 0; k < set_.members.size(); ++k) {
-      const int member = set_.members[k];
-      if (evidence_.list().IsUnnamed(member) && !Take(member, set_.scales[k])) continue;
-      if (pieces_.count(member) > 0) continue;
-      kept.members.push_back(member);
-      kept.scales.push_back(set_.scales[k]);
-    }
-    set_ = search_.Evaluate(kept.members, kept.scales);
-    while (TakeNext()) continue;
-    for (const auto& [member, piece] : pieces_) TakeAll({piece});
+    Choose();
+    const DiagnosedModel with = Extended();
     if (added_.empty()) return std::nullopt;
     LearntModel learnt;
-    const ParameterSet& start = with_.estimate.parameters;
-    learnt.model = JudgeFully(with_.problem, start, start, joint_);
-    if (!IsUsable(learnt.model.estimate.status) || IsNoBetter(learnt.model, final_)) return std::nullopt;
-    learnt.gap = JudgeGap(baseline, learnt.model, evidence_.IsSigmaStated());
+    const ParameterSet& start = with.estimate.parameters;
+    learnt.model = JudgeFully(with.problem, start, start, joint_);
+    if (!IsUsable(learnt.model.estimate.status) || HoldoutRms(learnt.model) >= HoldoutRms(final_)) return std::nullopt;
+    // What the functions' own coefficients are uncertain by is no noise.
+    learnt.gap = JudgeGap(baseline, learnt.model, baseline.estimate.noise_floor, evidence_.IsSigmaStated());
     for (const Candidate& candidate : added_) learnt.functions.push_back(WithValues(candidate.spec, learnt.model));
     return learnt;
   }
 
  private:
-  // On untouched rows; without any it may be.
-  static bool IsNoBetter(const DiagnosedModel& with, const DiagnosedModel& without) {
-    return HoldoutRms(with) >= HoldoutRms(without);
+  void Choose() {
+    WeightedSet named;
+    for (size_t k = 0; k < leading_.members.size(); ++k) {
+      const int member = leading_.members[k];
+      if (evidence_.list().IsUnnamed(member) || pieces_.count(member) > 0) continue;
+      named.members.push_back(member);
+      named.scales.push_back(leading_.scales[k]);
+    }
+    set_ = search_.Evaluate(named.members, named.scales);
+    errors_ = groups_.ErrorsLeftOut(set_);
+    for (const int member : leading_.members) {
+      if (evidence_.list().IsUnnamed(member)) Choose(member);
+    }
+    while (ChooseNext()) continue;
+    for (const auto& [member, piece] : pieces_) Choose(member);
   }
 
-  // Adds it to the model where that does untouched rows good and the model has it not. False: it is not taken.
-  bool Take(int explanation, double scale) {
-    passed_.insert(evidence_.list().name[explanation]);
-    std::vector<Candidate> fresh;
+  // False: it does not predict what is left out of the fit better by a standard error.
+  bool Choose(int explanation) {
+    asked_.insert(evidence_.list().name[explanation]);
+    std::vector<int> members = set_.members;
+    members.insert(std::lower_bound(members.begin(), members.end(), explanation), explanation);
+    const WeightedSet with = search_.Evaluate(members);
+    const Eigen::VectorXd errors = groups_.ErrorsLeftOut(with), gains = errors_ - errors;
+    VLOG(1) << "diagnosis: " << evidence_.list().name[explanation] << " predicts what is left out better by "
+            << gains.sum() / gains.norm() << " standard errors";
+    if (gains.sum() < gains.norm()) return false;
+    set_ = with;
+    errors_ = errors;
+    chosen_.push_back(explanation);
+    return true;
+  }
+
+  // The best that is left, by the evidence; what does no good is passed over. False: none stands out.
+  bool ChooseNext() {
+    const std::vector<double> weights = search_.Additions(set_);
+    while (true) {
+      int best = -1;
+      for (const int k : groups_.asked()) {
+        const double weight = weights[static_cast<size_t>(k)];
+        if (!evidence_.list().IsUnnamed(k) || !(weight > set_.log_weight + kStandsOut)) continue;
+        if (asked_.count(evidence_.list().name[k]) > 0) continue;
+        if (best < 0 || weight > weights[static_cast<size_t>(best)]) best = k;
+      }
+      if (best < 0) return false;
+      if (Choose(best)) return true;
+    }
+  }
+
+  // With what was chosen; without the last of it where the refit does not converge.
+  DiagnosedModel Extended() {
+    for (; !chosen_.empty(); chosen_.pop_back()) {
+      added_.clear();
+      for (const int explanation : chosen_) Add(explanation);
+      DiagnosedModel with = Extend(final_, added_, joint_);
+      if (IsUsable(with.estimate.status)) return with;
+    }
+    added_.clear();
+    return final_;
+  }
+
+  void Add(int explanation) {
+    const auto piece = pieces_.find(explanation);
+    if (piece != pieces_.end()) {
+      added_.push_back(piece->second);
+      return;
+    }
+    const auto place = std::lower_bound(set_.members.begin(), set_.members.end(), explanation) - set_.members.begin();
+    const double scale = set_.scales[static_cast<size_t>(place)];
     const UnnamedFunction& function = evidence_.list().functions[evidence_.list().unnamed[explanation]];
     const double gap = LargestGap(function.driver, *final_.problem);
     for (const EffectSpec& spec : function.effects) {
       for (const auto& [level, size] : LevelsOf(spec, scale, gap)) {
-        if (!Has(level)) fresh.push_back(CandidateOf(level, final_.problem->robot(), size));
+        if (!Has(level)) added_.push_back(CandidateOf(level, final_.problem->robot(), size));
       }
     }
-    return !fresh.empty() && TakeAll(fresh);
-  }
-
-  bool TakeAll(const std::vector<Candidate>& fresh) {
-    DiagnosedModel with = PredictingHoldout(Extend(with_, fresh, joint_));
-    if (!IsUsable(with.estimate.status) || IsNoBetter(with, with_)) return false;
-    with_ = std::move(with);
-    added_.insert(added_.end(), fresh.begin(), fresh.end());
-    return true;
   }
 
   bool Has(const EffectSpec& spec) const {
     return std::any_of(added_.begin(), added_.end(),
                        [&](const Candidate& candidate) { return candidate.spec.Path() == spec.Path(); });
-  }
-
-  // The best that is left, by the evidence; what does no good is passed over. False: none stands out.
-  bool TakeNext() {
-    std::vector<double> scales;
-    const std::vector<double> weights = search_.Additions(set_, &scales);
-    while (passed_.size() < kMostTried) {
-      int best = -1;
-      for (size_t k = 0; k < weights.size(); ++k) {
-        const int explanation = static_cast<int>(k);
-        if (!evidence_.list().IsUnnamed(explanation) || !(weights[k] > set_.log_weight + kStandsOut)) continue;
-        if (passed_.count(evidence_.list().name[k]) > 0) continue;
-        if (best < 0 || weights[k] > weights[static_cast<size_t>(best)]) best = explanation;
-      }
-      if (best < 0) return false;
-      if (!Take(best, scales[static_cast<size_t>(best)])) continue;
-      std::vector<int> members = set_.members;
-      members.insert(std::lower_bound(members.begin(), members.end(), best), best);
-      set_ = search_.Evaluate(members);
-      return true;
-    }
-    return false;
   }
 
   static EffectSpec WithValues(EffectSpec spec, const DiagnosedModel& model) {
@@ -153,13 +174,16 @@ class Learner {
 
   const Evidence& evidence_;
   const SetSearch search_;
-  WeightedSet set_;
+  const PoseGroups& groups_;
+  const WeightedSet leading_;
   DiagnosedModel final_;
-  DiagnosedModel with_;
   JointOptions joint_;
   std::map<int, Candidate> pieces_;  // of the nameless cause that are like effects of the catalogue, by explanation
+  WeightedSet set_;
+  Eigen::VectorXd errors_;       // that it leaves on each group
+  std::set<std::string> asked_;  // names of functions
+  std::vector<int> chosen_;      // explanations
   std::vector<Candidate> added_;
-  std::set<std::string> passed_;  // names of functions that were tried
 };
 
 }  // namespace
@@ -179,10 +203,10 @@ std::vector<std::pair<EffectSpec, double>> LevelsOf(const EffectSpec& spec, doub
   return levels;
 }
 
-std::optional<LearntModel> LearnModel(const Evidence& evidence, const WeightedModel& leading,
+std::optional<LearntModel> LearnModel(const Evidence& evidence, const WeightedModel& leading, const PoseGroups& groups,
                                       const DiagnosedModel& baseline, const DiagnosedModel& final,
                                       const JointOptions& joint) {
-  return Learner(evidence, leading, final, joint).Run(baseline);
+  return Learner(evidence, leading, groups, final, joint).Run(baseline);
 }
 
 }  // namespace sagitta

@@ -8,6 +8,7 @@
 
 #include "estimator/diagnosis/evidence.h"
 #include "estimator/diagnosis/gap.h"
+#include "estimator/diagnosis/pose_groups.h"
 
 namespace sagitta {
 
@@ -17,11 +18,13 @@ struct LearntModel {
   GapReport gap;                      // from the believed model
 };
 
-// Beside the effects that `final` has: unnamed functions, the best one after the other, while each has odds of 20 for
-// it and does not make untouched rows worse beyond chance; fitted with the prior that their evidence is made of.
-// Effects of the catalogue that are pieces of the nameless cause (nameless_cause.h) come last: beside the functions
-// they take what is left. Nothing where none is left, or where all together predict untouched rows no better.
-std::optional<LearntModel> LearnModel(const Evidence& evidence, const WeightedModel& leading,
+// With the effects that `final` has: functions without a name, the best one after the other, while each has odds of 20
+// for it and predicts groups of poses better that are left out of the fit, by a standard error of that or more (the
+// rule of one standard error: Hastie, Tibshirani, Friedman, The Elements of Statistical Learning, 2nd ed., 7.10);
+// fitted with the prior that their evidence is made of. Effects of the catalogue that are pieces of the nameless cause
+// (nameless_cause.h) come last: given the functions they explain what is left. The configurations held out choose
+// nothing; they say whether all together predict them better. Nothing where they do not, or where no function is left.
+std::optional<LearntModel> LearnModel(const Evidence& evidence, const WeightedModel& leading, const PoseGroups& groups,
                                       const DiagnosedModel& baseline, const DiagnosedModel& final,
                                       const JointOptions& joint);
 

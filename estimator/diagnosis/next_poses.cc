@@ -281,7 +281,7 @@ std::optional<PoseChoice> ChoiceOf(const Evidence& evidence, const std::vector<R
     turned.middleCols(first_row[c], first_row[c + 1] - first_row[c]) =
         few.columns().RowsAt(observations[c], scatter, columns).transpose();
   }
-  const Eigen::MatrixXd sums = few.columns().FittedProducts(scatter, columns);
+  const Eigen::MatrixXd sums = few.columns().WithPriors(few.columns().Sum(scatter, &columns).products);
   std::vector<RivalRows> rows(rivals.size());
   for (size_t i = 0; i < rivals.size(); ++i) {
     rows[i].probability = rivals[i].probability;

@@ -249,7 +249,7 @@ double WaldP(const EffectSpec& spec, const Estimate& estimate) {
 }
 
 std::vector<EffectGroup> GroupEffects(const std::vector<FoundEffect>& effects, const DiagnosedModel& lacking,
-                                      const DiagnosedModel& baseline, const DiagnosedModel& final,
+                                      const DiagnosedModel& baseline, const DiagnosedModel& final, double floor,
                                       const JointOptions& joint) {
   std::vector<EffectGroup> groups;
   for (size_t k = 0; k < effects.size(); ++k) {
@@ -264,7 +264,6 @@ std::vector<EffectGroup> GroupEffects(const std::vector<FoundEffect>& effects, c
     own->effects.push_back(static_cast<int>(k));
   }
   if (baseline.estimate.validation.observations == 0) return groups;
-  const double floor = final.estimate.noise_floor;
   const auto beyond_floor = [&](const DiagnosedModel& model) {
     const HoldoutSums sums = SumHoldout(model);
     return std::max(0.0, sums.squares.sum() - floor * floor * sums.coordinates.sum());

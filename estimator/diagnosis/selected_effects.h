@@ -63,8 +63,9 @@ bool IsEstimated(const EffectSpec& spec, const Estimate& estimate);
 // P that values as far from 0 come about by chance, by the full estimator's covariance: what it says against an effect.
 double WaldP(const EffectSpec& spec, const Estimate& estimate);
 
+// floor: m, of the gap.
 std::vector<EffectGroup> GroupEffects(const std::vector<FoundEffect>& effects, const DiagnosedModel& lacking,
-                                      const DiagnosedModel& baseline, const DiagnosedModel& final,
+                                      const DiagnosedModel& baseline, const DiagnosedModel& final, double floor,
                                       const JointOptions& joint);
 
 }  // namespace sagitta

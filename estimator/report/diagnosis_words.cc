@@ -297,7 +297,8 @@ std::string LearntInWords(const Diagnosis& d) {
   const size_t count = d.learnt->functions.size();
   return "With " + std::to_string(count) + (count == 1 ? " smooth function" : " smooth functions") +
          " learnt from the rows (" + kLearntFile + "): " + HoldoutInWords(d.learnt->model.estimate) + "; " +
-         ClosedInWords(d.learnt->gap) + ". They describe and name no cause; beyond the measured ranges they are zero.";
+         ClosedInWords(d.learnt->gap) +
+         ". They describe and name no cause, and say nothing beyond the measured ranges.";
 }
 
 std::string NoiseInWords(const NoiseFinding& noise) {
@@ -383,7 +384,7 @@ std::string DiagnosisToText(const Diagnosis& d) {
     text << d.effects.size() - kMostEffects << " more effects: in report.html and diagnosis.json\n";
   text << "Final: reduced chi-square " << Significant(after.chi2 / std::max(1, after.dof), 3) << ", "
        << HoldoutInWords(after);
-  if (after.validation.observations > 0) text << ", noise floor " << Significant(1e3 * after.noise_floor, 3) << " mm";
+  if (after.validation.observations > 0) text << ", noise floor " << Significant(1e3 * d.gap.floor, 3) << " mm";
   text << "\n";
   if (!std::isnan(d.gap.before)) text << GapInWords(d);
   text << "Noise: " << NoiseInWords(d.noise) << "\n";

@@ -151,6 +151,11 @@ std::string NextCell(const std::string& column, const std::string& cell, const P
   return Fixed(pose.q[joint] / si, unit == "rad" ? 5 : 3);
 }
 
+Json ClosedToJson(const GapReport& gap) {
+  if (!std::isfinite(gap.closed_ci95.low)) return nullptr;
+  return {gap.closed_ci95.low, gap.closed_ci95.high};
+}
+
 Json LearntToJson(const Robot& robot, const LearntModel& learnt) {
   Json functions = Json::array();
   for (const EffectSpec& spec : learnt.functions) functions.push_back(SpecToJson(robot, spec));
@@ -158,7 +163,8 @@ Json LearntToJson(const Robot& robot, const LearntModel& learnt) {
   return {{"functions", functions},
           {"file", kLearntFile},
           {"holdout_rms_mm", HeldOut(after, after.validation.rms)},
-          {"gap_closed", Finite(learnt.gap.closed)}};
+          {"gap_closed", Finite(learnt.gap.closed)},
+          {"gap_closed_ci95", ClosedToJson(learnt.gap)}};
 }
 
 Json UnexplainedToJson(const Diagnosis& d) {
@@ -210,14 +216,11 @@ Json FinalToJson(const Diagnosis& d) {
                {"rms_mm", 1e3 * after.fit.rms},
                {"holdout_rms_mm", HeldOut(after, after.validation.rms)},
                {"holdout_distance_rms_mm", HeldOut(after, after.validation.distance_rms)},
-               {"noise_floor_mm", HeldOut(after, after.noise_floor)},
+               {"noise_floor_mm", HeldOut(after, d.gap.floor)},
                {"gap_before_mm", Finite(1e3 * d.gap.before)},
                {"gap_after_mm", Finite(1e3 * d.gap.after)},
-               {"gap_closed", Finite(d.gap.closed)},
-               {"gap_closed_ci95", nullptr}};
-  if (std::isfinite(d.gap.closed_ci95.low)) {
-    json["gap_closed_ci95"] = {d.gap.closed_ci95.low, d.gap.closed_ci95.high};
-  }
+               {"gap_closed", Finite(d.gap.closed)}};
+  json["gap_closed_ci95"] = ClosedToJson(d.gap);
   return json;
 }
 

@@ -32,7 +32,7 @@ std::unique_ptr<Evidence> Weigh(int configurations) {
 
 std::vector<WeightedModel> Bagged(const Evidence& evidence) {
   const WeightedModel& leading = evidence.models()[0];
-  return BaggedModels(evidence, leading, InPlaces(evidence, leading));
+  return BaggedModels(evidence, leading, PoseGroups(evidence, leading, InPlaces(evidence, leading)));
 }
 
 double Sum(const std::vector<WeightedModel>& models) {

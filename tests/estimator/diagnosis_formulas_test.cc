@@ -182,7 +182,8 @@ TEST(DiagnosisFormulas, SharesOfTheGapAddUp) {
   effects[0].candidate.spec = Harmonic(2);
   effects[1].candidate.spec = gain;
   const DiagnosedModel final = Extend(baseline, {effects[0].candidate, effects[1].candidate}, JointOptions());
-  const std::vector<EffectGroup> groups = GroupEffects(effects, baseline, baseline, final, JointOptions());
+  const std::vector<EffectGroup> groups =
+      GroupEffects(effects, baseline, baseline, final, final.estimate.noise_floor, JointOptions());
   ASSERT_EQ(groups.size(), 2u);
   DiagnosedModel judged = final;  // with its predictions
   judged.estimate.predicted = baseline.estimate.predicted;
@@ -191,7 +192,7 @@ TEST(DiagnosisFormulas, SharesOfTheGapAddUp) {
   for (size_t k = 0; k < held_out.size(); ++k) {
     judged.estimate.predicted.col(held_out[k]) = predicted.col(static_cast<long>(k));
   }
-  const double closed = JudgeGap(baseline, judged, true).closed;
+  const double closed = JudgeGap(baseline, judged, final.estimate.noise_floor, true).closed;
   EXPECT_GT(closed, 0.5);
   EXPECT_GT(std::abs(groups[0].share_of_gap), 0.05);
   EXPECT_GT(std::abs(groups[1].share_of_gap), 0.05);

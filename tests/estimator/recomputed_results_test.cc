@@ -131,10 +131,9 @@ TEST(RecomputedResults, TheGapIsOneOfSquares) {
       model.estimate.predicted.col(static_cast<long>(k)) =
           problem->data().observations[k].point_in_station + distance * Vector3<double>::Unit(static_cast<int>(k % 3));
     }
-    model.estimate.noise_floor = 0.5e-3;
     return model;
   };
-  const GapReport gap = JudgeGap(off_by(2e-3), off_by(1e-3), true);
+  const GapReport gap = JudgeGap(off_by(2e-3), off_by(1e-3), 0.5e-3, true);
   EXPECT_NEAR(gap.before, 1e-3 * std::sqrt(4.0 / 3 - 0.25), 1e-12);
   EXPECT_NEAR(gap.after, 1e-3 * std::sqrt(1.0 / 3 - 0.25), 1e-12);
   EXPECT_NEAR(gap.closed, 12.0 / 13.0, 1e-12);

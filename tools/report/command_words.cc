@@ -117,7 +117,7 @@ std::string NotACalibratedRobot() {
 std::string LearntFunctionsInFile() {
   return "# With smooth functions learnt from the rows where no effect of the catalogue explains the gap. They are "
          "empirical:\n"
-         "# they name no cause, and are zero beyond the measured ranges.\n";
+         "# they name no cause, and say nothing beyond the measured ranges.\n";
 }
 
 std::string TrialsAreKept(int done, int trials, double covered, const std::string& folder) {
