@@ -161,8 +161,8 @@ void CheckLoadStates(Measurements* data) {
   }
   if (states == kLoaded) {
     data->warnings.push_back(
-        "every row is loaded: without unloaded rows a deflection is told from geometry only by how it varies with "
-        "torque; measure some configurations unloaded too");
+        "every row is loaded: without unloaded rows a deflection is distinguished from geometry only by how it varies "
+        "with torque; measure some configurations unloaded too");
   }
 }
 

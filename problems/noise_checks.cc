@@ -39,7 +39,7 @@ void CheckResiduals(const CalibrationProblem& problem) {
   const Experiment& experiment = problem.experiment();
   if (experiment.noise.from != From::kResiduals) return;
   if (!experiment.repeatability.IsZero()) {
-    FailProblem(problem, "noise.from", "the residuals contain the repeatability already, which is asked for beside",
+    FailProblem(problem, "noise.from", "the residuals contain the repeatability already, which is asked for as well",
                 "use {from: variance-components}, or leave repeatability out");
   }
   if (experiment.method.loss != LossKind::kNone) {

@@ -90,7 +90,7 @@ void CheckEffectColumns(const CalibrationProblem& problem) {
       const Observation& first = problem.data().observations[problem.data().shots[s].observations.front()];
       const MeasurementFile& file = problem.data().files[first.file];
       throw InputError({file.path, file.rows[first.row].line, column}, "effect " + spec.Path() + " needs this column",
-                       "add it, or take the effect out of the robot file");
+                       "add it, or remove the effect from the robot file");
     }
   }
 }
@@ -165,10 +165,12 @@ void CheckEnoughData(const CalibrationProblem& problem) {
   const bool is_one = configurations.size() < 2;
   const bool asks_for_both = problem.experiment().estimate.base && problem.experiment().estimate.markers;
   if (is_one || (asks_for_both && !AnyDiffer(problem.data(), configurations))) {
-    const std::string alike = "all " + std::to_string(configurations.size()) +
-                              " configurations are alike (equal joint values), and one pose cannot tell the robot "
-                              "from the base";
-    throw InputError({file, 0, "config"}, is_one ? "one configuration cannot tell the robot from the base" : alike,
+    const std::string alike =
+        "all " + std::to_string(configurations.size()) +
+        " configurations are alike (equal joint values), and one pose cannot distinguish the robot "
+        "from the base";
+    throw InputError({file, 0, "config"},
+                     is_one ? "one configuration cannot distinguish the robot from the base" : alike,
                      "measure at least two, better thirty, different configurations");
   }
   const int equations = 3 * observations.size();

@@ -249,7 +249,7 @@ void ExpectReadings(PlanScene* scene) {
   if (folded > 0) {
     throw InputError({problem.experiment().file, 0, "loads"},
                      "at " + std::to_string(folded) + " test poses the load folds the arm: no equilibrium",
-                     "check the load and the compliances, or take these poses out");
+                     "check the load and the compliances, or leave these poses out");
   }
 }
 

@@ -51,7 +51,7 @@ void DescribeRepeats(const CalibrationProblem& problem, AgreementReport* report)
 void DescribeSandwich(AgreementReport* report) {
   if (!report->sandwich_advised) return;
   std::string words =
-      "The intervals take the rows for independent and alike. Judged by whole configurations "
+      "The intervals assume that the rows are independent and alike. Judged by whole configurations "
       "(covariance: sandwich) they would be " +
       Significant(report->sandwich_ratio, 2) + " times as wide (median)";
   if (report->random_share_model > 0.0) {

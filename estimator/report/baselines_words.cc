@@ -5,7 +5,7 @@ namespace sagitta {
 const char* StepOutcomeInWords(StepOutcome outcome) {
   switch (outcome) {
     case StepOutcome::kTaken:
-      return "a step was taken";
+      return "a step was made";
     case StepOutcome::kSingular:
       return "a step's linear system is singular";
     case StepOutcome::kNoDescent:
@@ -51,8 +51,8 @@ std::string PoseEquationsSingular() {
 }
 
 std::string DifferencesTakeRestAsExact() {
-  return "its intervals of compliances and compensator take geometry, base poses and markers of the unloaded rows as "
-         "exact";
+  return "its intervals of compliances and compensator assume geometry, base poses and markers of the unloaded rows to "
+         "be exact";
 }
 
 std::string PreloadWentIntoGeometry() {

@@ -31,8 +31,8 @@ std::string StoppedBefore(double steps, const std::string& because) {
 }
 
 std::string ConvergedWithHeld(size_t held) {
-  return std::to_string(held) + (held == 1 ? " parameter is" : " parameters are") + " held: the data cannot tell " +
-         (held == 1 ? "it" : "them");
+  return std::to_string(held) + (held == 1 ? " parameter is" : " parameters are") +
+         " held: the data do not determine " + (held == 1 ? "it" : "them");
 }
 
 std::string Converged() { return "the remaining Gauss-Newton step is below 1e-5 standard deviations"; }
@@ -70,7 +70,7 @@ std::string PullSideways(double newtons, const std::vector<std::string>& configu
 
 std::string HangOffAxis(const Vector3<double>& point, const std::vector<std::string>& configurations,
                         const std::string& reached) {
-  return "no sideways pull at this load point tells it: hang the load 100 mm off the axis (e.g. at [" +
+  return "no sideways pull at this load point determines it: hang the load 100 mm off the axis (e.g. at [" +
          Fixed(1e3 * point.x(), 0) + ", " + Fixed(1e3 * point.y(), 0) + ", " + Fixed(1e3 * point.z(), 0) + "] mm) " +
          PlacesInWords(configurations) + reached;
 }

@@ -36,7 +36,8 @@ std::string ChangesInWords(const Changes& changes) {
 }
 
 std::string ChangesOpen(const std::string& file, const std::vector<std::string>& parameters) {
-  return "estimated in " + file + ", assumed in the other, so no change of it is told: " + Enumerate(parameters, 8);
+  return "estimated in " + file +
+         ", assumed in the other, so no change of it is determined: " + Enumerate(parameters, 8);
 }
 
 }  // namespace sagitta

@@ -21,7 +21,7 @@ std::string LimitMadeUpFor(const std::string& joints) { return joints + " at the
 std::string CloseToSingularity(bool is_met, double position, double rotation, double least_singular) {
   return (is_met ? "on target" : Left(position, rotation) + " are left") +
          ", close to a singularity (smallest singular value " + Significant(least_singular, 2) +
-         "): small errors take large joint motions there";
+         "): small corrections need large joint motions there";
 }
 
 std::string WouldLeaveLimits(const std::string& joints, double position, double rotation) {
@@ -49,8 +49,8 @@ std::string NoSolutionNearBefore() { return "no joint values near those before i
 
 std::string SolutionsAreSeveral(size_t found) {
   return std::to_string(found) +
-         " joint solutions are of the configuration that the file states; joint limits in the robot file would tell "
-         "them apart";
+         " joint solutions are of the configuration that the file states; joint limits in the robot file would "
+         "distinguish them";
 }
 
 std::string NoSolutionAsStated() {
@@ -59,7 +59,7 @@ std::string NoSolutionAsStated() {
 
 std::string TurnsInWords() {
   return "a joint has made a whole turn, and which one the file does not say: --turn_joints=1,4,6 states it (the "
-         "controller's $SCR_GRP[1].$TURN_AXIS), and joint limits in the robot file may tell it";
+         "controller's $SCR_GRP[1].$TURN_AXIS), and joint limits in the robot file may determine it";
 }
 
 std::string PoseOutOfReach() { return "the nominal robot does not reach it; is its frame or tool another?"; }

@@ -24,16 +24,16 @@ std::string LookAtThisFirst(const Finding& finding) {
 std::string NoNoiseIsStated(bool rows_share_visits) {
   const std::string taken =
       rows_share_visits
-          ? ": what the rows of one arrival share is taken as joint repeatability where that says "
-            "more than any effect, and the rest of the scatter that the model leaves as the instrument's noise"
-          : " and nothing was measured twice: the scatter that the model leaves is taken as noise";
+          ? ": what the rows of one arrival share is assumed to be joint repeatability where that says more than any "
+            "effect, and the rest of the scatter that the model leaves is assumed to be the instrument's noise"
+          : " and nothing was measured twice: the scatter that the model leaves is assumed to be noise";
   return "No noise is stated" + taken +
          ". Structure in it is found, a gap without structure is not, and 'consistent' means no more than "
          "that. State sigma_mm, or measure some poses again.";
 }
 
 std::string MethodKeysUnused(const std::vector<std::string>& keys) {
-  return "Not used by the diagnosis, which tells the noise beside the effects itself: " +
+  return "Not used by the diagnosis, which itself estimates the noise together with the effects: " +
          Enumerate(keys, kNamesListed) + ".";
 }
 
@@ -47,7 +47,7 @@ std::string FewAreFitted(int configurations, int coordinates, int unknowns) {
 std::string JointsStandStill(const std::vector<std::string>& joints, bool all) {
   return (all ? std::string("All configurations are alike: no joint moves")
               : Enumerate(joints, kNamesListed) + (joints.size() == 1 ? " hardly moves" : " hardly move")) +
-         " (less than 5 deg or 50 mm): what depends on their position cannot be told" +
+         " (less than 5 deg or 50 mm): what depends on their position cannot be determined" +
          (all ? ", and the verdict holds for this one pose." : ".");
 }
 
@@ -62,13 +62,14 @@ std::string ColumnsArePartlyStated(const std::vector<std::string>& columns) {
 }
 
 std::string ParametersAreHeld(const std::vector<std::string>& parameters) {
-  return "The believed model already has what these data cannot tell (held: " + Enumerate(parameters, kNamesListed) +
-         "): an effect that moves the markers like these cannot be told from them.";
+  return "The believed model already has what these data do not determine (held: " +
+         Enumerate(parameters, kNamesListed) +
+         "): an effect that moves the markers like these cannot be distinguished from them.";
 }
 
 std::string EffectsAreHeld(const std::vector<std::string>& effects) {
   return "Held at the values of the robot file, and not looked for: " + Enumerate(effects, kNamesListed) +
-         ". To ask for them, free them (estimate: {effects: all}) or take them out of the file.";
+         ". To ask for them, free them (estimate: {effects: all}) or remove them from the file.";
 }
 
 std::string FittedAndHeldOut(int configurations) {
@@ -78,8 +79,8 @@ std::string FittedAndHeldOut(int configurations) {
 }
 
 std::string NothingHeldOut() {
-  return "Nothing is held out: whether the gap shrinks on data that took no part is not known, and an effect that is "
-         "named beside something without a name may be a description of it.";
+  return "Nothing is held out: whether the gap shrinks on data that were not used in the fit is not known, and an "
+         "effect that is named together with something without a name may be a description of it.";
 }
 
 std::string FewHeldOut(int configurations) {
@@ -88,13 +89,13 @@ std::string FewHeldOut(int configurations) {
 
 std::string HoldoutFarAboveFloor(double rms, double floor) {
   return "The hold-out RMS, " + InMillimetres(rms) + ", is " + Significant(rms / floor, 2) +
-         " times what noise and parameters explain: the fitted configurations do not tell what the held-out ones "
+         " times what noise and parameters explain: the fitted configurations do not determine what the held-out ones "
          "need.";
 }
 
 std::string HoldoutBelowFloor(double rms, double floor) {
   return "The noise floor, " + InMillimetres(floor) + ", is above the hold-out RMS, " + InMillimetres(rms) +
-         ": these rows scatter less than the noise that is taken, and how much of the gap is closed is an upper "
+         ": these rows scatter less than the noise that is assumed, and how much of the gap is closed is an upper "
          "limit.";
 }
 
@@ -105,13 +106,13 @@ std::string NotConfirmed(const std::vector<std::pair<EffectSpec, double>>& effec
                     ")");
   }
   return Enumerate(names, kNamesListed) + (names.size() == 1 ? " is" : " are") +
-         " not named, whatever the fitted rows say: something without a name is left, and beside that an effect is "
+         " not named, whatever the fitted rows say: something without a name is left, and then an effect is "
          "named only where it predicts rows that were not fitted better, beyond chance.";
 }
 
 std::string AreBagged(int resamples) {
   return "Probabilities are averaged over the poses and " + std::to_string(resamples) +
-         " resamples of them (bagged): something without a name is left, and beside that those of the poses as they "
+         " resamples of them (bagged): something without a name is left, and then those of the poses as they "
          "are would be too sure.";
 }
 

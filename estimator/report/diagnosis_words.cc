@@ -73,7 +73,7 @@ std::string RepeatabilityInWords(const NoiseFinding& noise) {
           : noise.is_told_from_pose           ? ") was not declared. "
                                     : ") would explain what is left, and so would any error that follows the pose: no "
                                       "pose was visited again. "
-                                      "Visit ten poses a second time to tell them apart. ");
+                                      "Visit ten poses a second time to distinguish them. ");
 }
 
 // Of the verdict `noise`: what is wrong with it.
@@ -155,7 +155,7 @@ std::string NeededInWords(const NextPoses& next) {
   const std::string wanted = WholePercent(kWanted);
   if (next.needed == 0) {
     return " Even " + std::to_string(kMostNeeded) + " such poses would not make it " + wanted +
-           ": a heavier load, another marker or another station tells more.";
+           ": a heavier load, another marker or another station is more informative.";
   }
   if (next.needed <= static_cast<int>(next.poses.size())) return "";
   return " About " + std::to_string(next.needed) + " such poses would make it " + wanted + ".";
@@ -175,9 +175,8 @@ std::string ShortTitle(const Robot& robot, const EffectSpec& spec) {
 
 std::string VerdictInWords(const Diagnosis& d) {
   if (d.verdict == DiagnosisVerdict::kConsistent) {
-    return d.cautions.empty()
-               ? "Nothing is missing at this significance."
-               : "Nothing is missing at this significance, as far as these data can tell: see the cautions.";
+    return d.cautions.empty() ? "Nothing is missing at this significance."
+                              : "Nothing is missing at this significance, as far as these data show: see the cautions.";
   }
   if (d.verdict == DiagnosisVerdict::kNoise) return "No effect is missing; " + WrongNoiseInWords(d.noise) + ".";
   if (d.verdict != DiagnosisVerdict::kExplained && d.verdict != DiagnosisVerdict::kPartly)
@@ -207,7 +206,7 @@ std::string EffectInWords(const Robot& robot, const FoundEffect& effect) {
   }
   words.back() = ';';
   if (!poorly_determined.empty())
-    words += " " + std::to_string(poorly_determined.size()) + " more that these data cannot tell;";
+    words += " " + std::to_string(poorly_determined.size()) + " more that these data do not determine;";
   if (std::isfinite(effect.holdout_after)) {
     const bool is_change = std::isfinite(effect.holdout_before);
     words += " hold-out RMS " + (is_change ? Significant(1e3 * effect.holdout_before, 3) + " -> " : "") +
@@ -318,8 +317,8 @@ std::string NoiseInWords(const NoiseFinding& noise) {
   }
   if (!words.empty()) return words.substr(0, words.size() - 1);  // without the blank before another sentence
   if (!noise.is_stated) return "None is stated: it is the scatter about the extended model.";
-  if (std::isnan(noise.high)) return "The noise is taken as stated: nothing is left over that would tell it.";
-  return noise.is_bound ? "The noise is taken as stated." : "The noise is as stated.";
+  if (std::isnan(noise.high)) return "The noise is assumed to be as stated: nothing is left over to estimate it from.";
+  return noise.is_bound ? "The noise is assumed to be as stated." : "The noise is as stated.";
 }
 
 std::string ShareInWords(const WhereShare& share) {
@@ -350,7 +349,7 @@ bool IsPlausible(const Robot& robot, const FoundEffect& effect) {
 
 std::string PhysicalInWords(const Robot& robot, const FoundEffect& effect) {
   return IsPlausible(robot, effect) ? "the size is one that machines show"
-                                    : "sign or size is not physical: take it as a description, not as a cause";
+                                    : "sign or size is not physical: read it as a description, not as a cause";
 }
 
 std::string ClosedInWords(const GapReport& gap) {

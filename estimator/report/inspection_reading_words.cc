@@ -93,7 +93,7 @@ Advice LinearJointsIn(bool metres) {
 }
 
 Advice RowsShifted(bool is_after) {
-  return {std::string("every point taken for the configuration ") + (is_after ? "after" : "before") + " its own",
+  return {std::string("every point read as that of the configuration ") + (is_after ? "after" : "before") + " its own",
           "joint values and points are one row apart: shift one of them"};
 }
 

@@ -29,7 +29,7 @@ std::string OfStations(const std::string& stations) { return stations.empty() ? 
 
 Advice JointNeverMoved(const Joint& joint, double least, double most) {
   return {"joint " + joint.name + " never moved (" + RangeInWords(joint, least, most) +
-              "): its axis is not seen, and the errors around it cannot be told apart",
+              "): its axis is not seen, and the errors around it cannot be separated",
           "add configurations that move " + joint.name};
 }
 
@@ -52,7 +52,7 @@ Advice JointCoversLittle(const Joint& joint, double least, double most, double s
 
 Advice OrientationIsConstant(const std::string& stations) {
   return {"the flange has the same orientation in all configurations" + OfStations(stations) +
-              ": where the marker sits on the flange cannot be told from where the base stands; both could be "
+              ": where the marker sits on the flange cannot be distinguished from where the base stands; both could be "
               "shifted against each other by any amount without a trace",
           "add configurations with the flange turned about at least two axes by 30 degrees and more, or state the "
           "markers' points"};
@@ -61,7 +61,7 @@ Advice OrientationIsConstant(const std::string& stations) {
 Advice OrientationAboutOneAxis(const Vector3<double>& axis, const std::string& stations) {
   return {"the flange turns about one axis only, (" + Fixed(axis.x(), 2) + ", " + Fixed(axis.y(), 2) + ", " +
               Fixed(axis.z(), 2) + ") in its own frame" + OfStations(stations) +
-              ": the marker's place along it cannot be told from the base's",
+              ": the marker's place along it cannot be distinguished from the base's",
           "add configurations with the flange tilted about another axis, or state the markers' points"};
 }
 
@@ -79,7 +79,7 @@ Advice PosesAreRepeated(size_t configurations) {
 
 Advice PointsAreCopied(size_t rows) {
   return {std::to_string(rows) + " rows have the point of an earlier row to the last digit, at other joint values",
-          "measure these rows again or take them out"};
+          "measure these rows again or leave them out"};
 }
 
 Advice LoadedWithoutUnloaded(size_t shots) {
@@ -91,21 +91,21 @@ Advice MissingFromData(Missing what) {
   switch (what) {
     case Missing::kSigma:
       return {
-          "no standard deviation is stated: one for all coordinates is estimated, and nothing can tell a "
+          "no standard deviation is stated: one for all coordinates is estimated, and nothing can distinguish a "
           "wrong model from noise",
           "add sigma_x_mm, sigma_y_mm, sigma_z_mm, state noise: {sigma_mm: …}, or give --sigma_mm"};
     case Missing::kApproach:
-      return {"no column says from which side the joints arrived: backlash cannot be told",
+      return {"no column says from which side the joints arrived: backlash cannot be determined",
               "add approach1 … approachN (-1, 0, +1) and reach some configurations from both sides"};
     case Missing::kVisits:
       return {
-          "no configuration was visited twice: the robot's repeatability cannot be told from the "
+          "no configuration was visited twice: the robot's repeatability cannot be distinguished from the "
           "instrument's noise by repeats",
           "reach some configurations again, with the same config and another visit"};
     case Missing::kTime:
-      return {"no column time_s: drift and slips cannot be told", "add time_s"};
+      return {"no column time_s: drift and slips cannot be determined", "add time_s"};
     case Missing::kTemperature:
-      return {"no column temperature_degC: thermal growth cannot be told", "add temperature_degC"};
+      return {"no column temperature_degC: thermal growth cannot be determined", "add temperature_degC"};
     case Missing::kMarkers:
       return {
           "fewer than three markers: the flange's orientation is not measured, and the instrument's noise "
@@ -163,7 +163,7 @@ Advice RowsAreOff(size_t rows, double least, double most, double factor, double 
   return {std::to_string(rows) + (rows == 1 ? " row is" : " rows are") + " off by " + InMillimetres(least) +
               (rows == 1 ? "" : " to " + InMillimetres(most)) + ", more than " +
               std::to_string(static_cast<int>(factor)) + " times the median of all (" + InMillimetres(median) + ")",
-          "measure these rows again or take them out"};
+          "measure these rows again or leave them out"};
 }
 
 Advice MarkersAreExchanged(size_t shots, size_t pairs, const std::string& first_pair) {
@@ -189,9 +189,10 @@ std::string TorquesInWords(bool measured_count, const TorqueGroups& joints) {
   if (!joints.agree.empty()) words += " Measured and modelled torques agree on " + Enumerate(joints.agree) + ".";
   if (!joints.scaled.empty()) words += " They differ by a factor on " + Enumerate(joints.scaled) + ".";
   if (!joints.opposite.empty()) {
-    words += " They have opposite signs on " + Enumerate(joints.opposite) +
-             ": the columns tau<i> take the torque of the loads on the joint, about its positive direction; what the "
-             "drive delivers against it has the other sign.";
+    words +=
+        " They have opposite signs on " + Enumerate(joints.opposite) +
+        ": the columns tau<i> are read as the torque of the loads on the joint, about its positive direction; what the "
+        "drive delivers against it has the other sign.";
   }
   if (!joints.differ.empty()) {
     words += " They have little in common on " + Enumerate(joints.differ) +

@@ -51,7 +51,7 @@ std::string DirectionInWords(const std::vector<std::pair<std::string, double>>& 
 }
 
 std::string PoorlyDetermined(const std::vector<std::pair<std::string, double>>& components, const std::string& words) {
-  return components.size() == 1 ? components[0].first + " is measured poorly" : "poorly told apart: " + words;
+  return components.size() == 1 ? components[0].first + " is measured poorly" : "poorly separated: " + words;
 }
 
 }  // namespace sagitta

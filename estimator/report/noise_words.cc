@@ -54,8 +54,8 @@ std::string ComponentWords(const VarianceComponent& component, bool instrument_i
   if (!component.estimated) return component.name + " " + Significant(value, 3) + name + " as stated";
   const std::string range = " (95 %: " + Significant(low, 3) + " to " + Significant(high, 3) + ")";
   if (component.low == 0.0 && component.value < 0.5 * component.high) {
-    return component.name + " " + Significant(value, 3) + name + ", not told from none, below " + Significant(high, 3) +
-           name + " (95 %)";
+    return component.name + " " + Significant(value, 3) + name + ", not distinguished from none, below " +
+           Significant(high, 3) + name + " (95 %)";
   }
   return component.name + " " + WithUncertainty(value, unit * component.sigma) + name + range;
 }
@@ -87,7 +87,7 @@ std::string WhoIsTheNoise(const NoiseReport& report) {
 std::string ChoiceWords(const NoiseReport& report) {
   const std::string figures = " (one per joint gains " + Significant(report.gain_per_joint, 3) +
                               " in deviance, and has to gain " + Significant(report.penalty, 3) + ")";
-  return report.per_joint ? "The data tell the joints' repeatabilities apart" + figures + "."
+  return report.per_joint ? "The data separate the joints' repeatabilities" + figures + "."
                           : "The data carry one repeatability for all joints of a kind" + figures + ".";
 }
 
@@ -203,13 +203,13 @@ std::string OutliersLieAt(const std::string& what, double from, double to, const
 std::string AreNoMinority(double share) { return WholePercent(share) + " of the rows are no minority"; }
 
 std::string RobotScatterInWords(double tau) {
-  return "Beside the stated sigmas every coordinate scatters by " + InMillimetres(tau) +
+  return "In addition to the stated sigmas every coordinate scatters by " + InMillimetres(tau) +
          " (maximum likelihood), and rows are weighed by both; noise: {from: rows} weighs by the stated sigmas "
          "alone.";
 }
 
 std::string RotationScatterInWords(double spread) {
-  return "Beside the stated sigmas every axis of a rotation scatters by " + Significant(1e3 * spread, 3) +
+  return "In addition to the stated sigmas every axis of a rotation scatters by " + Significant(1e3 * spread, 3) +
          " mrad, and rotations are weighed by both.";
 }
 

@@ -25,7 +25,7 @@ std::string InWords(CriterionKind kind) {
 }
 
 std::string OrderIsMixed() {
-  return "The order is mixed at random, so that what goes with time is not taken for what goes with the place.";
+  return "The order is mixed at random, so that what goes with time is not mistaken for what goes with the place.";
 }
 
 std::string OrderIsShort(double share) {
@@ -49,10 +49,11 @@ std::vector<std::string> AssumptionsInWords(const Plan& plan, bool candidates_ar
                     " poses on, more poses only average the noise (the error falls no faster than N^-0.6).");
   }
   if (plan.field_amplitude > 0.0) {
-    words.push_back("The former estimate is off by " + Significant(1e3 * plan.field, 2) +
-                    " mm per coordinate more than it predicts at points it has not fitted. The plan takes that as an "
-                    "unknown smooth deviation of every joint over its angle (harmonics 1 to 4, " +
-                    Significant(1e6 * plan.field_amplitude, 2) + " urad each).");
+    words.push_back(
+        "The former estimate is off by " + Significant(1e3 * plan.field, 2) +
+        " mm per coordinate more than it predicts at points it has not fitted. The plan assumes that to be an "
+        "unknown smooth deviation of every joint over its angle (harmonics 1 to 4, " +
+        Significant(1e6 * plan.field_amplitude, 2) + " urad each).");
   } else if (plan.model_error > 1.0) {
     words.push_back("With the model error of the estimate that was given, predicted errors are larger by " +
                     Significant(plan.model_error, 3) + ".");
@@ -75,7 +76,7 @@ std::string PlacesFitReadings() {
 }
 
 std::string PlacesAreStated() {
-  return "Base, markers and robot are taken as the files state them: no row has a reading.";
+  return "Base, markers and robot are assumed to be as the files state them: no row has a reading.";
 }
 
 std::string PatternsLeftOut(int left_out, int offered) {
@@ -124,7 +125,7 @@ std::string CertificateInWords(const Plan& plan) {
 }
 
 std::string SeparationInWords() {
-  return "what the readings tell of which effect it is, at most ln 2, and the probability that the "
+  return "the information that the readings give on which effect it is, at most ln 2, and the probability that the "
          "right one is expected to have after them, from 0.5; each effect of the size that the robot "
          "file states, else of one that moves its joint by 0.1 mm or 0.1 mrad";
 }

@@ -15,13 +15,13 @@ std::string LoadUsedInWords(const std::string& name, const ProgramLoad& load, in
   const Vector3<double> mm = 1e3 * load.centre;
   return "load at " + Points(points) + ": " + name + ", " + Significant(load.mass, 4) + " kg at (" +
          Significant(mm.x(), 4) + ", " + Significant(mm.y(), 4) + ", " + Significant(mm.z(), 4) +
-         ") mm of the controller's flange; --load=NAME takes one of the estimate instead";
+         ") mm of the controller's flange; --load=NAME uses one of the estimate instead";
 }
 
 std::string LoadUnknownInWords(const std::string& name, int points) {
   return "the program names the load " + name + " at " + Points(points) +
          " and does not state it: they are corrected for the load 'none' of the estimate; --loads_kg_mm='" + name +
-         "=mass,x,y,z' (centre of mass in the controller's flange) states it, --load=NAME takes one of the estimate";
+         "=mass,x,y,z' (centre of mass in the controller's flange) states it, --load=NAME uses one of the estimate";
 }
 
 std::string LoadOfTwoInWords(const std::string& one, const std::string& other) {

@@ -182,7 +182,7 @@ std::string RowIsOff(double distance, double times) {
   return OutlierIsOff(distance) + ", " + Significant(times, 2) + " times the median";
 }
 
-std::string MeasureAgain() { return "measure it again or take it out"; }
+std::string MeasureAgain() { return "measure it again or leave it out"; }
 
 std::string ReadingIsLost() { return "x, y and z are one number, as of a lost reading: leave the three cells empty"; }
 

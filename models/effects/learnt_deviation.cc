@@ -47,7 +47,7 @@ bool IsOfRamps(const EffectSpec& spec) { return spec.TextSetting("shape", "bumps
 EffectDefinition Empirical(EffectDefinition effect) {
   effect.is_learnt = true;
   effect.note = "It describes what was measured and is no cause; beyond its range it is zero.";
-  effect.separate_by = "nothing: it is whatever has no name; a cause that is known takes its place";
+  effect.separate_by = "nothing: it is whatever has no name; a cause that is known replaces it";
   effect.sizes = "as a periodic joint error, and as what moves a station or a marker";
   return effect;
 }

@@ -34,7 +34,7 @@ const EffectDefinition& LoadCom() {
                             load_com::Parameters, load_com::Apply};
     effect.needs = EffectNeeds::kLoads;
     effect.separate_by = "the load hung on another point, or poses that turn the flange about all its axes";
-    effect.sizes = "centres of gravity taken from a drawing or by eye: 10 to 30 mm";
+    effect.sizes = "centres of gravity read from a drawing or estimated by eye: 10 to 30 mm";
     return effect;
   }();
   return definition;

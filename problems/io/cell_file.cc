@@ -156,7 +156,7 @@ void ReadUrdfBodies(const YamlValue& value, const std::string& cell_file, const 
     if (!links.empty()) cell->without_body.push_back("the bodies of " + Enumerate(links, 8) + " (" + why + ")");
   };
   open(bodies.meshes, "meshes of the URDF are not read: state capsules for them");
-  open(bodies.moving, "of the URDF, beside the chain: they move on their own");
+  open(bodies.moving, "of the URDF, outside the chain: they move on their own");
   open(bodies.bare, "the URDF has no collision geometry for them");
 }
 
@@ -166,7 +166,7 @@ void ReadBodies(YamlMap* map, const Chain& chain, Cell* cell) {
     for (const YamlValue& item : capsules->Items()) {
       cell->capsules.push_back(ReadCapsule(item, chain));
       const auto same = [&](const LinkCapsule& other) { return other.name == cell->capsules.back().name; };
-      if (std::count_if(cell->capsules.begin(), cell->capsules.end(), same) > 1) item.Fail("the name is taken");
+      if (std::count_if(cell->capsules.begin(), cell->capsules.end(), same) > 1) item.Fail("the name is used already");
     }
   }
   if (const auto pairs = map->Find("may_touch")) {

@@ -156,7 +156,7 @@ void CheckHeader(const std::string& path, const CsvLine& line, const std::vector
   for (size_t c = 0; c < header.size(); ++c) {
     if (header[c].empty()) {
       throw InputError({path, line.number, ""}, "column " + std::to_string(c + 1) + " has no name",
-                       c + 1 == header.size() ? "the lines end with a comma: take it away" : "");
+                       c + 1 == header.size() ? "the lines end with a comma: remove it" : "");
     }
     if (header[c].size() > limits::kWordBytes) {
       throw InputError({path, line.number, ""}, "column " + std::to_string(c + 1) + " has a name of " +

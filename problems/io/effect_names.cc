@@ -80,7 +80,7 @@ std::vector<EffectSpec> RivalEffects(const Robot& robot, const std::string& name
   for (const std::string& name : SplitOutsideBrackets(names)) rivals.push_back(EffectNamed(robot, name, key));
   for (size_t i = 1; i < rivals.size(); ++i) {
     if (rivals[i].Path() != rivals[0].Path()) continue;
-    throw InputError({"", 0, key}, "an effect cannot be told from itself", "name two different ones");
+    throw InputError({"", 0, key}, "an effect cannot be distinguished from itself", "name two different ones");
   }
   if (rivals.size() < 2) {
     throw InputError({"", 0, key}, "two effects are expected", "EFFECT/TARGET,EFFECT/TARGET");

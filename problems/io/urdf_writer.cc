@@ -175,7 +175,7 @@ class Editor {
     if (parallel && on_line) return flange;
     Fail(joint.name,
          "the link '" + urdf_.ends.tip_link + "' turns with this joint, and the robot's flange is not on its axis",
-         "name a tip link behind a fixed joint: its origin can take the rest");
+         "name a tip link behind a fixed joint: its origin can absorb the rest");
   }
 
   void Add(const UrdfJoint& joint, const Pose<double>& origin) {

@@ -246,7 +246,7 @@ TEST(SpringTie, WhatNobodyStatedIsSaid) {
   setup.experiment.markers["L2"].spring_sigma.reset();
   Estimate estimate = EstimateJointly(MakeCalibrationProblem(setup.robot, ExactData(truth), setup.experiment));
   ASSERT_FALSE(estimate.warnings.empty());
-  EXPECT_NE(estimate.warnings[0].find("'L1' and 'L2' are taken as"), std::string::npos) << estimate.warnings[0];
+  EXPECT_NE(estimate.warnings[0].find("'L1' and 'L2' are assumed to be"), std::string::npos) << estimate.warnings[0];
 
   test::LoadedTruth other = truth;  // markers elsewhere on the same links
   other.link_markers = {{"L1", {1, {0.1, 0.2, 0.15}}}, {"L2", {0, {0.3, 0.2, 0.1}}}};

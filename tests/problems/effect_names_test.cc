@@ -49,7 +49,7 @@ TEST(RivalEffects, MistakesAreNamed) {
       {"joint_harmonic[orders=2]/A3,encoder_gain/A3", "has no setting 'orders'"},
       {"joint_coupling/A3,encoder_gain/A3", "needs the setting 'driver'"},
       {"joint_harmonic[order=2]/A9,encoder_gain/A3", "no joint 'A9'"},
-      {"encoder_gain/A3,encoder_gain/A3", "cannot be told from itself"},
+      {"encoder_gain/A3,encoder_gain/A3", "cannot be distinguished from itself"},
       {"encoder_gain/A3", "two effects are expected"}};
   for (const auto& [names, words] : cases) {
     try {

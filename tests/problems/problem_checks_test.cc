@@ -72,7 +72,7 @@ TEST_F(ProblemChecksTest, TargetsOfEffectsAreInTheData) {
 TEST_F(ProblemChecksTest, ColumnsOfEffectsAreInTheData) {
   robot_.effects = {{"thermal_growth", "robot", {}, {}}};
   EXPECT_TRUE(SaysInOrder(Refusal(), {"simulated.csv:2", "temperature_degC", "thermal_growth/robot needs this column",
-                                      "take the effect out"}));
+                                      "remove the effect"}));
 }
 
 TEST_F(ProblemChecksTest, WeightsHangAlongAGravityThatIsKnown) {

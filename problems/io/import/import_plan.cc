@@ -170,7 +170,7 @@ class Planner {
       FailMissing("no column is found for " + Joined(missing) + " of the robot's " + std::to_string(joints_.size()) +
                   " joints");
     }
-    if (both_joints_) plan_.guesses.push_back("of commanded and actual joint values the commanded ones are taken");
+    if (both_joints_) plan_.guesses.push_back("of commanded and actual joint values the commanded ones are used");
     for (const int c : Remaining(Role::kJoint)) plan_.unused.emplace_back(HeaderOf(c), "the other joint values");
   }
 

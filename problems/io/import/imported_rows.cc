@@ -212,7 +212,7 @@ void ImportedRows::Add(const TextTable& table, const ImportPlan& plan, const Row
                      std::to_string(first_lost));
   }
   if (zeros > 0)
-    notes_.push_back(table.path + ": " + std::to_string(zeros) + " readings of 0, 0, 0 are taken as lost and left out");
+    notes_.push_back(table.path + ": " + std::to_string(zeros) + " readings of 0, 0, 0 are read as lost and left out");
   if (without_sigma > 0)
     notes_.push_back(table.path + ": " + std::to_string(without_sigma) + " rows have no standard deviation above 0");
   if (without_rotation > 0) {

@@ -63,7 +63,7 @@ void CheckMappedColumn(const TextTable& table, const std::vector<Joint>& joints,
   if (!unit.empty() && !planned.unit.empty() && unit != planned.unit) {
     RefuseTable(table,
                 "the column '" + table.header[planned.source] + "' says " + unit + ", the map says " + planned.unit,
-                "--map takes the unit that the numbers have");
+                "--map states the unit that the numbers have");
   }
 }
 

@@ -313,7 +313,7 @@ class Builder {
                                  : &table_.rows[0])
                             ->line,
                         ""},
-                       "some numbers have a comma and some a point: which is the decimal sign cannot be told",
+                       "some numbers have a comma and some a point: which is the decimal sign cannot be determined",
                        "one decimal sign and no thousands are expected");
     }
     table_.decimal_comma = as_comma;

@@ -265,7 +265,7 @@ bool RapidReader::ReadStatement(size_t begin, size_t end) {
     if (word[1] == "OFFS" || word[1] == "RELTOOL") {
       program_.notes.push_back("line " + std::to_string(LineAt(code_, part.first)) + ": " +
                                (word[1] == "OFFS" ? "Offs" : "RelTool") +
-                               " goes on from a corrected point and takes over its correction");
+                               " goes on from a corrected point and adopts its correction");
       for (const auto& [name, index] : named_) {
         if (SearchPattern(text, MakePattern("\\b" + name + "\\b"))) Use(&program_.points[index], tool, frame, load);
       }

@@ -132,7 +132,7 @@ RobotProgram ReadRobotProgram(const std::string& path, int joints) {
   }
   if (program.points.empty()) {
     throw InputError({path, 0, ""}, std::string("there is no target in this ") + DialectName(program.dialect) + " file",
-                     "points that stand in another file (a .dat beside a .src) are corrected there");
+                     "points that stand in another file (a .dat next to a .src) are corrected there");
   }
   return program;
 }
