@@ -140,7 +140,7 @@ def test_long_tables_say_how_far_they_are():
                       f'--out={rows}']
         for command, words, arguments in (('simulate', 'phase 2 of 3: simulating', simulation),
                                           ('validate', 'phase 2 of 3: comparing 400000', ['validate', estimate, rows]),
-                                          ('import', 'phase 2 of 4: taking', ['import', robot, rows])):
+                                          ('import', 'phase 2 of 4: interpreting', ['import', robot, rows])):
             if command != 'simulate':
                 if not rows.exists():
                     run(*simulation, '--quiet')

@@ -163,7 +163,7 @@ Command CompensateCommand() {
 TARGETS has the column target and
 
   q1_deg …                     joint values at which the nominal robot has the flange where it is wanted, or
-  x_mm, y_mm, z_mm, rx_mrad, ry_mrad, rz_mrad   the flange in the base frame (rotation vector); q1_deg … beside
+  x_mm, y_mm, z_mm, rx_mrad, ry_mrad, rz_mrad   the flange in the base frame (rotation vector); q1_deg … next to
                                them choose the branch, otherwise the row before does, or the first solution found
 
 and, where they matter, load, fx_N … mz_Nm, station, temperature_degC, time_s, approach1 … as in measurement files.
@@ -188,12 +188,12 @@ reason. Frames and tools are those of the file; where it does not state them the
 
   --frames_mm_deg='world=same; BASE_DATA[1]=800,0,500,0,0,90'    in the controller's world, fixed axes
   --tools_mm_deg='flange=same; TOOL_DATA[2]=0,0,180,0,0,0'       in the controller's flange
-  --start_deg=0,-90,90,0,0,0    where the arm starts, for poses whose joint solution the file does not tell
+  --start_deg=0,-90,90,0,0,0    where the arm starts, for poses whose joint solution the file does not state
 
   --loads_kg_mm='PAYLOAD[1]=12.5,0,0,90'    mass, centre of mass in the controller's flange: loads that it only names
 
 Loads are those of the program where it states them (tooldata and GripLoad, $LOAD and LOAD_DATA, set_payload); --load
-takes one of the estimate for all points. --turn_joints=1,4,6: what the turn numbers of FANUC positions count.
+uses one of the estimate for all points. --turn_joints=1,4,6: what the turn numbers of FANUC positions count.
 
 --out=FILE.csv then lists every point as a row.
 

@@ -25,8 +25,9 @@
 DEFINE_string(
     as, "",
     "how OUT describes the robot: chain, dh (standard), mdh (modified), ur (calibration.yaml); default: as IN does");
-DEFINE_string(template, "",
-              "URDF whose origins, or .conf whose lists, take the robot; everything else of it is kept byte for byte");
+DEFINE_string(
+    template, "",
+    "URDF whose origins, or .conf whose lists, receive the robot; everything else of it is kept byte for byte");
 DEFINE_bool(plain, false, "DH without Hayati's beta: the best such table, refitted, with what it costs");
 DEFINE_string(convention, "", "standard or modified: of a DH table that does not say");
 DEFINE_string(base_link, "", "link of a URDF where the chain begins; default: the root");

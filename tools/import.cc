@@ -230,8 +230,9 @@ int RunImport(const CommandLine& line) {
   std::vector<std::string> robot_files;
   std::vector<TextTable> tables;
   std::optional<Progress> progress;  // shares as measured on 390000 rows of the KR 270
-  progress.emplace(FLAGS_quiet, std::vector<ProgressPhase>{
-                                    {"reading the files", 4.0}, {"taking", 3.0}, {"writing", 1.0}, {"checking", 1.0}});
+  progress.emplace(FLAGS_quiet,
+                   std::vector<ProgressPhase>{
+                       {"reading the files", 4.0}, {"interpreting", 3.0}, {"writing", 1.0}, {"checking", 1.0}});
   progress->Say("reading the files");
   for (const std::string& path : line.arguments) {
     if (LooksLikeRobot(path)) {
@@ -254,7 +255,7 @@ int RunImport(const CommandLine& line) {
   ImportedRows rows;
   const std::vector<std::string> labels = Labels(tables);
   for (size_t t = 0; t < tables.size(); ++t) {
-    progress->Say("taking the readings of " + labels[t]);
+    progress->Say("interpreting the readings of " + labels[t]);
     choices.push_back(ChoosePlan(robot, tables[t], PossiblePlans(tables[t], robot.chain.joints, columns)));
     RefuseComputedPoints(tables[t], choices.back(),
                          columns.count("x_mm") + columns.count("x_m") + columns.count("x_um") > 0);
@@ -303,15 +304,15 @@ Command ImportCommand() {
           "robot, measurements and experiment from what people have",
           R"(sagitta import FILES… --out=DIR [--map=COLUMN=HEADER,…] [--rotation=…] [--strict]
 
-Takes one robot (anything 'sagitta convert' reads) and any number of measurement tables as text, and writes
+Reads one robot (anything 'sagitta convert' reads) and any number of measurement tables as text, and writes
 robot.yaml, measurements.csv and experiment.yaml to DIR. Separator, decimal sign, encoding, header and units are
 found out; where a header does not say, the robot decides: the reading that its nominal geometry can have made, also of
 angles (rotation vector or one of the products of three rotations) and of the convention of a DH table. What was
 understood is printed, column by column, and every guess. --strict refuses guesses. Positions that were commanded,
-nominal or computed are never taken for measured ones. Several files are several stations.
+nominal or computed are never read as measured ones. Several files are several stations.
 
-Without a robot the tables that this program ships are tried; --robot=NAME takes one of them. They are
-found in $SAGITTA_DATA_DIR/robots if that is set, else beside the program or where it was built. Details: docs/IMPORT.md.
+Without a robot the tables that this program ships are tried; --robot=NAME uses one of them. They are found
+in $SAGITTA_DATA_DIR/robots if that is set, else next to the program or where it was built. Details: docs/IMPORT.md.
 
 Examples
   sagitta import robot.urdf tracker.csv --out=job

@@ -159,7 +159,7 @@ double LargestAngle(const std::vector<TargetRotation>& a, const std::vector<Targ
 void LeaveRotationOut(const TextTable& table, const std::string& why, ImportPlan* plan) {
   if (!plan->has_header) {
     throw InputError({table.path, table.header_line, ""},
-                     "the table has no header, and the columns beside joints and x, y, z are no rotation: " + why,
+                     "the table has no header, and the columns other than joints and x, y, z are no rotation: " + why,
                      "--map=x_mm=1,q1_deg=4,… says which columns are what");
   }
   for (const PlannedColumn& column : plan->rotation_columns) plan->unused.emplace_back(column.header, why);

@@ -52,7 +52,7 @@ Command InspectCommand() {
   return {"inspect", "lint, identifiability, leverage, without estimating",
           R"(sagitta inspect EXP [--out=DIR]
 
-Reads the data as an estimate would and says what it could tell: wrong units, signs, zero positions and DH
+Reads the data as an estimate would and says what it finds: wrong units, signs, zero positions and DH
 conventions, exchanged markers, gross outliers, copied points, joints that hardly moved or were beyond their limits,
 constant orientation, columns that are absent; which unknowns the data do not support, which go hand in hand, and
 which configurations carry the estimate. Writes inspect.json and report.html to DIR.

@@ -26,13 +26,13 @@ DEFINE_int32(poses, 0, "how many poses to plan");
 DEFINE_double(accuracy_mm, 0.0, "as few poses as reach this RMS position error at the test poses");
 DEFINE_bool(augment, false, "the calibration rows of EXP are measured already; plan further ones");
 DEFINE_string(criterion, "I", "I, D, A, E, or an observability index O1 to O5");
-DEFINE_string(discriminate, "", "EFFECT[SETTINGS]/TARGET,…: poses that tell these effects apart");
+DEFINE_string(discriminate, "", "EFFECT[SETTINGS]/TARGET,…: poses that distinguish these effects");
 DEFINE_string(candidates, "", "FILE.csv: choose among its configurations instead of the joint limits");
 DEFINE_string(tests, "", "FILE.csv: the test poses; random: drawn in the joint limits");
 DEFINE_int32(pool, 500, "poses drawn in the joint limits as candidates");
 DEFINE_string(cell, "", "CELL.yaml: floor, boxes, bodies of the arm, lines of sight that poses must keep to");
 DEFINE_string(model_error, "", "estimate.json of a former calibration: what is known to be wrong with the model");
-DEFINE_bool(move, true, "drawn poses may move to where they tell more; --nomove: they stay");
+DEFINE_bool(move, true, "drawn poses may move to where they are more informative; --nomove: they stay");
 
 namespace sagitta {
 namespace {

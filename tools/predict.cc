@@ -61,23 +61,23 @@ Adds to every row (x, y, z of the rows may be absent; all in the frame of the ro
   pred_x_mm …                the point
   psig_x_mm …                its standard deviation from the uncertainty of the parameters, their model error
                              included (as in ci95); the noise of a measurement is not in it. What the calibration
-                             could not tell (held parameters) is: where it matters, the figure is as large as that
+                             could not determine (held parameters) is: where it matters, the figure is as large as that
                              parameter's possible range
   psig_distance_mm           RMS of the 3-D distance, sqrt(x² + y² + z²) of psig
-  pcov_xy_mm2 …              covariances beside the squares of psig
+  pcov_xy_mm2 …              covariances; the squares of psig are the variances
   paxis1_mm, paxis1_x …      semi-axis of the one-sigma ellipsoid and its direction, largest first; 95 % of such
                              ellipsoids hold the point when scaled by 2.80
   pheld_x_mm …               the share of held parameters in psig
   parm_x_mm …                standard deviation of where the arm stops at one arrival (repeatability); not in psig
   pnoise_x_mm …              standard deviation of one measurement (row or estimate; an instrument's range and angles
                              at the predicted point); empty: not known; not in psig
-  parm_xy_mm2, pnoise_xy_mm2 …   covariances beside the squares of parm and pnoise
+  parm_xy_mm2, pnoise_xy_mm2 …   covariances; the squares of parm and pnoise are the variances
 
   pred_rx_mrad …             where the target's rotation was calibrated (rows that are poses): its rotation vector
   psig_rx_urad …, parm_…, pnoise_rx_urad …   its standard deviations, of a left perturbation, as of the point
 
 Rows with x, y, z that the robot of the estimate, where it stood, cannot have made are refused with the reason; --force
-goes on. Where x, y and z of all rows are 0 they are taken as absent.
+goes on. Where x, y and z of all rows are 0 they are read as absent.
 
 The covariance of what one measurement will show is the sum of the three: psig, parm and pnoise.
 

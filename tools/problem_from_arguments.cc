@@ -12,7 +12,7 @@ DEFINE_double(sigma_mm, 0.0, "standard deviation of every coordinate; replaces t
 DEFINE_double(holdout, 0.0, "fraction of the configurations kept for validation");
 DEFINE_string(validation, "", "COLUMN=VALUE[,VALUE]: rows kept for validation; none: hold nothing out");
 DEFINE_string(load_point_mm, "", "x,y,z where loads act, flange frame");
-DEFINE_string(free, "", "NAME,…: parameters to estimate besides");
+DEFINE_string(free, "", "NAME,…: parameters to estimate in addition");
 DEFINE_string(fixed, "", "NAME,…: parameters held at their file or nominal value");
 DEFINE_string(method, "joint", "joint, two-step, two-step-literal, two-step-relinearised or full-pose");
 DEFINE_bool(force, false, "go on where the nominal robot cannot have made these readings");

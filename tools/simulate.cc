@@ -93,7 +93,7 @@ Command SimulateCommand() {
 EXP is an experiment file, or ROBOT.yaml MEAS.csv…. Its rows say which configurations, markers and stations
 are seen; x, y, z may be absent. The truth is an estimate.json, or an experiment with its robot, `stations`
 and `markers` (without --truth: EXP itself). The noise is --sigma_mm, else what rows or experiment state
-(an instrument's range and angles too); rotations of poses take the noise of their rows, and of markers with a
+(an instrument's range and angles too); rotations of poses have the noise of their rows, and of markers with a
 rotvec_mrad every row is a pose; a stated repeatability moves each joint once per arrival.
 The same seed gives the same numbers on every machine.
 

@@ -641,7 +641,7 @@ def changed(old, new):
 
 
 def _frames(frames):
-    """{"world": "same", "TOOL_DATA[1]": (x, y, z, roll, pitch, yaw)} as the program accepts it."""
+    """{"world": "same", "TOOL_DATA[1]": (x, y, z, roll, pitch, yaw)} as the program reads it."""
     parts = []
     for name, pose in frames.items():
         parts.append("%s=%s" % (name, pose if isinstance(pose, str) else ",".join(repr(float(n)) for n in pose)))
@@ -687,7 +687,7 @@ def plan(experiment, *, poses=None, accuracy_mm=None, augment=False, criterion="
 
     tests: rows, or "random". cell: what poses keep to, the path of a cell.yaml, its text or a dict of its keys.
     model_error: an estimate of a former calibration, or the path of its estimate.json: what it shows to be wrong with
-    the model is part of the plan. move: drawn poses may move to where they determine more.
+    the model is part of the plan. move: drawn poses may move to where they are more informative.
     """
     if (poses is None) == (accuracy_mm is None):
         raise _tables._input_error("one of poses and accuracy_mm says how many", "poses", "poses=20")

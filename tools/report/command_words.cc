@@ -29,7 +29,7 @@ std::string OlderFilesIn(const std::string& folder, const std::vector<std::strin
 
 std::string ComparisonInWords(const Changes& changes) {
   std::string words = "Predictions are " + Significant(1e3 * changes.before_rms, 3) + " mm apart (RMS), " +
-                      Significant(1e3 * changes.after_rms, 3) + " mm with that taken out\n";
+                      Significant(1e3 * changes.after_rms, 3) + " mm with that removed\n";
   for (const Change& other : changes.alternatives) {
     words +=
         "possible too: " + WordOf(other.kind) + " " + other.target + " (" + Significant(other.probability, 2) + ")\n";
@@ -60,7 +60,7 @@ std::string CompensationInWords(double before, double after, double u95) {
 std::string PlanInWords(const Plan& plan) {
   std::ostringstream words;
   words << plan.rows.configurations.size() << " poses";
-  if (plan.measured > 0) words << " beside the " << plan.measured << " that are measured";
+  if (plan.measured > 0) words << " in addition to the " << plan.measured << " that are measured";
   words << ", chosen among " << plan.candidates << " candidates";
   if (plan.infeasible > 0) words << " (" << plan.infeasible << " more are not feasible)";
   words << ": " << InWords(plan.criterion.kind) << ".\n"

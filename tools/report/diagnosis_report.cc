@@ -100,7 +100,7 @@ Section EffectSection(const Robot& robot, const FoundEffect& effect, size_t numb
     section.rows.push_back({row.name.substr(row.name.rfind('/') + 1), Significant(row.value / traits.si_per_unit, 4),
                             Significant(row.ci95.low / traits.si_per_unit, 4),
                             Significant(row.ci95.high / traits.si_per_unit, 4), ShownUnit(traits.unit),
-                            IsTold(effect, row) ? "" : "not told by these data"});
+                            IsTold(effect, row) ? "" : "not determined by these data"});
   }
   section.paragraphs = {EffectInWords(robot, effect), HalvesInWords(effect.confirmation),
                         "Physical bounds: " + PhysicalInWords(robot, effect) + "."};
@@ -123,7 +123,7 @@ Section CandidateSection(const Diagnosis& d) {
                             Fixed(entry.log_evidence, 1)});
   }
   section.paragraphs = {std::to_string(d.candidates.size()) +
-                        " candidates, each alone beside the believed model; p counts the whole search."};
+                        " candidates, each alone with the believed model; p counts the whole search."};
   std::map<std::string, int> missing;
   for (const NotTestable& entry : d.not_testable) ++missing[entry.effect + " needs " + entry.needs];
   for (const auto& [what, count] : missing) section.paragraphs.push_back("Cannot be tested: " + what + ".");
@@ -178,7 +178,7 @@ Picture GapMap(const Diagnosis& d, const std::vector<const JointGap*>& gaps) {
   Picture picture;
   picture.kind = "scatter";
   picture.title = "Deviation of one joint that would explain the gap";
-  picture.header = {"joint", "RMS beside the believed model", "beside the extended one", "unit", "shots"};
+  picture.header = {"joint", "RMS given the believed model", "given the extended one", "unit", "shots"};
   nlohmann::ordered_json& rows = picture.data["rows"];
   for (const JointGap* gap : gaps) AddGapRow(*gap, &picture);
   for (const bool is_after : {false, true}) {
@@ -202,8 +202,8 @@ Section GapMapSection(const Diagnosis& d) {
   section.paragraphs = {
       "Per shot, the deviation of one joint alone that would explain best what is measured and not predicted, over "
       "the joints' angles, the torques of the known loads, the direction of approach and the time, where these vary; "
-      "beside the believed model" +
-      std::string(d.effects.empty() ? "." : " and beside the extended one.")};
+      "given the believed model" +
+      std::string(d.effects.empty() ? "." : " and given the extended one.")};
   std::vector<std::string> not_drawn;
   std::vector<const JointGap*> drawn;
   for (const JointGap& gap : d.gap_map) {

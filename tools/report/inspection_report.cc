@@ -18,10 +18,10 @@ constexpr size_t kShownLeverage = 8;
 constexpr size_t kShownNames = 8;
 
 std::string NoiseInWords(const Inspection& inspection) {
-  if (!inspection.sigma_is_stated) return "No sigma is stated: that is taken as the noise in what follows.";
+  if (!inspection.sigma_is_stated) return "No sigma is stated: that is assumed to be the noise in what follows.";
   std::string words = "The stated sigmas are " + Fixed(1e3 * inspection.stated_rms, 4) + " mm RMS";
   if (inspection.scale < 1.05) return words + ".";
-  words += "; what follows takes them " + Significant(inspection.scale, 3) + " times as large";
+  words += "; what follows assumes them " + Significant(inspection.scale, 3) + " times as large";
   if (!inspection.sigma_differs) return words + ".";
   return words +
          ". Where the arm scatters by more than these, 'sagitta calibrate' weighs by both: its figure before may be "
@@ -102,7 +102,7 @@ Section ParameterSection(const Inspection& inspection) {
     const QuantityTraits& traits = TraitsOf(row.quantity);
     section.rows.push_back({row.name, row.identifiable ? Significant(row.sigma / traits.si_per_unit, 2) : "-",
                             traits.unit,
-                            !row.identifiable ? "not told"
+                            !row.identifiable ? "not determined"
                             : row.weak        ? "weak"
                                               : ""});
   }

@@ -90,7 +90,7 @@ std::vector<Picture> Correlations(const Estimate& estimate) {
 
   Picture picture;
   picture.kind = "correlation";
-  picture.title = "Which parameters the data tell apart only together: correlation, framed above 0.9";
+  picture.title = "Which parameters the data determine only together: correlation, framed above 0.9";
   if (shown.size() < static_cast<size_t>(n))
     picture.title += "; the " + std::to_string(kMostCorrelated) + " most correlated of " + std::to_string(n);
   Json& data = picture.data["pairs"];

@@ -76,7 +76,7 @@ std::string StatedSigmaInWords(const Estimate& estimate, double significance) {
   if (sigma.scaled && estimate.intervals.is_empirical()) {
     return "The residuals are " + Significant(sigma.a_posteriori, 3) +
            " times the stated sigmas (p = " + Significant(sigma.p_value, 2) +
-           "); the intervals take the scatter as it is seen between configurations.";
+           "); the intervals use the scatter as it is seen between configurations.";
   }
   if (sigma.scaled && reduced > kInstrumentIsNotTheNoise) {
     return "The stated sigmas explain 1/" + Fixed(reduced, 0) +
@@ -114,7 +114,7 @@ Section NoiseSection(const CalibrationProblem& problem, const Estimate& estimate
     const bool misfit = estimate.sigma.scaled && estimate.chi2 > kInstrumentIsNotTheNoise * estimate.dof;
     if (misfit && problem.latent.empty()) {
       section.paragraphs.push_back(
-          "Where it is the arm that repeats no better ('sagitta diagnose' tells that from a missing effect), "
+          "Where it is the arm that repeats no better ('sagitta diagnose' distinguishes that from a missing effect), "
           "repeatability_urad: estimate keeps the instrument's sigma as stated, and predictions as narrow as they "
           "are.");
     }
@@ -223,8 +223,8 @@ Section ParameterSection(const CalibrationProblem& problem, const Estimate& esti
   if (!estimate.identifiability.unidentifiable.empty()) {
     section.paragraphs.push_back(
         "not measured: held where the data fit best; the value means nothing by itself. conditional: moves "
-        "together with one that is not measured; its ± takes that one as exact (`unconditional` in estimate.json does "
-        "not).");
+        "together with one that is not measured; its ± assumes that one to be exact (`unconditional` in estimate.json "
+        "does not).");
   }
   if (any_at_bound) {
     section.paragraphs.push_back(

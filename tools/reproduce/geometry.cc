@@ -120,7 +120,7 @@ ReproducedTable Figure4(Reproduction* reproduction) {
     const std::string name(1, "xyz"[axis]);
     of_axis.push_back({name, values});
     table.Compare("sigma " + name + " mm", reproduction->table("002-fig4").at("sigma_mm").at(axis), DeviationOf(values),
-                  3, "of 54 residuals; 39 unknowns of 162 rows take up a factor 0.87");
+                  3, "of 54 residuals; 39 unknowns of 162 rows absorb a factor 0.87");
     const double p = NormalityPValue(values);
     table.State("normal in " + name, "tend to normal", "P = " + Fixed(p, 2) + ", mean " + Fixed(MeanOf(values), 3),
                 p > 0.01 ? Reproducibility::kReproduced : Reproducibility::kNotReproducible,

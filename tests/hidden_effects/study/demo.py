@@ -94,9 +94,9 @@ def open_seal(paper, answer, diagnosis, sealed):
     if record['exact']:
         result = 'named, and nothing else'
     elif record['all_named']:
-        result = 'named, beside other steps'
+        result = 'named, with other steps'
     elif record['named_or_listed']:
-        result = 'not named, but listed as an alternative that these data cannot tell apart'
+        result = 'not named, but listed as an alternative that these data cannot distinguish'
     else:
         result = 'missed'
     paper.say('  ' + paper.paint('1;32' if record['named_or_listed'] else '1;31', result))
