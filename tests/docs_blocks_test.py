@@ -162,7 +162,7 @@ def main():
             except AssertionError as error:
                 print('%s: %s' % (page, error))
                 defects += 1
-    print('the files shown in %s are taken' % ', '.join(runs) if not defects else '')
+    print('the files shown in %s are used' % ', '.join(runs) if not defects else '')
     return 1 if defects else 0
 
 

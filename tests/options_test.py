@@ -19,8 +19,8 @@ import tempfile
 
 CHECKED = ('estimator', 'problems', 'tools')
 CONSTANTS = {  # struct: why nobody but its own callers can set it
-    'GaussNewtonOptions': 'constants of the refits, no door of the library takes it',
-    'AgreementOptions': 'made by Calibrate of the number of rows, no door of the library takes it',
+    'GaussNewtonOptions': 'constants of the refits, no door of the library accepts it',
+    'AgreementOptions': 'made by Calibrate of the number of rows, no door of the library accepts it',
 }
 FLAG_READERS = {  # (file, function): why it reads one
     ('tools/command_line.cc', 'ParseCommandLine'): 'it is the parser that sets them',
@@ -52,7 +52,7 @@ def gaps(root):
             checked += 1
             where = '%s: %s' % (path.relative_to(root).as_posix(), struct)
             if 'void CheckOptions(const %s& ' % struct not in text:
-                found.append(where + ' has no CheckOptions beside it')
+                found.append(where + ' has no CheckOptions next to it')
             for name in numbers:
                 if '"%s.%s"' % (struct, name) not in sources:
                     found.append('%s: no check names its %s' % (where, name))

@@ -31,7 +31,7 @@ def turned(table, path, joint, factor, offset):
     return path
 
 
-@unittest.skipUnless(UR10.is_dir(), 'no ../shared/data beside the tree')
+@unittest.skipUnless(UR10.is_dir(), 'no ../shared/data next to the tree')
 class RealFigures(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()

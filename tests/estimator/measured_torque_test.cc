@@ -57,7 +57,7 @@ TEST(MeasuredTorque, IsAskedForWhereARowHasNone) {
   const int row = data.observations[data.shots[7].observations[0]].row;
   try {
     test::Kr270ProblemOf(data, WithMeasuredTorques());
-    FAIL() << "a row without torques was taken";
+    FAIL() << "a row without torques was accepted";
   } catch (const InputError& error) {
     EXPECT_EQ(error.where().file, "simulated.csv");
     EXPECT_EQ(error.where().line, data.files[0].rows[row].line);

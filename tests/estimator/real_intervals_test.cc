@@ -15,7 +15,7 @@ using test::Agreement;
 class RealIntervalsTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!test::HasRealData()) GTEST_SKIP() << "no ../shared/data beside the tree";
+    if (!test::HasRealData()) GTEST_SKIP() << "no ../shared/data next to the tree";
   }
 };
 

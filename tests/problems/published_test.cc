@@ -179,7 +179,7 @@ TEST_F(PublishedKr270, ElastostaticConfigurationsAreThoseOfTheReference) {
   ASSERT_EQ(rows.configurations.size(), 15u);
   EXPECT_EQ(rows.observations.size(), 45u);
   std::ifstream file(test::SharedFolder() + "/reference/kr270_reference.json");
-  if (!file) GTEST_SKIP() << "no reference values beside this repository: the joint values are not compared";
+  if (!file) GTEST_SKIP() << "no reference values next to this repository: the joint values are not compared";
   const nlohmann::json reference = nlohmann::json::parse(file);
   for (int c = 0; c < 15; ++c) {
     for (int j = 0; j < 6; ++j) {

@@ -272,7 +272,7 @@ class AsPublished : public ProgramTest {
   std::string Set(const std::string& name) const { return SharedFolder() + "/data/as_published/" + name; }
   void SetUp() override {
     ProgramTest::SetUp();
-    if (!std::filesystem::exists(Set("README.md"))) GTEST_SKIP() << "the public data sets are not beside this tree";
+    if (!std::filesystem::exists(Set("README.md"))) GTEST_SKIP() << "the public data sets are not next to this tree";
   }
 };
 

@@ -54,7 +54,7 @@ TEST_F(InspectTest, AWrongUnitIsAFindingNotAnError) {
 
 TEST_F(InspectTest, RealDataRaiseNoSeriousAlarm) {
   const std::string shared = test::SharedFolder() + "/data/";
-  if (!std::filesystem::exists(shared)) GTEST_SKIP() << "the real measurements are not beside this checkout";
+  if (!std::filesystem::exists(shared)) GTEST_SKIP() << "the real measurements are not next to this checkout";
   const std::vector<std::vector<std::string>> sets = {
       {shared + "ur5_gts3800/robot.yaml", shared + "ur5_gts3800/measurements.csv"},
       {shared + "ur10_leica/robot.yaml", shared + "ur10_leica/series_B.csv", shared + "ur10_leica/series_D.csv"}};

@@ -146,7 +146,7 @@ void SpindleHeat(Draw d) {
   });
 }
 
-// The tool is taken off two to four times and put on again, and lies elsewhere within the clearance of its dowels, 5 to
+// The tool is removed two to four times and put back on, and lies elsewhere within the clearance of its dowels, 5 to
 // 29 um for H7/g6 at 10 mm (ISO 286), and as its face lies on a chip: 10 um over 100 mm make 100 urad.
 void ReseatedTool(Draw d) {
   const int times = 2 + d.random->Below(3);
@@ -246,7 +246,7 @@ void ThermalScaling(Draw d) {
   };
 }
 
-// A pallet next to the robot is filled part by part and then taken away: the floor tilts towards it by what stands
+// A pallet next to the robot is filled part by part and then removed: the floor tilts towards it by what stands
 // there, a saw in time. A slab of h = 0.2 m of concrete (E = 30 GPa, nu = 0.15) on ground of k = 50 MPa/m has the
 // length l = (E h^3 / 12 (1 - nu^2) k)^(1/4) = 0.8 m and at the distance l from a weight P the slope P / (8 k l^3) 4/pi
 // |kei'(1)|: 22 urad for a ton (Westergaard).

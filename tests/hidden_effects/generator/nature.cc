@@ -79,7 +79,7 @@ Vector3d TiltOf(const Nature::Bearing& bearing, const Nature& nature, const Shot
   return bearing.tilt(across);
 }
 
-// What the encoder does not tell: everything that does not depend on torque.
+// What the encoder does not show: everything that does not depend on torque.
 Posture Undeflected(const Nature& nature, const Shot& shot) {
   Posture posture(nature.arm.size());
   posture.values = shot.q;

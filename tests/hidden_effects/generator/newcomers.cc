@@ -94,7 +94,7 @@ void SlippingClamp(Draw d) {
   d.nature->encoder.push_back({j, [=](const Shot& shot) { return slipped[shot.config]; }});
 }
 
-// The controller says that it has arrived when its interpolator has; the integral parts of the drives take up the
+// The controller says that it has arrived when its interpolator has; the integral parts of the drives make up the
 // rest of the following error in their time constants tau. Each joint is short of its goal, on the side it came from,
 // by e exp(-t / tau); the markers of a shot are read one after the other, at equal gaps from the arrival on.
 void SlowTail(Draw d) {

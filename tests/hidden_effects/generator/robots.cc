@@ -116,7 +116,7 @@ RobotKind Ur10() {
   b.DhLink("J5", 0.0, -90, 0.1157, 170);
   b.DhLink("J6", 0.0, 0, 0.0922, 170);
   robot.arm = b.arm;
-  // Base takes J1's theta and d, the markers all of J6; joints 2 and 3 are
+  // The base absorbs J1's theta and d, the markers all of J6; joints 2 and 3 are
   // parallel to the next: beta in place of d.
   robot.free_errors = {"J1.a",     "J1.alpha", "J2.theta", "J2.a",    "J2.alpha", "J2.beta",
                        "J3.theta", "J3.a",     "J3.alpha", "J3.beta", "J4.theta", "J4.d",
@@ -138,7 +138,7 @@ RobotKind SevenAxes() {
     const double limit = bends ? 115 : 165;
     b.Joint(bends ? Move::kRy : Move::kRz, "J" + n, -limit, limit, j == 0 || j == 6 ? "" : "dq" + n);
     if (j == 6) continue;
-    // d along the own axis, a and twist along x; base takes J1's d and theta,
+    // d along the own axis, a and twist along x; the base absorbs J1's d and theta,
     // the markers all of J7.
     b.Fixed(Move::kTx, 0.0, "x" + n);
     if (bends) b.Fixed(Move::kTy, 0.0, "y" + n);

@@ -16,7 +16,7 @@ struct LoadState {
 
 struct RobotKind {
   Arm arm;
-  std::vector<std::string> free_errors;  // complete and minimal beside base and markers
+  std::vector<std::string> free_errors;  // complete and minimal together with base and markers
   VectorXd compliance;                   // rad/(N m), typical; 0: rigid
   Vector3d load_point;                   // m, flange frame
   LoadState heavy, light, sideways;
