@@ -22,6 +22,14 @@ constexpr int kRowsPerBlock = 384;  // enough for the products to run at full sp
 // Bytes of linearized blocks that are kept; of more the rows are linearized again in each pass, and all products made.
 constexpr size_t kMostStored = size_t{2} << 30;
 
+// A force that is the same everywhere; it acts where joints give way.
+EffectSpec UnitPull() { return {LearntPull().name, "robot", {{"degree", "0"}}, {}}; }
+
+std::vector<EffectSpec> WithPull(const CalibrationProblem& problem, std::vector<EffectSpec> specs) {
+  if (!problem.robot().compliances.empty()) specs.push_back(UnitPull());
+  return specs;
+}
+
 }  // namespace
 
 double TypicalSizeOf(const Source& source, const Chain& chain) {
@@ -43,6 +51,8 @@ double TypicalSizeOf(const Source& source, const Chain& chain) {
       return kTypicalGrowth;
     case Source::Kind::kLoad:
       return kTypicalLoadShift;
+    case Source::Kind::kPull:
+      return kTypicalPull;
   }
   return 0.0;
 }
@@ -97,7 +107,7 @@ EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const Parame
 
 EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
                                  const std::vector<Candidate>& candidates, const SplitCandidates& split)
-    : extended_(problem.WithEffects(split.others)), of_candidate_(candidates.size()) {
+    : extended_(problem.WithEffects(WithPull(problem, split.others))), of_candidate_(candidates.size()) {
   extended_.parameters.CopyByName(parameters);
   extended_.latent = WithAllJoints(problem.latent, problem.robot().num_joints());
   const ParameterSet& all = extended_.parameters;
@@ -180,6 +190,9 @@ void EvidenceColumns::SetLinearized() {
     append(all.station_rotation(s));
   }
   for (int m = 0; m < all.num_markers(); ++m) append(all.marker(m));
+  for (int axis = 0; axis < 3; ++axis) {
+    if (PullAlong(axis) >= 0) linearized_.push_back(PullAlong(axis));
+  }
   for (int joint = -1; joint < extended_.robot().num_joints(); ++joint) {
     for (const auto& [coordinate, nominal] : LengthsOf(joint)) {
       if (there.count(coordinate) == 0) linearized_.push_back(coordinate);
@@ -273,6 +286,10 @@ int EvidenceColumns::LoadPointOf(int load, int axis) const {
   return is_there ? coordinate : -1;
 }
 
+int EvidenceColumns::PullAlong(int axis) const {
+  return extended_.parameters.FindCoordinate(UnitPull().Path() + "/" + "xyz"[axis] + "1");
+}
+
 Eigen::MatrixXd EvidenceColumns::FunctionOf(const std::vector<int>& columns) const {
   Eigen::MatrixXd functions(static_cast<long>(extended_.data().shots.size()), static_cast<long>(columns.size()));
   for (size_t c = 0; c < columns.size(); ++c) {
@@ -309,6 +326,9 @@ std::vector<std::pair<int, double>> EvidenceColumns::MovedBy(const Source& sourc
     case Source::Kind::kJoint:
     case Source::Kind::kStationScale:
     case Source::Kind::kReading:
+      break;
+    case Source::Kind::kPull:
+      moved.emplace_back(PullAlong(source.axis), size);
       break;
     case Source::Kind::kStation:
       moved.emplace_back(all.station_translation(source.owner).first_coordinate + source.axis, size);

@@ -37,7 +37,8 @@ struct Source {
     kMarker,        // a marker moves along an axis of its frame
     kPlate,         // all markers on the flange move along an axis (0 to 2), turn about an axis of the flange (3 to 5)
     kLink,          // the lengths between a joint and the next grow
-    kLoad           // a load's centre of gravity moves along an axis of the flange, where load_com is a candidate
+    kLoad,          // a load's centre of gravity moves along an axis of the flange, where load_com is a candidate
+    kPull           // a force at the flange along an axis of the base, where joints give way
   };
   Kind kind = Kind::kJoint;
   int owner = 0;   // index of the joint, station, marker or load; of a link that of the joint before it, -1: the base
@@ -124,6 +125,8 @@ class EvidenceColumns {
   // candidates. Loads are counted in the order of their names.
   int LoadPointOf(int load, int axis) const;
   const std::vector<std::string>& loads() const { return loads_; }
+  // Coordinate of a pull at the flange along an axis of the base; -1: no joint gives way.
+  int PullAlong(int axis) const;
 
   // Groups of configurations with equal joint values, in the order of the data.
   int num_poses() const { return static_cast<int>(poses_.size()); }

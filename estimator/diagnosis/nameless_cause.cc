@@ -23,7 +23,9 @@ bool HasSameDriver(const EffectDefinition& effect, const UnnamedFunction& functi
     case EffectDriver::kJoint:
       break;
   }
-  const bool is_by_weight = function.driver.kind == DriverKind::kTorque || Holds(function.depends_on, "gravity");
+  const bool pulls = !function.sources.empty() && function.sources[0].kind == Source::Kind::kPull;
+  const bool is_by_weight =
+      pulls || function.driver.kind == DriverKind::kTorque || Holds(function.depends_on, "gravity");
   return is_by_weight && effect.needs != EffectNeeds::kNothing;
 }
 

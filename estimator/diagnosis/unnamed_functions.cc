@@ -81,18 +81,27 @@ EffectSpec UnnamedList::Over(const Driver& driver, const std::string& effect, co
 void UnnamedList::AddFunctions(const GroupedFunctions& functions, const UnnamedFunction& what,
                                const std::string& family) {
   if (functions.groups.empty()) return;
-  const std::shared_ptr<const Compressed>& few = functions.Few();
-  const std::shared_ptr<const Eigen::MatrixXd> basis(few, &few->basis);
-  std::vector<std::vector<int>> own;
-  for (const Source& source : what.sources) own.push_back(columns_->Add({source, basis}));
-  const long height = basis->cols();
-  for (const GroupedFunctions::Group& group : functions.groups) {
-    ColumnGroup columns;
-    columns.mixing.setZero(height * static_cast<long>(own.size()), group.count * static_cast<long>(own.size()));
-    for (size_t s = 0; s < own.size(); ++s) {
-      columns.columns.insert(columns.columns.end(), own[s].begin(), own[s].end());
-      columns.mixing.block(height * static_cast<long>(s), group.count * static_cast<long>(s), height, group.count) =
-          few->mixing.middleCols(group.first, group.count);
+  functions.Few();  // once for all
+  AddEach(std::vector<GroupedFunctions>(what.sources.size(), functions), what, family);
+}
+
+void UnnamedList::AddEach(const std::vector<GroupedFunctions>& of_source, const UnnamedFunction& what,
+                          const std::string& family) {
+  std::vector<int> own;
+  for (size_t s = 0; s < of_source.size(); ++s) {
+    const std::shared_ptr<const Compressed>& few = of_source[s].Few();
+    for (const int column : columns_->Add({what.sources[s], {few, &few->basis}})) own.push_back(column);
+  }
+  for (size_t g = 0; !of_source.empty() && g < of_source[0].groups.size(); ++g) {
+    const GroupedFunctions::Group& group = of_source[0].groups[g];
+    ColumnGroup columns{
+        own, Eigen::MatrixXd::Zero(static_cast<long>(own.size()), group.count * static_cast<long>(of_source.size()))};
+    long top = 0, left = 0;
+    for (const GroupedFunctions& functions : of_source) {
+      const Eigen::MatrixXd mixing = functions.Few()->mixing.middleCols(group.first, group.count);
+      columns.mixing.block(top, left, mixing.rows(), mixing.cols()) = mixing;
+      top += mixing.rows();
+      left += mixing.cols();
     }
     Append(std::move(columns), group, what, family);
   }

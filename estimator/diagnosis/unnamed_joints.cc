@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "estimator/diagnosis/candidates.h"
 #include "estimator/diagnosis/driver_functions.h"
 #include "estimator/diagnosis/unnamed_list.h"
 #include "estimator/report/diagnosis_function_words.h"
 #include "models/constants.h"
+#include "models/single_motion.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -18,6 +20,10 @@ constexpr double kSame = 0.999;  // of the length of a mean of unit vectors: pha
 constexpr int kRipples = 6;      // of each joint, of all orders beyond the catalogue's that it may have
 constexpr int kNeighbours = 2;   // joints that a hose or a table of corrections goes over lie that close
 
+// s, a factor of four apart: no lag between them is off by more than two. What follows faster is there before it is
+// measured, what follows slower creeps evenly through a campaign.
+constexpr const char* kLags[] = {"300", "1200", "4800"};
+
 class JointFunctions : public UnnamedList {
  public:
   JointFunctions(const CalibrationProblem& problem, const ParameterSet& parameters, EvidenceColumns* columns)
@@ -29,6 +35,7 @@ class JointFunctions : public UnnamedList {
     AddRipple();
     AddPairs();
     AddSurfaces();
+    AddLags();
   }
 
  private:
@@ -120,6 +127,65 @@ class JointFunctions : public UnnamedList {
       what.effects.push_back(Over(time, "learnt_deviation", JointName(j)));
     }
     AddFunctions(functions, what, "joints in time");
+  }
+
+  // What the effect does to its joint, in typical sizes.
+  Eigen::MatrixXd FunctionsOf(const EffectSpec& spec) const {
+    const std::vector<ShotInput>& shots = problem_.shot_inputs();
+    const auto motions =
+        SingleMotionsOf(problem_.model().robot(), problem_.data().markers, spec, shots, OrderOfTime(shots));
+    if (!motions) return Eigen::MatrixXd(static_cast<long>(shots.size()), 0);
+    Eigen::MatrixXd functions(static_cast<long>(shots.size()), static_cast<long>(motions->size()));
+    for (size_t k = 0; k < motions->size(); ++k) functions.col(static_cast<long>(k)) = (*motions)[k].per_unit;
+    return functions;
+  }
+
+  // The effect in units of the largest that the fitted shots have, with its function; null where all are zero.
+  std::optional<std::pair<EffectSpec, GroupedFunctions>> Lagging(int j, const std::string& by,
+                                                                 Settings settings) const {
+    settings["by"] = by;
+    settings["unit"] = "1";
+    EffectSpec spec{"learnt_lag", JointName(j), settings, {}};
+    const Eigen::MatrixXd own = FunctionsOf(spec);
+    const double most = own.cols() > 0 ? OnFitted(own).cwiseAbs().maxCoeff() : 0.0;
+    if (!(most > 0.0)) return std::nullopt;
+    spec.settings["unit"] = Significant(most, kDigits);
+    GroupedFunctions functions;
+    functions.Append(own / std::stod(spec.settings["unit"]), "time", {});
+    return std::make_pair(spec, functions);
+  }
+
+  // Creep under what hangs on the arm, and the heat of the drives.
+  void AddLags() {
+    if (OrderOf(problem_).kind != DriverKind::kTime || !Varies(TimeOf(problem_).of_shot)) return;
+    const Vector3<double> down = DownInBase(problem_, parameters_);
+    const bool loaded = std::any_of(problem_.shot_inputs().begin(), problem_.shot_inputs().end(),
+                                    [](const ShotInput& shot) { return !shot.conditions.load_wrenches.empty(); });
+    for (const char* lag : kLags) {
+      AddLag(loaded ? "load" : "weight", TorqueOnIt(),
+             {{"lag_s", lag},
+              {"down_x", Significant(down.x(), kDigits)},
+              {"down_y", Significant(down.y(), kDigits)},
+              {"down_z", Significant(down.z(), kDigits)}});
+      AddLag("motion", HeatOfItsMotion(), {{"lag_s", lag}});
+    }
+  }
+
+  // One joint follows late; all of them, each in its own way.
+  void AddLag(const std::string& by, const std::string& what, const Settings& settings) {
+    UnnamedFunction each{"", "joints", {"time"}, EachJointFollowsLate(what), {}, {}, {}};
+    std::vector<GroupedFunctions> of_joints;
+    for (int j = 0; j < joints(); ++j) {
+      const auto own = Lagging(j, by, settings);
+      if (!own) continue;
+      const Source source{Source::Kind::kJoint, j, 0};
+      AddFunctions(own->second,
+                   {"", JointName(j), {"time"}, FollowsLate(JointName(j), what), {source}, {}, {own->first}}, "lag");
+      each.sources.push_back(source);
+      each.effects.push_back(own->first);
+      of_joints.push_back(own->second);
+    }
+    AddEach(of_joints, each, "joints in time");
   }
 
   // exp(i n q): of n = 1 here, of others by products, which round a hundred times at most.

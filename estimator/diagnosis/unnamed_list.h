@@ -66,6 +66,9 @@ class UnnamedList {
   // Every group of functions on one source or on several, each with coefficients of its own.
   void AddFunctions(const GroupedFunctions& functions, const UnnamedFunction& what, const std::string& family);
 
+  // The same where each source has functions of its own, in groups that are alike.
+  void AddEach(const std::vector<GroupedFunctions>& of_source, const UnnamedFunction& what, const std::string& family);
+
   // Every group of functions on several sources that have the same coefficients, each with its own values of these
   // functions.
   void AddTogether(const std::vector<GroupedFunctions>& of_source, const UnnamedFunction& what,

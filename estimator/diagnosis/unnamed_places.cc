@@ -19,6 +19,7 @@ constexpr int kMarkerRamps = 16;  // in time, along three axes: jumps besides ar
 constexpr int kSeats = 25;        // stretches of visits in which a loose part stays in its seat
 
 constexpr int kPlateAxes = 6;
+constexpr double kStill = 1e-3;  // of gravity's component along an axis: 1 mrad of turn
 // Of the seats of a loose part: directions 10 degrees apart, and gaps between shots.
 constexpr int kDirections = 200;
 constexpr int kMostGaps = 50;
@@ -52,6 +53,7 @@ class PlaceFunctions : public UnnamedList {
     AddMarkers();
     AddPlate();
     AddLoads();
+    AddPull();
   }
 
  private:
@@ -149,41 +151,59 @@ class PlaceFunctions : public UnnamedList {
     return functions;
   }
 
-  // Where the readings of a station are is where the flange is: linear and quadratic functions of that, from the middle
-  // of its shots and in units of their spread.
+  // Where the nominal flange is, from the middle of the fitted ones of some shots and in units of their spread; zero of
+  // the others.
+  struct Field {
+    Eigen::MatrixXd places;  // shots x 3
+    Settings settings;
+  };
+  Field FieldOf(const std::vector<bool>& is_in) const {
+    Field field{Eigen::MatrixXd::Zero(static_cast<long>(is_in.size()), 3), {}};
+    Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
+    double count = 0.0, square = 0.0;
+    for (size_t s = 0; s < is_in.size(); ++s) {
+      field.places.row(static_cast<long>(s)) =
+          FlangePlace(problem_.robot().chain, problem_.shot_inputs()[s].conditions.q).transpose();
+    }
+    for (const int s : fitted_) {
+      if (is_in[static_cast<size_t>(s)]) middle += (field.places.row(s) - middle) / ++count;
+    }
+    for (const int s : fitted_) {
+      if (is_in[static_cast<size_t>(s)]) square += (field.places.row(s) - middle).squaredNorm() / (3.0 * count);
+    }
+    const double spread = std::max(1e-3, std::sqrt(square));
+    for (size_t s = 0; s < is_in.size(); ++s) {
+      auto place = field.places.row(static_cast<long>(s));
+      place = is_in[s] ? Eigen::RowVector3d((place - middle) / spread) : Eigen::RowVector3d::Zero();
+    }
+    field.settings = {{"x_mm", NumberInMillimetres(middle.x())},
+                      {"y_mm", NumberInMillimetres(middle.y())},
+                      {"z_mm", NumberInMillimetres(middle.z())},
+                      {"spread_mm", NumberInMillimetres(spread)}};
+    return field;
+  }
+
+  // Where the readings of a station are is where the flange is: linear and quadratic functions of that.
   void AddField(int station) {
     const Measurements& data = problem_.data();
     const std::string& name = data.stations[static_cast<size_t>(station)];
-    std::vector<Vector3<double>> places(data.shots.size(), Vector3<double>::Zero());
-    Vector3<double> middle = Vector3<double>::Zero();
-    double count = 0.0, square = 0.0;
-    for (size_t s = 0; s < data.shots.size(); ++s) {
-      places[s] = FlangePlace(problem_.robot().chain, problem_.shot_inputs()[s].conditions.q);
+    std::vector<bool> is_own;
+    for (const Shot& shot : data.shots) is_own.push_back(shot.station == station);
+    const Field field = FieldOf(is_own);
+    Eigen::MatrixXd functions(field.places.rows(), kNumFieldFunctions);
+    for (long s = 0; s < functions.rows(); ++s) {
+      functions.row(s) = FieldFunctions(field.places.row(s).transpose()).transpose();
     }
-    for (const int s : fitted_) {
-      if (data.shots[s].station != station) continue;
-      middle += (places[s] - middle) / ++count;
-    }
-    for (const int s : fitted_) {
-      if (data.shots[s].station == station) square += (places[s] - middle).squaredNorm() / (3.0 * count);
-    }
-    const double spread = std::max(1e-3, std::sqrt(square));
-    Eigen::MatrixXd functions = Eigen::MatrixXd::Zero(static_cast<long>(places.size()), kNumFieldFunctions);
-    for (size_t s = 0; s < places.size(); ++s) {
-      if (data.shots[s].station != station) continue;
-      functions.row(static_cast<long>(s)) = FieldFunctions((places[s] - middle) / spread);
-    }
-    GroupedFunctions field;
-    field.Append(functions, "other", {});
-    const EffectSpec effect{"learnt_station_field",
-                            name,
-                            {{"x_mm", NumberInMillimetres(middle.x())},
-                             {"y_mm", NumberInMillimetres(middle.y())},
-                             {"z_mm", NumberInMillimetres(middle.z())},
-                             {"spread_mm", NumberInMillimetres(spread)}},
-                            {}};
-    AddFunctions(field,
-                 {"", name, {name}, StationIsDistorted(name), Axes(Source::Kind::kStation, station), {}, {effect}},
+    GroupedFunctions distorted;
+    distorted.Append(functions, "other", field.settings);
+    AddFunctions(distorted,
+                 {"",
+                  name,
+                  {name},
+                  StationIsDistorted(name),
+                  Axes(Source::Kind::kStation, station),
+                  {},
+                  {{"learnt_station_field", name, {}, {}}}},
                  "station field");
   }
 
@@ -310,7 +330,51 @@ class PlaceFunctions : public UnnamedList {
                     {},
                     {{"learnt_load_shift", load, DownSettings(), {}}}},
                    "load shift");
+      AddSlides(owner);
     }
+  }
+
+  // The same along an axis of the flange by gravity's component along it alone, as in a guide or a tank; along all
+  // three, each by its own.
+  void AddSlides(int owner) {
+    const std::string& load = columns_->loads()[static_cast<size_t>(owner)];
+    UnnamedFunction each{"", load, {"gravity"}, LoadSlides(load, "each axis"), {}, {}, {}};
+    std::vector<GroupedFunctions> of_axes;
+    for (const Source& axis : Axes(Source::Kind::kLoad, owner)) {
+      const Eigen::VectorXd along = Component(Vector3<double>::Unit(axis.axis)), seen = OnFitted(along);
+      if (!(seen.maxCoeff() - seen.minCoeff() > kStill)) continue;
+      const std::string name(1, "xyz"[axis.axis]);
+      EffectSpec slide{"learnt_load_slide", load, DownSettings(), {}};
+      slide.settings["along"] = name;
+      slide.settings["from"] = Significant(seen.minCoeff(), kDigits);
+      slide.settings["to"] = Significant(seen.maxCoeff(), kDigits);
+      of_axes.emplace_back();
+      AppendBumps(along, "other", kUnnamedBumps[0], &of_axes.back());
+      AddFunctions(of_axes.back(), {"", load, {"gravity"}, LoadSlides(load, name), {axis}, {}, {slide}}, "load shift");
+      each.sources.push_back(axis);
+      each.effects.push_back(slide);
+    }
+    AddEach(of_axes, each, "load shift");
+  }
+
+  // A hose, a hung cable or a balancer pulls at the flange: evenly, or by where it is.
+  void AddPull() {
+    if (columns_->PullAlong(0) < 0) return;
+    const Field field = FieldOf(std::vector<bool>(problem_.data().shots.size(), true));
+    Eigen::MatrixXd functions(field.places.rows(), 4);
+    functions << Eigen::VectorXd::Ones(field.places.rows()), field.places;
+    GroupedFunctions pulls;
+    pulls.Append(functions.leftCols(1), "other", {{"degree", "0"}});
+    pulls.Append(functions, "other", {{"degree", "1"}});
+    AddFunctions(pulls,
+                 {"",
+                  "flange",
+                  {"place"},
+                  ForcePulls(),
+                  Axes(Source::Kind::kPull, 0),
+                  {},
+                  {{"learnt_pull", "robot", field.settings, {}}}},
+                 "pull");
   }
 
   // A jump of gravity's component along a direction: of all directions and gaps between shots those that the rows say

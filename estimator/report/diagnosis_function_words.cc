@@ -28,6 +28,18 @@ std::string PartlyLike(const std::string& effect, const std::string& target) {
 
 std::string EachJointDeviatesWithTime() { return "each joint deviates with time"; }
 
+std::string FollowsLate(const std::string& joint, const std::string& what) {
+  return "a deviation of " + joint + " that follows " + what + " late";
+}
+
+std::string EachJointFollowsLate(const std::string& what) { return "each joint follows " + what + " late"; }
+
+std::string TorqueOnIt() { return "the torque on it"; }
+
+std::string HeatOfItsMotion() { return "the heat of its motion"; }
+
+std::string ForcePulls() { return "a force pulls at the flange"; }
+
 std::string StationMoves(const std::string& station) { return "station " + station + " moves with time"; }
 
 std::string BaseTurnsInStation(const std::string& station) {
@@ -64,6 +76,10 @@ std::string FallsIntoAnotherSeat(const std::string& what) { return what + " fall
 
 std::string LoadShiftsWithGravity(const std::string& load) {
   return "the centre of gravity of " + load + " moves with the direction of gravity";
+}
+
+std::string LoadSlides(const std::string& load, const std::string& along) {
+  return "the centre of gravity of " + load + " moves along " + along + " with gravity along it";
 }
 
 std::string ChangesItsSeat(const std::string& what) { return what + " changes its seat between visits"; }

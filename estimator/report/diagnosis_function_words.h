@@ -14,6 +14,12 @@ std::string JointsFollowPose();
 // A cause without a name that in part does what this effect does.
 std::string PartlyLike(const std::string& effect, const std::string& target);
 std::string EachJointDeviatesWithTime();
+// `what` is one of the next two.
+std::string FollowsLate(const std::string& joint, const std::string& what);
+std::string EachJointFollowsLate(const std::string& what);
+std::string TorqueOnIt();
+std::string HeatOfItsMotion();
+std::string ForcePulls();
 std::string StationMoves(const std::string& station);
 std::string BaseTurnsInStation(const std::string& station);
 std::string StationGrows(const std::string& station);
@@ -27,6 +33,8 @@ std::string MarkerMovesWith(const std::string& marker, const std::string& driver
 std::string MovesWithGravity(const std::string& what);
 std::string FallsIntoAnotherSeat(const std::string& what);
 std::string LoadShiftsWithGravity(const std::string& load);
+// `along`: x, y, z or each axis.
+std::string LoadSlides(const std::string& load, const std::string& along);
 std::string ChangesItsSeat(const std::string& what);
 
 // Shapes of a learnt function; sizes come as text with their units.

@@ -48,6 +48,9 @@ const std::vector<const EffectDefinition*>& EffectCatalogue() {
       &LearntMarkerSeat(),
       &LearntStationField(),
       &LearntLoadShift(),
+      &LearntLoadSlide(),
+      &LearntPull(),
+      &LearntLag(),
       &LearntReading(),
       &LearntRangeWave(),
   };

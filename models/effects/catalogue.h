@@ -50,6 +50,9 @@ const EffectDefinition& LearntMarkerMotion();
 const EffectDefinition& LearntMarkerSeat();
 const EffectDefinition& LearntStationField();
 const EffectDefinition& LearntLoadShift();
+const EffectDefinition& LearntLoadSlide();
+const EffectDefinition& LearntPull();
+const EffectDefinition& LearntLag();
 const EffectDefinition& LearntReading();
 const EffectDefinition& LearntRangeWave();
 

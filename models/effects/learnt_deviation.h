@@ -18,6 +18,7 @@ constexpr double kTypicalStationTurn = 15e-6;  // rad: what that makes at 2 m
 constexpr double kTypicalScale = 10e-6;        // of a station's readings: 10 K or 35 hPa of wrong air (Ciddor 1996)
 constexpr double kTypicalPlateTurn = 150e-6;   // rad: what that makes at 0.2 m
 constexpr double kTypicalLoadShift = 20e-3;    // m (load_com.cc)
+constexpr double kTypicalPull = 3.0;           // kg: what hose packages and tool balancers weigh or lift is 1 to 10 kg
 constexpr double kTypicalGrowth = 50e-6;       // of a link's length: 5 K of steel or 2 K of aluminium
 
 // Transforms that are lengths of the arm, by the link that they are on: 0 the foot, j + 1 after the joint j. The same

@@ -202,8 +202,10 @@ TEST(UnnamedFunctions, AreEffectsOfTheModel) {
     const bool is_sharp = group.function.depends_on == std::vector<std::string>{"visits"};
     EXPECT_LT(left, is_sharp ? 0.3 : 2e-3) << group.function.words;
   }
-  EXPECT_GE(families.size(), 16u);
-  EXPECT_EQ(families.count("reading") + families.count("range wave") + families.count("load shift"), 3u);
+  EXPECT_GE(families.size(), 18u);
+  for (const char* family : {"reading", "range wave", "load shift", "lag", "pull"}) {
+    EXPECT_EQ(families.count(family), 1u) << family;
+  }
 }
 
 // On a lattice of 15 degrees waves of 23, 25, 47, ... per turn are those of 1 per turn: ten orders up to 130, which one

@@ -56,6 +56,9 @@ TEST(EffectCatalogue, HasEveryEffectOfTheFormat) {
                                              "learnt_marker_seat",
                                              "learnt_station_field",
                                              "learnt_load_shift",
+                                             "learnt_load_slide",
+                                             "learnt_pull",
+                                             "learnt_lag",
                                              "learnt_reading",
                                              "learnt_range_wave"};
   EXPECT_EQ(EffectNames(), expected);

@@ -70,6 +70,7 @@ inline std::vector<EffectSpec> ContractUses(const std::vector<const EffectDefini
       std::vector<std::string> texts = setting.choices;
       if (setting.kind == SettingDefinition::Kind::kInteger) texts = {std::to_string(setting.least), "3"};
       if (setting.kind == SettingDefinition::Kind::kNumber) texts = {setting.choices.empty() ? "100" : texts.back()};
+      if (setting.name == "unit") texts = {"1"};  // of what a joint follows late: N m, m or deg/s
       // Seen by every driver of ContractShot; of two joints their range.
       const std::string reach = spec.effect == "learnt_product_deviation" ? "180" : "9000";
       if (setting.name.rfind("from", 0) == 0) texts = {"-" + reach};
