@@ -417,6 +417,30 @@ class PlaceFunctions : public UnnamedList {
     if (markers.size() < 2) return;
     AddLoose("what carries the markers", "flange", markers, 3 * static_cast<int>(problem_.data().markers.size()),
              kPlateAxes);
+    AddGivingWay(markers);
+  }
+
+  // What carries the markers gives way to the load, or opens under it: functions of the direction of gravity times the
+  // load, in units of the largest.
+  void AddGivingWay(const std::vector<int>& markers) {
+    const Eigen::VectorXd load =
+        OfShots(problem_, [](const ShotConditions& shot) { return SizeOfForces(shot.load_wrenches); });
+    const Eigen::VectorXd seen = OnFitted(load);
+    if (!(seen.maxCoeff() > seen.minCoeff())) return;
+    Settings settings = DownSettings();
+    settings["by"] = "gravity";
+    settings["per_N"] = Significant(seen.maxCoeff(), kDigits);
+    GroupedFunctions functions;
+    for (const GroupedFunctions::Group& group : of_down_.groups) {
+      const Eigen::MatrixXd unloaded = of_down_.columns.middleCols(group.first, group.count);
+      functions.Append(load.asDiagonal() * unloaded / std::stod(settings["per_N"]), group.kind, group.settings);
+    }
+    const std::vector<Source> all = LooseParts();
+    UnnamedFunction gives{"", "flange", {"gravity"}, PlateGivesWay(), {all.end() - kPlateAxes, all.end()}, {}, {}};
+    for (const int m : markers) {
+      gives.effects.push_back({"learnt_marker_motion", problem_.data().markers[static_cast<size_t>(m)], settings, {}});
+    }
+    AddFunctions(functions, gives, "loose");
   }
 
   const ParameterSet& parameters_;

@@ -72,6 +72,8 @@ std::string MarkerMovesWith(const std::string& marker, const std::string& driver
 
 std::string MovesWithGravity(const std::string& what) { return what + " moves with the direction of gravity"; }
 
+std::string PlateGivesWay() { return "what carries the markers gives way to the load"; }
+
 std::string FallsIntoAnotherSeat(const std::string& what) { return what + " falls into another seat as gravity turns"; }
 
 std::string LoadShiftsWithGravity(const std::string& load) {

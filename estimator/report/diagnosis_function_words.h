@@ -31,6 +31,7 @@ std::string RangeRepeats(const std::string& station, const std::string& period);
 std::string MarkerMovesWith(const std::string& marker, const std::string& driver);
 // `what` sits loose.
 std::string MovesWithGravity(const std::string& what);
+std::string PlateGivesWay();
 std::string FallsIntoAnotherSeat(const std::string& what);
 std::string LoadShiftsWithGravity(const std::string& load);
 // `along`: x, y, z or each axis.

@@ -165,13 +165,15 @@ void DeviateJoint(const EffectContext& context, ShotTerms* terms) {
   }
 }
 
-// Of the shot: bumps over its driver, or functions of where down is in the flange.
+// Of the shot: bumps over its driver, or functions of where down is in the flange, where that is asked times the load.
 Eigen::VectorXd FunctionsOf(const EffectContext& context) {
   const EffectSpec& spec = *context.spec;
   if (IsBy(spec, "gravity")) {
     const Vector3<double> down(spec.NumberSetting("down_x", 0.0), spec.NumberSetting("down_y", 0.0),
                                spec.NumberSetting("down_z", -1.0));
-    return DirectionFunctions(DownInFlange(context.chain(), context.shot->q, down), spec.IntegerSetting("degree", 1));
+    const double unit = spec.NumberSetting("per_N", 0.0);
+    return (unit > 0.0 ? SizeOfForces(context.shot->load_wrenches) / unit : 1.0) *
+           DirectionFunctions(DownInFlange(context.chain(), context.shot->q, down), spec.IntegerSetting("degree", 1));
   }
   const Knots knots = KnotsOf(*context.robot, spec);
   const double value = DriverValue(context);
@@ -279,6 +281,11 @@ void AddGravity(EffectDefinition* effect) {
   SettingDefinition degree{"degree", Kind::kInteger, "", {}};
   degree.only_with = "by=gravity";
   effect->settings.push_back(degree);
+  SettingDefinition per_load{"per_N", Kind::kNumber, "0", {}};
+  per_load.silent = true;
+  per_load.above = 0.0;
+  per_load.only_with = "by=gravity";
+  effect->settings.push_back(per_load);
 }
 
 }  // namespace

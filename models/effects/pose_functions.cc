@@ -41,6 +41,12 @@ Vector3<double> DownInFlange(const Chain& chain, const Eigen::VectorXd& q, const
   return flange.rotation.transpose() * down_in_base.normalized();
 }
 
+double SizeOfForces(const std::vector<AppliedWrench>& wrenches) {
+  double size = 0.0;
+  for (const AppliedWrench& wrench : wrenches) size += wrench.force.norm();
+  return size;
+}
+
 Vector3<double> FlangePlace(const Chain& chain, const Eigen::VectorXd& q) {
   return NominalFrames(chain, q)[static_cast<size_t>(chain.FlangeFrame())].translation;
 }

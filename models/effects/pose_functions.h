@@ -1,10 +1,12 @@
-// What a deviation without a name may follow of the arm's posture: which way is down, and where the flange is. Shared
-// by the effects that are learnt and by the columns that find them.
+// What a deviation without a name may follow of the arm's posture and its load: which way is down, where the flange is,
+// how heavy the load is. Shared by the effects that are learnt and by the columns that find them.
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "models/chain.h"
+#include "models/wrench.h"
 
 namespace sagitta {
 
@@ -20,5 +22,8 @@ Eigen::VectorXd FieldFunctions(const Vector3<double>& place);
 // Of the nominal arm at these joint values (SI): the direction of gravity in the flange, and where the flange is, m.
 Vector3<double> DownInFlange(const Chain& chain, const Eigen::VectorXd& q, const Vector3<double>& down_in_base);
 Vector3<double> FlangePlace(const Chain& chain, const Eigen::VectorXd& q);
+
+// The sum of the sizes of some forces, N.
+double SizeOfForces(const std::vector<AppliedWrench>& wrenches);
 
 }  // namespace sagitta

@@ -31,6 +31,21 @@ TEST(LearntConventions, LearntSlideOfALoad) {
   ExpectPoint(scene.Seen(), 1.4, 0.0, 0.5 - 16e-6, 1e-9);
 }
 
+// Down is -z of the flange: 30 um times that along y, times the load of 50 N over 200 N, or of none.
+TEST(LearntConventions, LearntGivingWayOfAMarker) {
+  TwoLinkScene scene;
+  std::map<std::string, std::string> settings = {
+      {"by", "gravity"}, {"down_x", "0"}, {"down_y", "0"}, {"down_z", "-1"}, {"degree", "1"}};
+  std::vector<double> values(9, 0.0);
+  values[5] = 30e-6;
+  scene.Add({"learnt_marker_motion", "M1", settings, values});
+  ExpectPoint(scene.Seen(), 1.4, -30e-6, 0.5, 1e-12);
+  scene.robot.effects[0].settings["per_N"] = "200";
+  ExpectPoint(scene.Seen(), 1.4, 0.0, 0.5, 1e-12);
+  scene.Load({30.0, 0.0, -40.0});
+  ExpectPoint(scene.Seen(), 1.4, -7.5e-6, 0.5, 1e-12);
+}
+
 // The weight of 100 / 9.80665 kg down at 0.4 m: 40 N m, 1 urad/Nm, 16 um down. The flange, at (1.4, 0, 0.5), is 400 mm
 // beyond a middle at x = 1 m, four spreads of 100 mm: a quarter of that weight per spread makes the same.
 TEST(LearntConventions, LearntPull) {
