@@ -40,10 +40,6 @@ INSTEAD = {
 EXCEPTIONS = {  # (file, text of the line; '': any): why
     ('CHANGELOG.md', ''): 'past versions are described as they were',
     ('third_party_notes/README.md', ''): 'describes the work of others',
-    ('estimator/diagnosis/drivers.h', ''): 'not yet written with these words',
-    ('estimator/diagnosis/evidence_columns.h', ''): 'not yet written with these words',
-    ('estimator/diagnosis/learnt_*', ''): 'not yet written with these words',
-    ('estimator/diagnosis/unnamed_*', ''): 'not yet written with these words',
 }
 
 # Parts of a compound (take-off) are other words.

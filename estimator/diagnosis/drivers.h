@@ -45,7 +45,7 @@ Driver ConfigurationNumberOf(const CalibrationProblem& problem);  // from 1
 Driver OrderOf(const CalibrationProblem& problem);
 
 // Torque (force) of the known wrenches on each joint's axis, N m (N), at the equilibrium of these parameters: shots x
-// joints. The spring of a compensator takes no part. Zero where the equilibrium diverges.
+// joints. The spring of a compensator is left out. Zero where the equilibrium diverges.
 // shots: those that are asked for (null: all); the others repeat the first of them.
 Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterSet& parameters,
                              const std::vector<int>* shots = nullptr);

@@ -93,7 +93,7 @@ struct FilledBlock {
   double log_det = 0.0;    // of C_0
 };
 
-// Beside what is believed, which is eliminated with a flat prior (or its stated one).
+// Given what is believed, which is eliminated with a flat prior (or its stated one).
 struct BesideBelieved {
   ProjectedNormal normal;
   double log_constant = 0.0;  // -1/2 (log |C| + log |J' C^-1 J|): compares ways to whiten

@@ -10,7 +10,7 @@
 
 namespace sagitta {
 
-// Log evidence that an unnamed function needs beside a set that has none of its own: odds of 20.
+// Log evidence that an unnamed function needs in addition to a set that has none of its own: odds of 20.
 constexpr double kStandsOut = 3.0;
 
 struct FunctionPoint {

@@ -36,7 +36,7 @@ double LargestGap(const Driver& driver, const CalibrationProblem& problem) {
   return largest;
 }
 
-// A spring's shape is a narrow valley, and flat beside smooth functions: it stays where it was found.
+// A spring's shape is a narrow valley, and flat together with smooth functions: it stays where it was found.
 DiagnosedModel WithSpringsAsTheyAre(const DiagnosedModel& model) {
   DiagnosedModel held = model;
   held.problem = std::make_shared<CalibrationProblem>(*model.problem);

@@ -28,8 +28,8 @@ std::optional<LearntModel> LearnModel(const Evidence& evidence, const WeightedMo
                                       const DiagnosedModel& baseline, const DiagnosedModel& final,
                                       const JointOptions& joint);
 
-// Where poses lie further apart than bumps are wide, these by themselves are zero between them: wider ones beside them
-// carry the function over. The function's effect and what goes beside it, each with the standard deviation of its
+// Where poses lie further apart than bumps are wide, these by themselves are zero between them: wider ones next to them
+// carry the function over. The function's effect and what goes with it, each with the standard deviation of its
 // weights that makes it as steep as the others are (`scale` for the effect's own). gap: largest distance between
 // neighbouring values of the driver on fitted shots, in the unit of the effect's `from` and `to`.
 std::vector<std::pair<EffectSpec, double>> LevelsOf(const EffectSpec& spec, double scale, double gap);

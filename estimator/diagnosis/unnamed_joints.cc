@@ -208,7 +208,7 @@ class JointFunctions : public UnnamedList {
 
   // Teeth beyond the orders of the catalogue: of many, those that the rows say most of, each joint by itself and
   // nothing else considered (they are as good as orthogonal to whatever is smooth); and for each order of the catalogue
-  // one that these poses cannot tell from it, for all of them. The prior counts them all.
+  // one that these poses cannot distinguish from it, for all of them. The prior counts them all.
   void AddRipple() {
     const int first = ResolvedOrders(problem_) + 1, orders = kMostHarmonicOrders + 1 - first;
     for (int j = 0; j < joints(); ++j) {

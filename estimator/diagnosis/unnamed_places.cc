@@ -15,7 +15,7 @@ namespace {
 // Waves in time, in halves over the campaign, and how many of them are weighed.
 constexpr int kMostWaves = 200;
 constexpr size_t kWaves = 6;
-constexpr int kMarkerRamps = 16;  // in time, along three axes: jumps besides are marker_shift
+constexpr int kMarkerRamps = 16;  // in time, along three axes: jumps are marker_shift
 constexpr int kSeats = 25;        // stretches of visits in which a loose part stays in its seat
 
 constexpr int kPlateAxes = 6;

@@ -24,7 +24,7 @@ TEST(LearntConventions, LearntSlideOfALoad) {
        {{"along", "x"}, {"down_x", "0"}, {"down_y", "0"}, {"down_z", "-1"}, {"from", "0"}, {"to", "1"}, {"knots", "2"}},
        {0.05, 0.0}});
   ExpectPoint(scene.Seen(), 1.4, 0.0, 0.5 - 17.502251e-6, 1e-9);
-  scene.robot.effects[0].settings["along"] = "z";  // gravity's component is -1: 0.05 * 0.45558 m beside no lever
+  scene.robot.effects[0].settings["along"] = "z";  // gravity's component is -1: 0.05 * 0.45558 m with no lever
   ExpectPoint(scene.Seen(), 1.4, 0.0, 0.5 - 16e-6, 1e-9);
   scene.robot.effects[0].target = "another";
   scene.robot.effects[0].settings["along"] = "x";
