@@ -43,12 +43,12 @@ Prediction PredictWith(const CalibrationProblem& problem, const KnownRobot& know
 
 // m^2, mean square distance of a row that parameters, repeatability and instrument let expect; held parameters add
 // theirs.
-double SquareBesidesHeld(const Prediction& prediction, size_t k) {
+double SquareWithoutHeld(const Prediction& prediction, size_t k) {
   return prediction.covariances[k].parameters.trace() + prediction.covariances[k].arm.trace() +
          prediction.instrument[k].squaredNorm();
 }
 double ExpectedSquare(const Prediction& prediction, size_t k) {
-  return prediction.covariances[k].held.trace() + SquareBesidesHeld(prediction, k);
+  return prediction.covariances[k].held.trace() + SquareWithoutHeld(prediction, k);
 }
 
 // m, RMS distance of each observation that the prediction itself lets expect.
@@ -105,7 +105,7 @@ std::string LeftOpenInWords(const KnownRobot& known, const Measurements& rows, c
   for (size_t k = 0; k < prediction.covariances.size(); ++k) {
     if (!rows.observations[k].is_point()) continue;
     held += prediction.covariances[k].held.trace();
-    rest += SquareBesidesHeld(prediction, k);
+    rest += SquareWithoutHeld(prediction, k);
   }
   const double open = std::sqrt(held / rows.NumRows());
   if (!(held > rest) || !(open > kMatters)) return "";

@@ -57,7 +57,7 @@ std::vector<std::string> FreeSpring(const CalibrationProblem& problem) {
 }
 
 // The parameters of the name's family (geometry/...), or all where it has none.
-std::vector<std::string> KnownBeside(const std::string& name, const ParameterSet& parameters) {
+std::vector<std::string> KnownNextTo(const std::string& name, const ParameterSet& parameters) {
   const std::string family = name.substr(0, name.find('/') + 1);
   std::vector<std::string> known, related;
   for (const Coordinate& coordinate : parameters.coordinates()) {
@@ -153,7 +153,7 @@ void SetFree(CalibrationProblem* problem) {
       const std::vector<int> matches = parameters.Match(name);
       if (matches.empty()) {
         FailProblem(*problem, key, "there is no parameter '" + name + "'",
-                    SpellingHint(name, KnownBeside(name, parameters)));
+                    SpellingHint(name, KnownNextTo(name, parameters)));
       }
       for (const int i : matches) parameters.coordinate(i).free = free;
     }

@@ -167,7 +167,7 @@ void CheckLoadStates(Measurements* data) {
 }
 
 void CheckStatedLoads(const Experiment& experiment, Measurements* data) {
-  std::set<std::string> in_rows, unstated, told;
+  std::set<std::string> in_rows, unstated, warned;
   for (const Shot& shot : data->shots) {
     if (!IsLoaded(shot)) continue;
     in_rows.insert(shot.load);
@@ -176,7 +176,7 @@ void CheckStatedLoads(const Experiment& experiment, Measurements* data) {
     if (found == experiment.loads.end() || !found->second.mass || shot.wrench.IsZero()) continue;
     const double weight = *found->second.mass * experiment.gravity;
     const double force = shot.wrench.force.norm();
-    if (std::abs(force - weight) <= kSameWeight * weight || !told.insert(shot.load).second) continue;
+    if (std::abs(force - weight) <= kSameWeight * weight || !warned.insert(shot.load).second) continue;
     std::ostringstream words;
     words.precision(4);
     words << "load '" << shot.load << "': its wrench columns say " << force << " N, loads: says " << *found->second.mass

@@ -113,7 +113,7 @@ std::shared_ptr<PlannedExperiment> PlanInputs(const ExperimentInputs& inputs, co
   request.cell = cell ? &*cell : nullptr;
   request.move = py::cast<bool>(wishes["move"]);
   const auto [former, former_name] = py::cast<std::pair<std::string, std::string>>(wishes["model_error"]);
-  if (!former.empty()) TakeModelError(former, former_name, &request);
+  if (!former.empty()) ReadModelError(former, former_name, &request);
   Plan plan = ResultOf<Plan>(progress, [&](const Say& say) {
     request.progress = say;
     return MakePlan(inputs.robot, inputs.data, inputs.experiment, request);

@@ -117,7 +117,7 @@ class RotationFit {
     }
   }
 
-  bool CanTell() const { return !orientations_.empty(); }
+  bool HasOrientations() const { return !orientations_.empty(); }
 
   std::vector<TargetRotation> Read(const ImportPlan& plan) const {
     const Measurements data = Sample(plan);
@@ -199,7 +199,7 @@ void DecideRotation(const Robot& robot, const TextTable& table, const std::strin
   }
   const RotationFit fit(robot, table, plan);
   const std::vector<RotationReading> candidates = RotationCandidates(plan, stated);
-  if (!fit.CanTell()) {
+  if (!fit.HasOrientations()) {
     if (!is_said || candidates.size() != 1) return LeaveRotationOut(table, "too few rows to know what it means", &plan);
     plan = WithRotation(plan, candidates[0]);
     return;

@@ -116,7 +116,7 @@ int RunPlan(const CommandLine& line) {
   if (!FLAGS_cell.empty()) cell = ReadCellFile(FLAGS_cell, inputs.robot.chain);
   request.cell = cell ? &*cell : nullptr;
   if (!FLAGS_model_error.empty()) {
-    TakeModelError(ReadTextFile(FLAGS_model_error), FLAGS_model_error, &request);
+    ReadModelError(ReadTextFile(FLAGS_model_error), FLAGS_model_error, &request);
   }
   const Plan plan = PlanWithProgress(inputs, request, FLAGS_quiet);
   nlohmann::ordered_json json = PlanToJson(plan);

@@ -188,7 +188,7 @@ void StateIntervals(const DifferenceContext& context, const std::vector<int>& el
     row.at_bound = row.ci95.low < lower;
     row.ci95.low = std::max(row.ci95.low, lower);
   }
-  estimate->warnings.push_back(DifferencesTakeRestAsExact());
+  estimate->warnings.push_back(DifferencesAssumeTheRestExact());
   const auto& spring = context.problem.robot().gravity_compensator;
   if ((spring && spring->preload) || context.problem.experiment().tool_mass > 0.0) {
     estimate->warnings.push_back(PreloadWentIntoGeometry());

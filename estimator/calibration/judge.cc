@@ -70,8 +70,8 @@ void JudgeNoise(const CalibrationProblem& problem, const FittedRows& fitted, Est
 
 // The mean over its axes of the diagonal of J C J' V^-1, where V = I + L L' has the joints' deviations that the rows of
 // one visit share; C = (J' V^-1 J)^-1. half: J C.
-void LeverageBesideDeviations(const CalibrationProblem& problem, const RowPiece& piece, const Eigen::MatrixXd& jacobian,
-                              const Eigen::MatrixXd& half, Eigen::VectorXd* leverage) {
+void LeverageGivenDeviations(const CalibrationProblem& problem, const RowPiece& piece, const Eigen::MatrixXd& jacobian,
+                             const Eigen::MatrixXd& half, Eigen::VectorXd* leverage) {
   std::map<std::pair<int, int>, std::vector<int>> rows_of;  // by visit; an outlier is alone
   for (int i = 0; i < piece.num_observations(); ++i) {
     const int k = piece.positions[i];
@@ -205,8 +205,8 @@ class RowJudge {
       coordinates_ += 3;
     }
     if (!problem_.latent.empty() && problem_.weight_roots.empty()) {
-      LeverageBesideDeviations(problem_, piece, jacobian, TallProduct(by_normal.transpose(), normal_root_.transpose()),
-                               &estimate.leverage);
+      LeverageGivenDeviations(problem_, piece, jacobian, TallProduct(by_normal.transpose(), normal_root_.transpose()),
+                              &estimate.leverage);
     }
   }
 

@@ -194,7 +194,7 @@ std::string ComplianceRemedy(const CalibrationProblem& problem, const Estimate& 
   if (displaced.sigma < limit) {
     return HangOffAxis(displaced.wrenches[0].point, displaced.configurations, Outcome(coordinate, displaced.sigma));
   }
-  return NoLoadTells();
+  return NoLoadDetermines();
 }
 
 std::string SpringRemedy(const Direction& direction, const ParameterSet& parameters) {

@@ -18,15 +18,16 @@ class SmallSearch {
 
   // The most probable set by these sums, in place of all that share the probability there, read as so many causes and
   // as one without a name; probabilities sum to 1.
-  std::vector<WeightedModel> Find(const BesideBelieved& beside) {
-    const ResidualLikelihood likelihood = evidence_.Likelihood(beside.normal.dof);
-    SetSearch search(beside.normal, groups_.explanations(), evidence_.prior(), likelihood);
+  std::vector<WeightedModel> Find(const GivenBelieved& given_believed) {
+    const ResidualLikelihood likelihood = evidence_.Likelihood(given_believed.normal.dof);
+    SetSearch search(given_believed.normal, groups_.explanations(), evidence_.prior(), likelihood);
     search.ClimbFrom();
     const WeightedSet& here = search.Best();
     WeightedModel best{groups_.view(), here, 1.0, 0.0};
     for (int& m : best.set.members) m = groups_.asked()[static_cast<size_t>(m)];
     std::vector<WeightedModel> readings = {best};
-    const auto one = causes_.ReadAsOne(best.set.members, here, groups_.explanations(), beside.normal, likelihood);
+    const auto one =
+        causes_.ReadAsOne(best.set.members, here, groups_.explanations(), given_believed.normal, likelihood);
     if (one) {
       best.pieces = one->pieces;
       best.log_weight = one->gain;

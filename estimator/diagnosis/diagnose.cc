@@ -386,7 +386,7 @@ class Session {
     effect.reduction = chosen.fit.reduction;
     const Estimate& after = d_.final.estimate;
     // The reduction is in units of the evidence's rows, the refit may have other sigmas.
-    const double unit = evidence_->views()[leading_.view].beside.normal.residual / lacking_.estimate.chi2;
+    const double unit = evidence_->views()[leading_.view].given_believed.normal.residual / lacking_.estimate.chi2;
     effect.corrected_p =
         CorrectedP(chosen.fit.reduction, chosen.fit.parameters, unit * after.chi2 / std::max(1, after.dof), after.dof,
                    evidence_->IsSigmaStated(), tests);
@@ -408,7 +408,7 @@ class Session {
   // Joints are said to deviate more than stated, and no pose was visited again: a cause that follows the pose looks the
   // same. Of the noise that Misfits found.
   bool MayFollowThePose() const {
-    return d_.noise.HasUndeclaredRepeatability() && !d_.noise.is_told_from_pose &&
+    return d_.noise.HasUndeclaredRepeatability() && !d_.noise.is_distinguished_from_pose &&
            !d_.noise.repeatability_is_overstated;
   }
 

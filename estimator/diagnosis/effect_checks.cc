@@ -20,7 +20,7 @@ constexpr double kPoorlyDetermined = 0.2;
 // Of the same: above, the prior stays in the refit. Below, a tenth of its width, it would move a value of three typical
 // sizes by less than a third of its standard deviation, and is left out.
 constexpr double kPriorMatters = 0.01;
-constexpr double kTakesItsPlace = 0.5;  // of what the effect explains
+constexpr double kReplacesIt = 0.5;     // of what the effect explains
 constexpr size_t kRivalsOnHalves = 40;  // names that are asked on a half
 
 // What each explanation would do in the place of one member of a set, the others staying at their scales: one sweep of
@@ -82,7 +82,7 @@ std::vector<double> Places::Weights(size_t place, const std::vector<int>& of) co
 
 // Of a model's set among all explanations.
 Places PlacesOf(const Evidence& evidence, const WeightedModel& model) {
-  return Places(evidence.views()[model.view].beside.normal, evidence.list().math, evidence.prior(),
+  return Places(evidence.views()[model.view].given_believed.normal, evidence.list().math, evidence.prior(),
                 evidence.LikelihoodOf(model.view), model.set);
 }
 
@@ -109,20 +109,20 @@ std::vector<NamedProbability> ByName(const Evidence& evidence, const std::vector
 }
 
 // Eigenvectors and values of what a group can determine.
-struct Told {
+struct Determined {
   Eigen::MatrixXd vectors;
   Eigen::VectorXd values;
 };
 
-Told Tell(const Eigen::MatrixXd& information) {
+Determined Determine(const Eigen::MatrixXd& information) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(information);
   const double least = kRank * std::max(1e-300, eigen.eigenvalues().maxCoeff());
   const int rank = static_cast<int>((eigen.eigenvalues().array() > least).count());
   return {eigen.eigenvectors().rightCols(rank), eigen.eigenvalues().tail(rank)};
 }
 
-Eigen::VectorXd Solve(const Told& told, const Eigen::VectorXd& gradient) {
-  return told.vectors * (told.vectors.transpose() * gradient).cwiseQuotient(told.values);
+Eigen::VectorXd Solve(const Determined& determined, const Eigen::VectorXd& gradient) {
+  return determined.vectors * (determined.vectors.transpose() * gradient).cwiseQuotient(determined.values);
 }
 
 ColumnGroup Joined(const ColumnGroup& a, const ColumnGroup& b) {
@@ -147,7 +147,7 @@ std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Poster
   const int member = model.set.members[place];
   const ColumnGroup& own = evidence.list().math[member].group;
   const Eigen::MatrixXd information = places.Information(own, place);
-  const Eigen::VectorXd values = Solve(Tell(information), places.Gradient(own, place));
+  const Eigen::VectorXd values = Solve(Determine(information), places.Gradient(own, place));
   const double size = std::max(1e-300, values.dot(information * values));
   std::vector<Alternative> alternatives;
   for (const NamedProbability& rival : in_place) {
@@ -157,8 +157,8 @@ std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Poster
     const Eigen::MatrixXd both = places.Information(Joined(own, evidence.list().math[rival.explanation].group), place);
     const long n = own.size(), m = both.cols() - n;
     const Eigen::VectorXd across = both.bottomLeftCorner(m, n) * values;
-    const double overlap = across.dot(Solve(Tell(both.bottomRightCorner(m, m)), across)) / size;
-    if (overlap < kTakesItsPlace) continue;  // it would be added, not put in its place
+    const double overlap = across.dot(Solve(Determine(both.bottomRightCorner(m, m)), across)) / size;
+    if (overlap < kReplacesIt) continue;  // it would be added, not put in its place
     alternatives.push_back(
         {evidence.list().start[rival.explanation], posterior.Of(rival.name), std::min(1.0, overlap)});
   }
@@ -231,10 +231,11 @@ std::vector<Confirmation> ConfirmEach(const Evidence& evidence, const WeightedMo
     std::vector<int> poses(half == 0 ? middle : columns.num_poses() - middle);
     std::iota(poses.begin(), poses.end(), half == 0 ? 0 : middle);
     if (poses.empty()) continue;
-    const BesideBelieved beside =
+    const GivenBelieved given_believed =
         columns.Project(columns.Sum(evidence.views()[model.view].scatter, &few.columns, poses));
-    const Places there(beside.normal, few.explanations, evidence.prior(), evidence.Likelihood(beside.normal.dof), set);
-    const GroupValues values = ValuesOf(beside.normal, groups, widest);
+    const Places there(given_believed.normal, few.explanations, evidence.prior(),
+                       evidence.Likelihood(given_believed.normal.dof), set);
+    const GroupValues values = ValuesOf(given_believed.normal, groups, widest);
     for (size_t k = 0; k < places.size(); ++k) {
       HalfResult result = OnHalf(evidence, asked, k, there.Weights(places[k], asked.of[k]));
       const GroupValues own = values.Of(places[k], groups);
@@ -295,7 +296,7 @@ std::vector<int> OthersOfItsName(const Evidence& evidence, const WeightedModel& 
 
 // |r - A a|^2 = R - 2 a'g + a'G a.
 double ResidualAtBest(const Evidence& evidence, const WeightedModel& model) {
-  const ProjectedNormal& normal = evidence.views()[model.view].beside.normal;
+  const ProjectedNormal& normal = evidence.views()[model.view].given_believed.normal;
   if (model.set.members.empty()) return normal.residual;
   const std::vector<const ColumnGroup*> groups = GroupsOf(evidence.list().math, model.set.members);
   std::vector<double> scales = model.set.scales;
@@ -311,8 +312,8 @@ double ResidualAtBest(const Evidence& evidence, const WeightedModel& model) {
 }
 
 std::vector<GivenOthers> EachGivenOthers(const Evidence& evidence, const WeightedModel& model) {
-  const Members members(evidence.views()[model.view].beside.normal, GroupsOf(evidence.list().math, model.set.members),
-                        model.set.scales);
+  const Members members(evidence.views()[model.view].given_believed.normal,
+                        GroupsOf(evidence.list().math, model.set.members), model.set.scales);
   std::vector<GivenOthers> each;
   for (size_t k = 0; k < members.size(); ++k) each.push_back(members.Of(k));
   return each;
@@ -322,10 +323,10 @@ std::vector<GivenOthers> EachGivenOthers(const Evidence& evidence, const Weighte
 MemberFit FitOf(const Evidence& evidence, int member, const GivenOthers& given) {
   const ColumnGroup& own = evidence.list().math[member].group;
   const Eigen::MatrixXd& information = given.information;
-  const Told told = Tell(information);
+  const Determined determined = Determine(information);
   MemberFit fit;
-  fit.reduction = given.gradient.dot(Solve(told, given.gradient));
-  fit.parameters = static_cast<int>(told.values.size());
+  fit.reduction = given.gradient.dot(Solve(determined, given.gradient));
+  fit.parameters = static_cast<int>(determined.values.size());
   if (own.mixing.size() > 0 || evidence.list().IsUnnamed(member)) return fit;
   const double variance = kScales[kNumScales - 1] * kScales[kNumScales - 1];
   const Eigen::MatrixXd precision =

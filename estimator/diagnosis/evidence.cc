@@ -60,7 +60,7 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
       sigma_dof_(sigma_dof),
       stated_(StatedScatter(problem)) {
   ViewedNormal stated = Viewed({});
-  DropInvisible(stated.beside.normal, masses, &list_);
+  DropInvisible(stated.given_believed.normal, masses, &list_);
   if (progress) progress("weighing " + std::to_string(list_.math.size()) + " explanations");
   std::deque<SetSearch> searches;
   const bool is_done =
@@ -137,14 +137,14 @@ double Evidence::LogWeight(const NoiseView& view, const WeightedSet& set, const 
                            const RowSums& sums) const {
   std::vector<int> members(set.members.size());
   std::iota(members.begin(), members.end(), 0);
-  const BesideBelieved beside = columns_.Project(sums);
-  const SetSearch search(beside.normal, few.explanations, prior_, Likelihood(beside.normal.dof));
-  return search.Evaluate(members, set.scales).log_weight + beside.log_constant + view.log_prior;
+  const GivenBelieved given_believed = columns_.Project(sums);
+  const SetSearch search(given_believed.normal, few.explanations, prior_, Likelihood(given_believed.normal.dof));
+  return search.Evaluate(members, set.scales).log_weight + given_believed.log_constant + view.log_prior;
 }
 
 // In the first view, whose normal equations are there.
 double Evidence::LogWeightAsStated(const WeightedSet& set) const {
-  return SearchIn(0).Evaluate(set.members, set.scales).log_weight + views_[0].beside.log_constant;
+  return SearchIn(0).Evaluate(set.members, set.scales).log_weight + views_[0].given_believed.log_constant;
 }
 
 // The size is found on as many blocks of rows as settle it; all rows say how likely it is.
@@ -175,10 +175,10 @@ Evidence::Trial Evidence::BestView(NoiseView::Kind kind, double log_prior, const
     near_weight = here;
   }
   // Counted from the nearest of them: the precision is relative.
-  const auto [beside, lost] = boost::math::tools::brent_find_minima([&](double at) { return -among_some(near + at); },
+  const auto [offset, lost] = boost::math::tools::brent_find_minima([&](double at) { return -among_some(near + at); },
                                                                     std::max(low - near, -spacing),
                                                                     std::min(high - near, spacing), kSettledBits);
-  const double best = near + beside, best_weight = every == 1 ? -lost : weight(best);
+  const double best = near + offset, best_weight = every == 1 ? -lost : weight(best);
   const double gain = best_weight - log_prior - LogWeightAsStated(set);
   if (gain < kLeastGain) return {};
   // The prior is even over log sigma: of its range the likelihood keeps what its curvature leaves.
@@ -201,7 +201,7 @@ void Evidence::Correct(const std::vector<double>& log_corrections) {
 
 void Evidence::AddModel(int view, const WeightedSet& set) {
   const ViewedNormal& viewed = views_[view];
-  models_.push_back({view, set, 0.0, set.log_weight + viewed.beside.log_constant + viewed.view.log_prior});
+  models_.push_back({view, set, 0.0, set.log_weight + viewed.given_believed.log_constant + viewed.view.log_prior});
 }
 
 WeightedSet Evidence::BestOf(const Evidence& other) const {
@@ -258,7 +258,7 @@ void Evidence::AddReadings() {
   NamelessCauses causes(list_, masses_.further);
   for (size_t i = models_.size(); i-- > 0;) {
     const WeightedModel& many = models_[i];
-    auto one = causes.ReadAsOne(many.set.members, many.set, list_.math, views_[many.view].beside.normal,
+    auto one = causes.ReadAsOne(many.set.members, many.set, list_.math, views_[many.view].given_believed.normal,
                                 LikelihoodOf(many.view));
     if (!one) continue;
     WeightedModel as_one = many;
@@ -271,11 +271,11 @@ void Evidence::AddReadings() {
 
 GroupValues Evidence::ValuesOfMember(const WeightedModel& model, int member) const {
   const std::vector<const ColumnGroup*> groups = GroupsOf(list_.math, model.set.members);
-  return ValuesOf(views_[model.view].beside.normal, groups, model.set.scales).Of(model.PlaceOf(member), groups);
+  return ValuesOf(views_[model.view].given_believed.normal, groups, model.set.scales).Of(model.PlaceOf(member), groups);
 }
 
 double Evidence::ResidualOf(const WeightedModel& model) const {
-  const ProjectedNormal& normal = views_[model.view].beside.normal;
+  const ProjectedNormal& normal = views_[model.view].given_believed.normal;
   return Members(normal, GroupsOf(list_.math, model.set.members), model.set.scales).residual();
 }
 

@@ -61,7 +61,7 @@ void Normalise(std::vector<WeightedModel>* models);
 struct ViewedNormal {
   NoiseView view;
   JointScatter scatter;
-  BesideBelieved beside;
+  GivenBelieved given_believed;
 };
 
 // What the rows say of all explanations, for every view of the noise.
@@ -81,13 +81,13 @@ class Evidence {
   const WeightedModel& BestOfNothing() const;
   // Adds to each model's log weight and sorts them anew.
   void Correct(const std::vector<double>& log_corrections);
-  ResidualLikelihood LikelihoodOf(int view) const { return Likelihood(views_[view].beside.normal.dof); }
+  ResidualLikelihood LikelihoodOf(int view) const { return Likelihood(views_[view].given_believed.normal.dof); }
   ResidualLikelihood Likelihood(double dof) const { return {dof, sigma_dof_, kNoiseIsWrong}; }
   const SetPrior& prior() const { return prior_; }
   const PriorMasses& masses() const { return masses_; }
   // Of all explanations given a view.
   SetSearch SearchIn(int view) const {
-    return SetSearch(views_[view].beside.normal, list_.math, prior_, LikelihoodOf(view));
+    return SetSearch(views_[view].given_believed.normal, list_.math, prior_, LikelihoodOf(view));
   }
   // Coefficients of one member of a model's set and their covariance, in typical sizes, the others estimated too.
   GroupValues ValuesOfMember(const WeightedModel& model, int member) const;

@@ -94,7 +94,7 @@ struct FilledBlock {
 };
 
 // Given what is believed, which is eliminated with a flat prior (or its stated one).
-struct BesideBelieved {
+struct GivenBelieved {
   ProjectedNormal normal;
   double log_constant = 0.0;  // -1/2 (log |C| + log |J' C^-1 J|): compares ways to whiten
 };
@@ -144,11 +144,11 @@ class EvidenceColumns {
                                 const JointScatter& per_unit) const;
   RowSums Sum(double variance, const std::vector<FilledBlock>& filled) const;
   int num_rows() const { return 3 * static_cast<int>(extended_.CalibrationObservations().size()); }
-  BesideBelieved Project(const RowSums& sums) const;
+  GivenBelieved Project(const RowSums& sums) const;
   // Of all columns over all rows. own: lists of columns of which the block with themselves is asked for often. Where
   // the linearized blocks are kept the other products are made as they are asked for: this must outlive what is
   // returned.
-  BesideBelieved ProjectAll(const JointScatter& scatter, const std::set<std::vector<int>>& own) const;
+  GivenBelieved ProjectAll(const JointScatter& scatter, const std::set<std::vector<int>>& own) const;
 
   AlongSources SumAlong(const std::vector<Source>& sources) const;
 
@@ -216,9 +216,9 @@ class EvidenceColumns {
     Eigen::MatrixXd along;  // Q'[A r], Q orthonormal over what is believed
     double square = 0.0;    // r'r, with priors
     double dof = 0.0;
-    double log_constant = 0.0;  // as of BesideBelieved
+    double log_constant = 0.0;  // as of GivenBelieved
   };
-  Eliminated Eliminate(Eigen::MatrixXd own, Eigen::MatrixXd beside, double square, const RowSums& sums) const;
+  Eliminated Eliminate(Eigen::MatrixXd own, Eigen::MatrixXd with_others, double square, const RowSums& sums) const;
   class ShotProducts;
   struct AllSums;
   AllSums SumAll(const JointScatter& scatter, const std::set<std::vector<int>>& own,

@@ -76,11 +76,11 @@ class EvidenceColumns::ShotProducts {
   // S of two sources, shots x shots; what lies off the diagonal is of poses with several shots.
   struct ByShot {
     Eigen::VectorXd diagonal;
-    Eigen::SparseMatrix<double> beside;
+    Eigen::SparseMatrix<double> off_diagonal;
 
     Eigen::MatrixXd Times(const Eigen::MatrixXd& functions) const {
       Eigen::MatrixXd product = diagonal.asDiagonal() * functions;
-      if (beside.nonZeros() > 0) product += beside * functions;
+      if (off_diagonal.nonZeros() > 0) product += off_diagonal * functions;
       return product;
     }
   };
@@ -91,18 +91,19 @@ class EvidenceColumns::ShotProducts {
     if (!is_new) return products;
     const auto shots = static_cast<long>(columns_.extended_.data().shots.size());
     products.diagonal.setZero(shots);
-    products.beside.resize(shots, shots);
-    std::vector<Eigen::Triplet<double>> beside;
+    products.off_diagonal.resize(shots, shots);
+    std::vector<Eigen::Triplet<double>> off_diagonal;
     for (size_t b = 0; b < columns_.stored_.size(); ++b) {
       AddBlock(b, one, other, [&](int shot, int with, double product) {
         if (shot == with) {
           products.diagonal[shot] += product;
         } else {
-          beside.emplace_back(shot, with, product);
+          off_diagonal.emplace_back(shot, with, product);
         }
       });
     }
-    products.beside.setFromTriplets(beside.begin(), beside.end());  // sums what is of one pair of shots
+    products.off_diagonal.setFromTriplets(off_diagonal.begin(),
+                                          off_diagonal.end());  // sums what is of one pair of shots
     return products;
   }
 
@@ -232,17 +233,17 @@ void EvidenceColumns::SumFamilies(const std::set<std::vector<int>>& own, const s
   }
 }
 
-BesideBelieved EvidenceColumns::ProjectAll(const JointScatter& scatter, const std::set<std::vector<int>>& own) const {
+GivenBelieved EvidenceColumns::ProjectAll(const JointScatter& scatter, const std::set<std::vector<int>>& own) const {
   VLOG(1) << "diagnosis: products of " << num_columns_ << " columns in " << own.size() << " groups";
   if (stored_.size() < poses_of_block_.size()) return Project(Sum(scatter));
   const long believed = num_believed();
   std::vector<BlockRoots> roots;
   AllSums all = SumAll(scatter, own, &roots);
   const Eigen::MatrixXd& few = all.with_believed;
-  Eigen::MatrixXd beside(believed, num_columns_ + 1);
-  beside << few.middleRows(believed, num_columns_).leftCols(believed).transpose(), few.topRightCorner(believed, 1);
-  const Eliminated out =
-      Eliminate(few.topLeftCorner(believed, believed), std::move(beside), few(few.rows() - 1, believed), all.whitened);
+  Eigen::MatrixXd with_others(believed, num_columns_ + 1);
+  with_others << few.middleRows(believed, num_columns_).leftCols(believed).transpose(), few.topRightCorner(believed, 1);
+  const Eliminated out = Eliminate(few.topLeftCorner(believed, believed), std::move(with_others),
+                                   few(few.rows() - 1, believed), all.whitened);
   const Eigen::MatrixXd along = out.along.leftCols(num_columns_);
   const Eigen::VectorXd of_residual = out.along.rightCols(1);
   Eigen::VectorXd seen = Eigen::VectorXd::Ones(num_columns_);  // 0: of a column that what is believed contains

@@ -241,11 +241,11 @@ Eigen::MatrixXd EvidenceColumns::WithPriors(Eigen::MatrixXd products) const {
 
 // With K = J'C^-1 J (priors added) = V diag(l) V' of scaled columns and B = V diag(l)^(-1/2) of its rank:
 //   along = B'(J'C^-1 [A r]),   n = rows + priors - rank,   log constant = -1/2 (log |C| + log |K|).
-EvidenceColumns::Eliminated EvidenceColumns::Eliminate(Eigen::MatrixXd own, Eigen::MatrixXd beside, double square,
+EvidenceColumns::Eliminated EvidenceColumns::Eliminate(Eigen::MatrixXd own, Eigen::MatrixXd with_others, double square,
                                                        const RowSums& sums) const {
-  Eigen::VectorXd along_residual = beside.rightCols(1);
+  Eigen::VectorXd along_residual = with_others.rightCols(1);
   const int priors = AddPriors(&own, &along_residual, &square);
-  beside.rightCols(1) = along_residual;
+  with_others.rightCols(1) = along_residual;
   const Eigen::VectorXd scale = own.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
       Eigen::MatrixXd(scale.asDiagonal() * own * scale.asDiagonal()));
@@ -254,12 +254,12 @@ EvidenceColumns::Eliminated EvidenceColumns::Eliminate(Eigen::MatrixXd own, Eige
   const Eigen::MatrixXd basis =
       eigen.eigenvectors().rightCols(rank) * eigen.eigenvalues().tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
   const double log_det = eigen.eigenvalues().tail(rank).array().log().sum() - 2.0 * scale.array().log().sum();
-  return {basis.transpose() * (scale.asDiagonal() * beside), square, static_cast<double>(sums.rows + priors - rank),
-          -0.5 * (sums.log_det + log_det)};
+  return {basis.transpose() * (scale.asDiagonal() * with_others), square,
+          static_cast<double>(sums.rows + priors - rank), -0.5 * (sums.log_det + log_det)};
 }
 
 // [G g; g' R] = [A r]'C^-1 [A r] - along' along.
-BesideBelieved EvidenceColumns::Project(const RowSums& sums) const {
+GivenBelieved EvidenceColumns::Project(const RowSums& sums) const {
   const long believed = static_cast<long>(believed_.size()), width = sums.products.cols(), count = width - believed - 1;
   const Eliminated out =
       Eliminate(sums.products.topLeftCorner(believed, believed), sums.products.topRightCorner(believed, count + 1),

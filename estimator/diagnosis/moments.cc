@@ -45,14 +45,15 @@ std::map<std::string, Best> BestMoments(const CalibrationProblem& problem, const
   EvidenceColumns columns(problem, parameters, candidates);
   std::set<std::vector<int>> own;
   for (size_t c = 0; c < candidates.size(); ++c) own.insert(columns.ColumnsOf(static_cast<int>(c)));
-  const BesideBelieved beside = columns.ProjectAll(StatedScatter(problem), own);
-  const ResidualLikelihood known_sigma(beside.normal.dof, std::numeric_limits<double>::infinity(), 0.0);
+  const GivenBelieved given_believed = columns.ProjectAll(StatedScatter(problem), own);
+  const ResidualLikelihood known_sigma(given_believed.normal.dof, std::numeric_limits<double>::infinity(), 0.0);
   std::map<std::string, Best> best;
   for (size_t c = 0; c < candidates.size(); ++c) {
     const ColumnGroup group{columns.ColumnsOf(static_cast<int>(c)), {}};
     if (group.columns.empty()) continue;
-    const double log_evidence = AverageGain(known_sigma, beside.normal.residual, OwnInformation(beside.normal, group),
-                                            OwnGradient(beside.normal, group));
+    const double log_evidence =
+        AverageGain(known_sigma, given_believed.normal.residual, OwnInformation(given_believed.normal, group),
+                    OwnGradient(given_believed.normal, group));
     EffectSpec others = candidates[c].spec;
     others.settings.erase(MomentOf(problem.robot(), others));
     Best& known = best[others.Path()];

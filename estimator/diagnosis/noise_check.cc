@@ -233,8 +233,8 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
         entry.others > 0.0 ? entry.squared > kAlone * entry.others : entry.squared > kSingleMarker * limit;
     // Two in one shot hide each other, but not that the body does not move like this.
     const bool not_rigid = entry.squared > kAlone * entry.least && entry.rigid > limit;
-    const bool tells = !held_out || entry.rigid > limit;
-    if (entry.squared > floor && (alone || not_rigid) && tells) outliers.push_back(entry.observation);
+    const bool is_far = !held_out || entry.rigid > limit;
+    if (entry.squared > floor && (alone || not_rigid) && is_far) outliers.push_back(entry.observation);
   }
   // What happens to many points is no outlier but something to explain.
   const auto all = static_cast<double>(outliers.size() + removed);

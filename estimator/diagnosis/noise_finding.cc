@@ -69,7 +69,7 @@ NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, con
   NoiseFinding noise;
   noise.is_stated = IsSigmaStated(stated);
   noise.asks_repeatability = stated.experiment().repeatability.IsEstimated();
-  noise.is_told_from_pose = evidence.columns().HasRevisits();
+  noise.is_distinguished_from_pose = evidence.columns().HasRevisits();
   double seen = 0.0;
   for (const WeightedModel& each : evidence.models()) {
     if (seen > kNearlyAll) break;

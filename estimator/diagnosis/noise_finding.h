@@ -19,7 +19,7 @@ struct NoiseFinding {
   bool scale_differs = false;
   bool is_bound = false;                     // a rest without a name is part of the scatter: an upper bound
   bool repeatability_is_overstated = false;  // the joints deviate less than stated
-  bool is_told_from_pose = true;             // poses were visited again: what follows the pose is no repeatability
+  bool is_distinguished_from_pose = true;    // poses were visited again: what follows the pose is no repeatability
   double repeatability = 0.0, repeatability_low = 0.0, repeatability_high = 0.0;  // rad; 0: as stated
   std::vector<std::string> outliers;                                              // file:line
   int outliers_held_out = 0;                                                      // of them

@@ -69,7 +69,7 @@ PoseGroups::PoseGroups(const Evidence& evidence, const WeightedModel& leading,
   all_ = columns.WithPriors(std::move(all_));
 }
 
-BesideBelieved PoseGroups::Resample(std::mt19937* random) const {
+GivenBelieved PoseGroups::Resample(std::mt19937* random) const {
   RowSums sums = RowSums::Zero(all_.rows());
   for (size_t draw = 0; draw < groups_.size(); ++draw) sums += groups_[(*random)() % groups_.size()];
   return evidence_.columns().Project(sums);

@@ -23,7 +23,7 @@ class PoseGroups {
   const std::vector<Explanation>& explanations() const { return few_.explanations; }
 
   // As many groups as there are, drawn with replacement.
-  BesideBelieved Resample(std::mt19937* random) const;
+  GivenBelieved Resample(std::mt19937* random) const;
   // Squared residuals, whitened, that a set leaves on each group when it is fitted to the others. members: all asked.
   Eigen::VectorXd ErrorsLeftOut(const WeightedSet& set) const;
 

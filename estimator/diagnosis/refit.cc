@@ -10,7 +10,7 @@ namespace sagitta {
 namespace {
 
 // Whether nothing new has become so uncertain that the full estimator would hold it.
-bool TellsAll(const QuickRefit& refit) {
+bool DeterminesAll(const QuickRefit& refit) {
   const ParameterSet& parameters = refit.estimate.parameters;
   for (const int i : parameters.EstimatedCoordinates()) {
     if (refit.sigmas[i] > parameters.coordinates()[i].hold_limit) return false;
@@ -54,7 +54,7 @@ DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>&
   extended.problem = std::make_shared<CalibrationProblem>(ExtendedProblem(model, added));
   const ParameterSet& start = extended.problem->parameters;
   QuickRefit quick = RefitQuickly(*extended.problem, start);
-  if (!IsUsable(quick.estimate.status) || !TellsAll(quick)) {
+  if (!IsUsable(quick.estimate.status) || !DeterminesAll(quick)) {
     return JudgeFully(extended.problem, start, start, options);
   }
   extended.estimate = std::move(quick.estimate);

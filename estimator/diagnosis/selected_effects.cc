@@ -49,8 +49,8 @@ std::vector<EffectSpec> OtherSprings(const Evidence& evidence, const WeightedMod
 }
 
 // near: the believed model with a noise like that of this model.
-DiagnosedModel LackingBeside(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& working,
-                             const DiagnosedModel& baseline, const Estimate& near, const JointOptions& joint) {
+DiagnosedModel LackingGiven(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& working,
+                            const DiagnosedModel& baseline, const Estimate& near, const JointOptions& joint) {
   const bool is_other = evidence.views()[model.view].view.kind != NoiseView::Kind::kStated;
   if (!is_other && evidence.IsSigmaStated() && evidence.SigmaIsWrong(model) <= kEvenOdds) return baseline;
   DiagnosedModel refit = RefitFully(WithNoiseOf(evidence, model, working), near, joint);
@@ -94,7 +94,7 @@ double LogCorrection(const Evidence& evidence, const RefittedSet& refitted) {
   if (!refitted.IsUsable()) return -std::numeric_limits<double>::infinity();
   if (refitted.effects.size() != refitted.model.set.members.size()) return 0.0;
   const ResidualLikelihood likelihood = evidence.LikelihoodOf(refitted.model.view);
-  const double nothing = evidence.views()[refitted.model.view].beside.normal.residual;
+  const double nothing = evidence.views()[refitted.model.view].given_believed.normal.residual;
   // In units of the rows' sigma: the refit may have another.
   const double unit = nothing / refitted.lacking.estimate.chi2;
   return likelihood.Log(unit * refitted.with_effects.estimate.chi2) -
@@ -139,7 +139,7 @@ RefittedSet RefitSet(const Evidence& evidence, const WeightedModel& model, const
   RefittedSet refitted;
   refitted.model = model;
   const Estimate& start = near == nullptr ? baseline.estimate : near->lacking.estimate;
-  refitted.lacking = LackingBeside(evidence, model, working, baseline, start, joint);
+  refitted.lacking = LackingGiven(evidence, model, working, baseline, start, joint);
   refitted.effects = SelectedEffectsOf(evidence, model, refitted.lacking);
   refitted.with_effects = Extend(refitted.lacking, CandidatesOf(refitted.effects), joint);
   if (!refitted.IsUsable()) TryOtherSprings(evidence, joint, &refitted);
@@ -180,7 +180,7 @@ double CorrectedP(double reduction, int parameters, double scatter, int dof, boo
 
 std::vector<ScreenedCandidate> Screen(const Evidence& evidence, const DiagnosedModel& baseline) {
   const ExplanationList& list = evidence.list();
-  const ProjectedNormal& normal = evidence.views()[0].beside.normal;
+  const ProjectedNormal& normal = evidence.views()[0].given_believed.normal;
   const ResidualLikelihood likelihood = evidence.LikelihoodOf(0);
   std::map<std::string, ScreenedCandidate> best;  // by name
   int tests = 0;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kShownComponent = 0.05;  // of the largest
 constexpr double kNumericallyZero = 1e-13;
-constexpr double kWellTold = 1e6;
+constexpr double kWellDetermined = 1e6;
 constexpr double kPeeled = 0.03;           // of the largest singular value, those found at once
 constexpr double kLeastSigma = 1e-9;       // of an exact fit, stated sigmas
 constexpr double kWeakPerHoldLimit = 0.2;  // 1 mm of 5 mm, 1 mrad of 5 mrad
@@ -36,8 +36,8 @@ Eigen::VectorXd HoldLimits(const Linearization& linearization, const ParameterSe
     const Coordinate& coordinate = parameters.coordinates()[linearization.columns[c]];
     // A stated prior is knowledge: what it alone determines is not held.
     limits[c] = std::max(coordinate.hold_limit, 2.0 * coordinate.prior_sigma);
-    const double told = linearization.jacobian.col(c).norm() * limits[c] / std::max(sigma, kLeastSigma);
-    if (told > kWellTold) limits[c] *= kWellTold / told;
+    const double determined = linearization.jacobian.col(c).norm() * limits[c] / std::max(sigma, kLeastSigma);
+    if (determined > kWellDetermined) limits[c] *= kWellDetermined / determined;
   }
   return limits;
 }

@@ -24,7 +24,7 @@ namespace {
 constexpr double kDenseQrEntries = 2e6;
 // Without the deviations the rest of a bundle is small: sparse and dense cost the same at 450 unknowns (BENCHMARKS.md,
 // "Sparse factors").
-constexpr int kFewBesideDeviations = 450;
+constexpr int kFewGivenDeviations = 450;
 
 std::shared_ptr<ceres::ParameterBlockOrdering> EliminateFirst(LatentBlocks& latents, const ceres::Problem& problem) {
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
@@ -43,7 +43,7 @@ std::shared_ptr<ceres::ParameterBlockOrdering> EliminateFirst(LatentBlocks& late
 // hardly meet by sparse factors.
 ceres::LinearSolverType LinearSolverFor(const Structure& structure, bool has_latents) {
   if (has_latents) {
-    const bool is_large = structure.unknowns >= kFewBesideDeviations;
+    const bool is_large = structure.unknowns >= kFewGivenDeviations;
     return is_large && structure.IsSparse() ? ceres::SPARSE_SCHUR : ceres::DENSE_SCHUR;
   }
   if (structure.IsSparse()) return ceres::SPARSE_NORMAL_CHOLESKY;

@@ -163,7 +163,7 @@ std::string TieInWords(const CalibrationProblem& problem, const ParameterSet& es
   const std::string& lever = problem.data().markers[tie.lever_marker];
   const std::string& anchor = problem.data().markers[tie.anchor_marker];
   if (!estimated.spring_tie()) return MarkersAreNotTheEnds(lever, anchor);
-  return tie.sigma_is_stated ? "" : MarkersAreTakenAsEnds(lever, anchor);
+  return tie.sigma_is_stated ? "" : MarkersAreAssumedEnds(lever, anchor);
 }
 
 }  // namespace sagitta

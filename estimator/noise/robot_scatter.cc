@@ -99,7 +99,7 @@ RobotScatter FindRobotScatter(const CalibrationProblem& problem, const Estimate&
   return scatter;
 }
 
-double ScatterBesideStated(const CalibrationProblem& problem, const Estimate& estimate) {
+double ScatterBeyondStated(const CalibrationProblem& problem, const Estimate& estimate) {
   const SigmaReport& sigma = estimate.sigma;
   const std::vector<int> rows = problem.CalibrationObservations();
   const bool is_asked = IsUsable(estimate.status) && sigma.stated && sigma.scaled && problem.latent.empty() &&

@@ -31,6 +31,6 @@ RobotScatter FindRobotScatter(const CalibrationProblem& problem, const Estimate&
 // residuals as the fit leaves free. One factor on all sigmas would widen rows that the instrument saw badly and leave
 // rows that it saw well at a fraction of what the robot does there. 0: the residuals are not several times as large, or
 // the noise is not stated for points alone.
-double ScatterBesideStated(const CalibrationProblem& problem, const Estimate& estimate);
+double ScatterBeyondStated(const CalibrationProblem& problem, const Estimate& estimate);
 
 }  // namespace sagitta

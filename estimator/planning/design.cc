@@ -184,7 +184,7 @@ class Adder {
       : criterion_(criterion), trials_(std::move(trials)), set_(set.Subset(trials_)) {}
 
   int Best(const Eigen::MatrixXd& c, const std::vector<bool>& barred, double* cost) const {
-    const CostBeside beside(criterion_, c);
+    const CostGiven given(criterion_, c);
     const bool is_convex = criterion_.HasCertificate();
     const double now = is_convex ? criterion_.Cost(c) : 0.0;
     const Eigen::VectorXd gains =
@@ -194,7 +194,7 @@ class Adder {
     for (const int k : Foremost(gains, set_.size())) {
       if (now - gains[k] >= *cost) break;
       if (barred[trials_[k]]) continue;
-      const double trial = beside.With(set_.of(k));
+      const double trial = given.With(set_.of(k));
       if (trial < *cost) {
         *cost = trial;
         best = trials_[k];
@@ -318,7 +318,7 @@ Eigen::MatrixXd Updated(const Eigen::MatrixXd& c, const Eigen::MatrixXd& a, doub
   return c - 0.5 * sign * (change + change.transpose());
 }
 
-CostBeside::CostBeside(const Criterion& criterion, const Eigen::MatrixXd& covariance)
+CostGiven::CostGiven(const Criterion& criterion, const Eigen::MatrixXd& covariance)
     : criterion_(criterion), c_(covariance), columns_(criterion.Columns(static_cast<int>(covariance.rows()))) {
   block_ = c_(columns_, columns_);
   const bool is_known =
@@ -335,7 +335,7 @@ CostBeside::CostBeside(const Criterion& criterion, const Eigen::MatrixXd& covari
 
 // With K = I + A C A': of I and A the loss tr(K^-1 A middle A'). Of D ln det C'_SS = ln det C_SS - ln det K
 // + ln det(I + A middle A'), the last of what would be left unknown if S were known.
-double CostBeside::With(const Eigen::MatrixXd& rows) const {
+double CostGiven::With(const Eigen::MatrixXd& rows) const {
   const Eigen::MatrixXd ac = rows * c_;
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(rows.rows(), rows.rows());
   const Eigen::MatrixXd aca = ac * rows.transpose();

@@ -78,9 +78,9 @@ Eigen::MatrixXd CovarianceOf(const CandidateSet& set, const Eigen::MatrixXd& kno
 Eigen::MatrixXd Updated(const Eigen::MatrixXd& c, const Eigen::MatrixXd& a, double sign);
 
 // What the cost becomes where one more candidate is added to what left covariance C.
-class CostBeside {
+class CostGiven {
  public:
-  CostBeside(const Criterion& criterion, const Eigen::MatrixXd& covariance);
+  CostGiven(const Criterion& criterion, const Eigen::MatrixXd& covariance);
   double With(const Eigen::MatrixXd& rows) const;
 
  private:

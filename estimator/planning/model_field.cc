@@ -47,7 +47,7 @@ double FieldAmplitude(const PlanScene& scene, const std::vector<int>& columns, c
       Linearize(problem, problem.parameters, points, columns, metres, LatentTreatment::kIgnore).jacobian;
   std::vector<bool> rest(of_field);
   rest.flip();
-  TakeUp(rest, &rows);
+  Absorb(rest, &rows);
   // Mean square of a coordinate, m^2, that a field of 1 rad moves after everything else has been fitted to it: the
   // amplitude makes it the stated RMS.
   const double left = rows.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, rows.rows()));  // m^2

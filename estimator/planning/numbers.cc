@@ -78,7 +78,7 @@ void ScaleColumns(const CalibrationProblem& problem, int candidates, PlanNumbers
 
 }  // namespace
 
-void TakeUp(const std::vector<bool>& columns, Eigen::MatrixXd* rows) {
+void Absorb(const std::vector<bool>& columns, Eigen::MatrixXd* rows) {
   std::vector<int> open;
   for (size_t i = 0; i < columns.size(); ++i) {
     if (columns[i]) open.push_back(static_cast<int>(i));
@@ -155,7 +155,7 @@ PlanNumbers MakePlanNumbers(const PlanScene& scene, double model_error) {
   numbers.test_rows =
       Linearize(problem, problem.parameters, points, numbers.columns, metres, LatentTreatment::kIgnore).jacobian *
       numbers.scale.asDiagonal();
-  TakeUp(numbers.registered, &numbers.test_rows);
+  Absorb(numbers.registered, &numbers.test_rows);
   return numbers;
 }
 

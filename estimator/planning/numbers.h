@@ -34,7 +34,7 @@ struct PlanNumbers {
 };
 
 // What is left of rows after the marked columns were fitted to them; those become 0.
-void TakeUp(const std::vector<bool>& columns, Eigen::MatrixXd* rows);
+void Absorb(const std::vector<bool>& columns, Eigen::MatrixXd* rows);
 
 // model_error: m per coordinate, of PlanRequest::field. Throws InputError where nothing states the noise.
 PlanNumbers MakePlanNumbers(const PlanScene& scene, double model_error = 0.0);

@@ -158,7 +158,7 @@ Plan MakePlan(const Robot& robot, const Measurements& data, const Experiment& ex
   plan.curve = search.Curve();
   plan.knee = search.Knee();
   plan.candidates = drawn;
-  plan.found_beside = search.found_beside();
+  plan.found_given_measured = search.found_given_measured();
   plan.moved =
       std::any_of(found.poses.begin(), found.poses.end(), [](const PlannedPose& pose) { return pose.candidate < 0; });
   plan.infeasible_because = scene.infeasible;

@@ -71,7 +71,7 @@ struct Plan {
   double bound = 0.0;                 // cost of no plan of as many candidates is below; only with a certificate
   double efficiency = 0.0;            // of the bound over the cost; 0 without a certificate
   bool moved = false;                 // poses were moved from where they were drawn
-  int found_beside = 0;               // candidates that were not drawn but found from those drawn
+  int found_given_measured = 0;       // candidates that were not drawn but found from those drawn
   double position_rms = 0.0;          // m, distance, at the test points
   double position_max = 0.0;          // m, of the worst test point
   double best_rms = 0.0;              // m: no plan of as many candidates is better; 0: not known

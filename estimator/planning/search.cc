@@ -137,7 +137,7 @@ ApproximateDesign PlanSearch::Approximate(int poses, double tolerance) {
   return design;
 }
 
-void PlanSearch::FindBeside(int poses) {
+void PlanSearch::FindGivenMeasured(int poses) {
   const LocalSearch search(scene_->ranges, &rows_);
   for (int round = 0; round < 2; ++round) {
     const ApproximateDesign design = Approximate(poses, kOnTheWay);
@@ -154,7 +154,7 @@ void PlanSearch::FindBeside(int poses) {
     }
     if (joining.empty()) return;
     numbers_->set.Append(joining);
-    found_beside_ += static_cast<int>(joining.size());
+    found_given_measured_ += static_cast<int>(joining.size());
   }
 }
 
@@ -179,10 +179,10 @@ void PlanSearch::MovePoses(FoundPlan* found) {
     for (size_t k = 0; k < rows.size(); ++k) {
       CheckInterruption();
       const Eigen::MatrixXd without = Updated(found->covariance, rows[k], -1.0);
-      const CostBeside beside(criterion_, without);
+      const CostGiven given(criterion_, without);
       PlannedPose pose = found->poses[k];
-      const double now = beside.With(rows[k]);
-      const double cost = search.Improve([&](const Eigen::MatrixXd& own) { return beside.With(own); }, now, &pose);
+      const double now = given.With(rows[k]);
+      const double cost = search.Improve([&](const Eigen::MatrixXd& own) { return given.With(own); }, now, &pose);
       if (!(cost < now)) continue;
       found->poses[k] = pose;
       moved[k] = true;
@@ -201,7 +201,7 @@ void PlanSearch::MovePoses(FoundPlan* found) {
     joining.push_back(rows[k]);
   }
   numbers_->set.Append(joining);
-  found_beside_ += static_cast<int>(joining.size());
+  found_given_measured_ += static_cast<int>(joining.size());
   found->covariance = CovarianceOf(numbers_->set, numbers_->known, found->picks);
   found->cost = criterion_.Cost(found->covariance);
 }
@@ -209,7 +209,7 @@ void PlanSearch::MovePoses(FoundPlan* found) {
 FoundPlan PlanSearch::At(int poses) {
   CheckSupply(poses);
   if (request_.progress) request_.progress("best " + std::to_string(poses) + " poses");
-  if (may_move() && criterion_.HasCertificate() && found_beside_ == 0) FindBeside(poses);
+  if (may_move() && criterion_.HasCertificate() && found_given_measured_ == 0) FindGivenMeasured(poses);
   FoundPlan found;
   found.approximate = Approximate(poses, may_move() ? kOnTheWay : kTolerance);
   ExactDesign exact = Exact(poses, found.approximate, request_.starts, 20);

@@ -36,7 +36,7 @@ class PlanSearch {
   // The first number of poses from which on the error falls no faster than N^-0.6: readings that only average it fall
   // as N^-1/2. 0: none.
   int Knee() const;
-  int found_beside() const { return found_beside_; }
+  int found_given_measured() const { return found_given_measured_; }
   // The rows of a plan, put where its poses are, with the readings that are expected.
   PoseRows& rows() { return rows_; }
 
@@ -44,7 +44,7 @@ class PlanSearch {
   void CheckSupply(int poses) const;
   ApproximateDesign Approximate(int poses, double tolerance);
   // Candidates that gain more than those drawn, found from the best of them; twice, for what they change.
-  void FindBeside(int poses);
+  void FindGivenMeasured(int poses);
   ExactDesign Exact(int poses, const ApproximateDesign& approximate, int starts, int rounds) const;
   void MovePoses(FoundPlan* found);
   // Exact plans of a few starts and rounds, for the curve; its RMS.
@@ -61,7 +61,7 @@ class PlanSearch {
   Eigen::VectorXd quick_weights_;
   CandidateSet short_list_;  // for the curve, where there are very many
   std::vector<PosesAndAccuracy> curve_;
-  int found_beside_ = 0;
+  int found_given_measured_ = 0;
 };
 
 }  // namespace sagitta

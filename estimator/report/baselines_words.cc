@@ -50,7 +50,7 @@ std::string PoseEquationsSingular() {
   return "the pose equations are singular, or the equilibrium of a loaded shot diverges";
 }
 
-std::string DifferencesTakeRestAsExact() {
+std::string DifferencesAssumeTheRestExact() {
   return "its intervals of compliances and compensator assume geometry, base poses and markers of the unloaded rows to "
          "be exact";
 }

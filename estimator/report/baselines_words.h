@@ -27,7 +27,7 @@ std::string IdentificationSingular();
 std::string PosesStandStill();
 
 // What the intervals of a method leave out.
-std::string DifferencesTakeRestAsExact();
+std::string DifferencesAssumeTheRestExact();
 std::string PreloadWentIntoGeometry();
 std::string BiasIsIgnored();
 

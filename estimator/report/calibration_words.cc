@@ -75,7 +75,7 @@ std::string HangOffAxis(const Vector3<double>& point, const std::vector<std::str
          PlacesInWords(configurations) + reached;
 }
 
-std::string NoLoadTells() {
+std::string NoLoadDetermines() {
   return "no load at this load point turns the joint enough: use a longer arm or a heavier load, or state a prior";
 }
 

@@ -34,7 +34,7 @@ std::string ReachedInWords(const std::string& parameter, double reached, const s
 std::string PullSideways(double newtons, const std::vector<std::string>& configurations, const std::string& reached);
 std::string HangOffAxis(const Vector3<double>& point, const std::vector<std::string>& configurations,
                         const std::string& reached);
-std::string NoLoadTells();
+std::string NoLoadDetermines();
 // What would determine the compensator: its markers are tied to it, or its L is what is open, or else.
 enum class SpringDoubt { kTied, kLength, kOther };
 std::string SpringRemedyInWords(SpringDoubt doubt);

@@ -70,10 +70,11 @@ std::string RepeatabilityInWords(const NoiseFinding& noise) {
          Significant(1e6 * noise.repeatability_high, 3) +
          (noise.asks_repeatability            ? ") is found, as asked. "
           : noise.repeatability_is_overstated ? ") is found; more is stated. "
-          : noise.is_told_from_pose           ? ") was not declared. "
-                                    : ") would explain what is left, and so would any error that follows the pose: no "
-                                      "pose was visited again. "
-                                      "Visit ten poses a second time to distinguish them. ");
+          : noise.is_distinguished_from_pose
+              ? ") was not declared. "
+              : ") would explain what is left, and so would any error that follows the pose: no "
+                "pose was visited again. "
+                "Visit ten poses a second time to distinguish them. ");
 }
 
 // Of the verdict `noise`: what is wrong with it.
@@ -192,7 +193,7 @@ std::vector<std::string> VerdictLines(const Diagnosis& d) {
   return lines;
 }
 
-bool IsTold(const FoundEffect& effect, const ParameterEstimate& row) {
+bool IsDetermined(const FoundEffect& effect, const ParameterEstimate& row) {
   const std::vector<std::string>& poorly_determined = effect.candidate.poorly_determined;
   return std::find(poorly_determined.begin(), poorly_determined.end(), row.name) == poorly_determined.end();
 }
@@ -201,7 +202,7 @@ std::string EffectInWords(const Robot& robot, const FoundEffect& effect) {
   std::string words = Title(robot, effect.candidate.spec) + ", " + Percent(effect.probability) + ":";
   const std::vector<std::string>& poorly_determined = effect.candidate.poorly_determined;
   for (const ParameterEstimate& row : effect.parameters) {
-    if (!IsTold(effect, row)) continue;
+    if (!IsDetermined(effect, row)) continue;
     words += " " + row.name.substr(row.name.rfind('/') + 1) + " " + WithInterval(row) + ",";
   }
   words.back() = ';';

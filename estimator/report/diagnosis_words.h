@@ -43,7 +43,7 @@ std::string ClosedInWords(const GapReport& gap);
 bool IsPlausible(const Robot& robot, const FoundEffect& effect);
 std::string PhysicalInWords(const Robot& robot, const FoundEffect& effect);
 // Whether the data determine this parameter of the effect; the others are held near neutral.
-bool IsTold(const FoundEffect& effect, const ParameterEstimate& row);
+bool IsDetermined(const FoundEffect& effect, const ParameterEstimate& row);
 
 std::string DiagnosisToText(const Diagnosis& diagnosis);
 

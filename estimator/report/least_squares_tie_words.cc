@@ -15,7 +15,7 @@ std::string MarkersAreNotTheEnds(const std::string& lever_marker, const std::str
          "not used for it; state spring: lever and spring: anchor if they are its ends";
 }
 
-std::string MarkersAreTakenAsEnds(const std::string& lever_marker, const std::string& anchor_marker) {
+std::string MarkersAreAssumedEnds(const std::string& lever_marker, const std::string& anchor_marker) {
   return Markers(lever_marker, anchor_marker) +
          "are assumed to be the very ends of the compensator's spring; state how well they sit there "
          "(spring_sigma_mm), or spring: none if they are something else";

@@ -6,6 +6,6 @@
 namespace sagitta {
 
 std::string MarkersAreNotTheEnds(const std::string& lever_marker, const std::string& anchor_marker);
-std::string MarkersAreTakenAsEnds(const std::string& lever_marker, const std::string& anchor_marker);
+std::string MarkersAreAssumedEnds(const std::string& lever_marker, const std::string& anchor_marker);
 
 }  // namespace sagitta

@@ -40,7 +40,7 @@ std::vector<std::string> AssumptionsInWords(const Plan& plan, bool candidates_ar
   if (candidates_are_drawn) {
     words.push_back(
         "Candidates are poses spread evenly in the joint limits, each with every way in which the rows measure one" +
-        std::string(plan.found_beside > 0 ? ", and better ones found from them by local search." : "."));
+        std::string(plan.found_given_measured > 0 ? ", and better ones found from them by local search." : "."));
   }
   if (plan.moved) words.push_back("The poses chosen were moved to where they determine more.");
   words.push_back(plan.order);
@@ -114,7 +114,7 @@ std::string CertificateInWords(const Plan& plan) {
   const std::string near = times < 2.0 ? "Within " + Significant(100.0 * (times - 1.0), 2) + " % of"
                                        : "At most " + Significant(times, 2) + " times";
   std::string words = near + " the best possible plan of as many of these candidates" +
-                      (plan.found_beside > 0 ? " and of poses found from them" : "") + " (" +
+                      (plan.found_given_measured > 0 ? " and of poses found from them" : "") + " (" +
                       InWords(plan.criterion.kind) + "; equivalence theorem).";
   if (plan.best_rms > 0.0) {
     words += " No such plan predicts less than " + InMillimetres(plan.best_rms) +

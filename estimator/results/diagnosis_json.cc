@@ -56,7 +56,7 @@ Json FoundToJson(const Robot& robot, const FoundEffect& effect) {
                                   {"value", row.value / unit},
                                   {"sigma", row.sigma / unit},
                                   {"ci95", {row.ci95.low / unit, row.ci95.high / unit}},
-                                  {"identifiable", IsTold(effect, row)}});
+                                  {"identifiable", IsDetermined(effect, row)}});
   }
   if (effect.lag) {
     json["thermal_lag_s"] = {{"best", effect.lag->best}, {"possible", {effect.lag->shortest, effect.lag->longest}}};

@@ -32,7 +32,7 @@ bool AnyShot(const Measurements& data, bool (*is_so)(const Shot&)) {
 
 }  // namespace
 
-void TakeModelError(const std::string& estimate_json, const std::string& file_in_messages, PlanRequest* request) {
+void ReadModelError(const std::string& estimate_json, const std::string& file_in_messages, PlanRequest* request) {
   const Json json = ParseJson(estimate_json, file_in_messages);
   const JsonValue estimate(json, file_in_messages);
   request->model_error = std::max(1.0, estimate.Get("model_error").Get("factor").PositiveNumber());
@@ -60,7 +60,7 @@ Json PlanToJson(const Plan& plan) {
                {"poses", plan.rows.configurations.size()},
                {"measured", plan.measured},
                {"candidates", plan.candidates},
-               {"found_beside", plan.found_beside},
+               {"found_given_measured", plan.found_given_measured},
                {"infeasible", plan.infeasible},
                {"infeasible_because", plan.infeasible_because},
                {"checked", plan.checked},

@@ -17,7 +17,7 @@ std::string PlanToCsv(const Chain& chain, const Plan& plan);
 
 // What an estimate.json says of its model's error: model_error.factor, and by how much the points of its
 // cross-validation are off beyond what the stated noise predicts. Throws InputError for a text without the former.
-void TakeModelError(const std::string& estimate_json, const std::string& file_in_messages, PlanRequest* request);
+void ReadModelError(const std::string& estimate_json, const std::string& file_in_messages, PlanRequest* request);
 
 // Half the 95 % interval that is expected of a parameter, with model error, SI.
 double HalfWidth95(const Plan& plan, const PlannedParameter& parameter);

@@ -76,7 +76,7 @@ Json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& es
   const VarianceComponent* instrument = InstrumentComponent(estimate);
   const bool is_factor = instrument != nullptr && estimate.noise_report.instrument_is_factor;
   json["instrument_factor"] = is_factor ? instrument->value : 1.0;
-  const double scatter = ScatterBesideStated(problem, estimate);
+  const double scatter = ScatterBeyondStated(problem, estimate);
   json["scale"] = sigma.stated && sigma.scaled && scatter == 0.0 ? sigma.a_posteriori : 1.0;
   if (scatter > 0.0) json["scatter_mm"] = 1e3 * scatter;
   json["repeatability_urad"] = Json::object();

@@ -90,8 +90,8 @@ std::vector<Widening> WideningsOf(const Estimate& estimate, const BetweenParts& 
     intervals.push_back(all[p].interval);
   }
   for (size_t p = 0; p < all.size(); ++p) {
-    const bool is_told = !between.known() || between.draws[static_cast<Eigen::Index>(p)] > 0.0;
-    if (!is_told && !sigmas.empty()) all[p] = {Median(sigmas), Median(intervals)};
+    const bool is_known = !between.known() || between.draws[static_cast<Eigen::Index>(p)] > 0.0;
+    if (!is_known && !sigmas.empty()) all[p] = {Median(sigmas), Median(intervals)};
     all[p].sigma = std::max(all[p].sigma, excess);
     all[p].interval = std::max(all[p].interval, excess);
   }

@@ -33,8 +33,8 @@ double TorqueOn(const Chain& chain, const EffectSpec& spec, const ShotConditions
   if (!IsBy(spec, "load")) return torque_of(frames[static_cast<size_t>(chain.FlangeFrame())].translation, 1.0);
   double torque = 0.0;
   for (const AppliedWrench& wrench : shot.load_wrenches) {
-    const bool is_told = wrench.expressed_in == shot.gravity_frame;
-    const double weight = is_told ? wrench.force.dot(shot.gravity.normalized()) : wrench.force.norm();
+    const bool is_in_gravity_frame = wrench.expressed_in == shot.gravity_frame;
+    const double weight = is_in_gravity_frame ? wrench.force.dot(shot.gravity.normalized()) : wrench.force.norm();
     torque += torque_of(frames[static_cast<size_t>(wrench.frame)] * wrench.point, weight);
   }
   return torque;

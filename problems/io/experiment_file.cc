@@ -10,15 +10,15 @@ namespace sagitta {
 namespace {
 
 // Paths in a file are relative to the file.
-std::string PathBeside(const std::string& file, const YamlValue& value) {
+std::string PathNextTo(const std::string& file, const YamlValue& value) {
   const std::filesystem::path folder = std::filesystem::path(file).parent_path();
   return (folder / value.Text()).lexically_normal().string();
 }
 
 std::vector<std::string> ReadMeasurementPaths(const std::string& file, const YamlValue& value) {
   std::vector<std::string> paths;
-  if (!value.IsList()) return {PathBeside(file, value)};
-  for (const YamlValue& item : value.Items()) paths.push_back(PathBeside(file, item));
+  if (!value.IsList()) return {PathNextTo(file, value)};
+  for (const YamlValue& item : value.Items()) paths.push_back(PathNextTo(file, item));
   if (paths.empty()) value.Fail("the list is empty", "measurements: [measurements.csv]");
   return paths;
 }
@@ -67,7 +67,7 @@ Experiment ReadExperimentText(const std::string& text, const std::string& path) 
   ReadScene(&map, &experiment);
   ReadMethod(&map, &experiment);
   // Last, so that a misspelt key is named and not the missing one.
-  experiment.robot_file = PathBeside(path, map.Get("robot"));
+  experiment.robot_file = PathNextTo(path, map.Get("robot"));
   experiment.measurement_files = ReadMeasurementPaths(path, map.Get("measurements"));
   map.Finish();
   ListLines(root, &experiment.lines);

@@ -322,9 +322,9 @@ TEST(DiagnosisFormulas, PosteriorsAreSumsOverSets) {
     if (!own.empty()) sets[own] += model.probability;
     if (!own.empty()) continue;
     const bool stated = evidence.views()[model.view].view.kind == NoiseView::Kind::kStated;
-    const double wrong =
-        stated ? evidence.LikelihoodOf(model.view).ProbabilityWrong(evidence.views()[model.view].beside.normal.residual)
-               : 1.0;
+    const double wrong = stated ? evidence.LikelihoodOf(model.view)
+                                      .ProbabilityWrong(evidence.views()[model.view].given_believed.normal.residual)
+                                : 1.0;
     nothing += (1.0 - wrong) * model.probability;
     noise += wrong * model.probability;
   }

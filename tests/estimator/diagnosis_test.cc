@@ -244,7 +244,7 @@ TEST(Diagnosis, DeviatingJointsAreNoEffect) {
       const Diagnosis diagnosis = Diagnose(*problem, DiagnosisOptions());
       EXPECT_TRUE(diagnosis.effects.empty());
       EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kUnknown);
-      EXPECT_FALSE(diagnosis.noise.is_told_from_pose);
+      EXPECT_FALSE(diagnosis.noise.is_distinguished_from_pose);
       EXPECT_GT(diagnosis.noise.probability, 0.5);
       EXPECT_LT(diagnosis.noise.repeatability_low, 15e-6);
       EXPECT_GT(diagnosis.noise.repeatability_high, 15e-6);

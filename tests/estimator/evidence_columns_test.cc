@@ -43,8 +43,8 @@ TEST(EvidenceColumns, ProductsThatAreAskedForAreThoseOfAllRows) {
   const int joints = problem.robot().num_joints();
   for (const JointScatter& scatter :
        {StatedScatter(problem), Scatter(joints, 3e-5, 0.0), Scatter(joints, 2e-5, 4e-5)}) {
-    const BesideBelieved whole = columns.Project(columns.Sum(scatter));
-    const BesideBelieved asked = columns.ProjectAll(scatter, own);
+    const GivenBelieved whole = columns.Project(columns.Sum(scatter));
+    const GivenBelieved asked = columns.ProjectAll(scatter, own);
     EXPECT_NEAR(asked.log_constant, whole.log_constant, 1e-9 * std::abs(whole.log_constant));
     EXPECT_EQ(asked.normal.dof, whole.normal.dof);
     EXPECT_NEAR(asked.normal.residual, whole.normal.residual, 1e-9 * whole.normal.residual);
@@ -170,16 +170,16 @@ TEST(EvidenceColumns, RowsOfVisitsAndOfPosesScatterTogether) {
     }
   }
   // Given what is believed: rows less what these determine of unknowns, and what no value of these explains.
-  const BesideBelieved beside = columns.Project(sums);
+  const GivenBelieved given_believed = columns.Project(sums);
   const Eigen::MatrixXd white = root.matrixL().solve(all);
   const Eigen::VectorXd scale = white.colwise().norm().cwiseInverse();
   const Eigen::MatrixXd scaled = white.leftCols(known) * scale.head(known).asDiagonal();
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled);
   qr.setThreshold(1e-9);
-  EXPECT_EQ(beside.normal.dof, static_cast<double>(3 * count - qr.rank()));
+  EXPECT_EQ(given_believed.normal.dof, static_cast<double>(3 * count - qr.rank()));
   EXPECT_GT(qr.rank(), 20);
   const double left = (white.col(known) - scaled * qr.solve(white.col(known))).squaredNorm();
-  EXPECT_NEAR(beside.normal.residual, left, 1e-4 * left);
+  EXPECT_NEAR(given_believed.normal.residual, left, 1e-4 * left);
 }
 
 // Whatever is asked for first, and in whatever order, is a part of the same symmetric matrix.

@@ -64,7 +64,7 @@ TEST(RecomputedResults, APredictionAddsTheRobotsScatterToTheStatedNoise) {
   const CalibrationProblem problem = test::Kr270ProblemOf(data, Experiment());
   const ResolvedEstimate found = EstimateWithNoise(problem);
   PredictionNoise noise;
-  const double scatter = ScatterBesideStated(found.problem, found.estimate);
+  const double scatter = ScatterBeyondStated(found.problem, found.estimate);
   // Standard error of a standard deviation from 501 degrees of freedom: 3.2 %.
   EXPECT_NEAR(scatter, 3e-4, 4 * 0.032 * 3e-4);
   const nlohmann::ordered_json json = PredictionNoiseToJson(found.problem, found.estimate);

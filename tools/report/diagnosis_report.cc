@@ -100,7 +100,7 @@ Section EffectSection(const Robot& robot, const FoundEffect& effect, size_t numb
     section.rows.push_back({row.name.substr(row.name.rfind('/') + 1), Significant(row.value / traits.si_per_unit, 4),
                             Significant(row.ci95.low / traits.si_per_unit, 4),
                             Significant(row.ci95.high / traits.si_per_unit, 4), ShownUnit(traits.unit),
-                            IsTold(effect, row) ? "" : "not determined by these data"});
+                            IsDetermined(effect, row) ? "" : "not determined by these data"});
   }
   section.paragraphs = {EffectInWords(robot, effect), HalvesInWords(effect.confirmation),
                         "Physical bounds: " + PhysicalInWords(robot, effect) + "."};
