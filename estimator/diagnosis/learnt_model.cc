@@ -81,33 +81,30 @@ class Learner {
   }
 
  private:
+  // What the leading set holds beyond the effects that are named; then what groups of poses confirm.
   void Choose() {
-    WeightedSet named;
-    for (size_t k = 0; k < leading_.members.size(); ++k) {
-      const int member = leading_.members[k];
-      if (evidence_.list().IsUnnamed(member) || pieces_.count(member) > 0) continue;
-      named.members.push_back(member);
-      named.scales.push_back(leading_.scales[k]);
-    }
-    set_ = search_.Evaluate(named.members, named.scales);
+    set_ = search_.Evaluate(leading_.members, leading_.scales);
     errors_ = groups_.ErrorsLeftOut(set_);
     for (const int member : leading_.members) {
-      if (evidence_.list().IsUnnamed(member)) Choose(member);
+      if (!evidence_.list().IsUnnamed(member)) continue;
+      chosen_.push_back(member);
+      asked_.insert(evidence_.list().name[member]);
     }
     while (ChooseNext()) continue;
-    for (const auto& [member, piece] : pieces_) Choose(member);
+    for (const auto& [member, piece] : pieces_) chosen_.push_back(member);
   }
 
-  // False: it does not predict what is left out of the fit better by a standard error.
+  // False: it does not predict what is left out of the fit better beyond chance.
   bool Choose(int explanation) {
     asked_.insert(evidence_.list().name[explanation]);
     std::vector<int> members = set_.members;
     members.insert(std::lower_bound(members.begin(), members.end(), explanation), explanation);
     const WeightedSet with = search_.Evaluate(members);
     const Eigen::VectorXd errors = groups_.ErrorsLeftOut(with), gains = errors_ - errors;
-    VLOG(1) << "diagnosis: " << evidence_.list().name[explanation] << " predicts what is left out better by "
-            << gains.sum() / gains.norm() << " standard errors";
-    if (gains.sum() < gains.norm()) return false;
+    const double gain = gains.sum() / gains.norm();
+    VLOG(1) << "diagnosis: " << evidence_.list().name[explanation] << " predicts what is left out better by " << gain
+            << " standard errors";
+    if (!IsBeyondChance(gain)) return false;
     set_ = with;
     errors_ = errors;
     chosen_.push_back(explanation);

@@ -18,12 +18,12 @@ struct LearntModel {
   GapReport gap;                      // from the believed model
 };
 
-// With the effects that `final` has: functions without a name, the best one after the other, while each has odds of 20
-// for it and predicts groups of poses better that are left out of the fit, by a standard error of that or more (the
-// rule of one standard error: Hastie, Tibshirani, Friedman, The Elements of Statistical Learning, 2nd ed., 7.10);
-// fitted with the prior that their evidence is made of. Effects of the catalogue that are pieces of the nameless cause
-// (nameless_cause.h) come last: given the functions they explain what is left. The configurations held out choose
-// nothing; they say whether all together predict them better. Nothing where they do not, or where no function is left.
+// With the effects that `final` has: the functions without a name that the leading set holds; then others, the best one
+// after the other, while each has odds of 20 for it and predicts groups of poses better that are left out of the fit,
+// beyond chance (gap.h); fitted with the prior that their evidence is made of. Effects of the catalogue that are pieces
+// of the nameless cause (nameless_cause.h) come last: given the functions they explain what is left. The configurations
+// held out choose nothing; they say whether all together predict them better. Nothing where they do not, or where no
+// function is left.
 std::optional<LearntModel> LearnModel(const Evidence& evidence, const WeightedModel& leading, const PoseGroups& groups,
                                       const DiagnosedModel& baseline, const DiagnosedModel& final,
                                       const JointOptions& joint);
