@@ -75,45 +75,52 @@ GivenBelieved PoseGroups::Resample(std::mt19937* random) const {
   return evidence_.columns().Project(sums);
 }
 
-// With P the products of a group, N those of all rows and S the prior of what the set adds,
-//
-//   x = -(N - P + S)_xx^-1 (N - P)_xr,   P_rr + 2 x'P_xr + x'P_xx x
-Eigen::VectorXd PoseGroups::ErrorsLeftOut(const WeightedSet& set) const {
+PoseGroups::SetColumns PoseGroups::ColumnsOf(const WeightedSet& set) const {
   const long believed = evidence_.columns().num_believed();
-  std::vector<long> columns(static_cast<size_t>(believed));
-  std::iota(columns.begin(), columns.end(), 0L);
+  SetColumns own;
+  own.columns.resize(static_cast<size_t>(believed));
+  std::iota(own.columns.begin(), own.columns.end(), 0L);
   std::vector<const ColumnGroup*> groups;
   long size = believed;
   for (const int m : set.members) {
     const auto place = std::lower_bound(asked_.begin(), asked_.end(), m) - asked_.begin();
     groups.push_back(&few_.explanations[static_cast<size_t>(place)].group);
-    for (const int column : groups.back()->columns) columns.push_back(believed + column);
+    for (const int column : groups.back()->columns) own.columns.push_back(believed + column);
     size += groups.back()->size();
   }
-  columns.push_back(all_.cols() - 1);
-  Eigen::MatrixXd mixing = Eigen::MatrixXd::Zero(static_cast<long>(columns.size()), size + 1);
-  Eigen::VectorXd prior = Eigen::VectorXd::Zero(size);
-  mixing.topLeftCorner(believed, believed).setIdentity();
-  long row = believed, column = believed;
+  own.columns.push_back(all_.cols() - 1);
+  own.mixing = Eigen::MatrixXd::Zero(static_cast<long>(own.columns.size()), size + 1);
+  own.mixing.topLeftCorner(believed, believed).setIdentity();
+  own.mixing.bottomRightCorner(1, 1).setOnes();
+  own.prior = Eigen::VectorXd::Zero(size);
+  long row = believed, first = believed;
   for (size_t k = 0; k < groups.size(); ++k) {
-    const long own = static_cast<long>(groups[k]->columns.size()), mixed = groups[k]->size();
-    auto block = mixing.block(row, column, own, mixed);
-    groups[k]->mixing.size() > 0 ? block = groups[k]->mixing : block.setIdentity();
-    prior.segment(column, mixed).setConstant(1.0 / (set.scales[k] * set.scales[k]));
-    row += own;
-    column += mixed;
+    const long height = static_cast<long>(groups[k]->columns.size()), width = groups[k]->size();
+    own.mixing.block(row, first, height, width) =
+        groups[k]->Mixed(Eigen::MatrixXd::Identity(height, height)).transpose();
+    own.prior.segment(first, width).setConstant(1.0 / (set.scales[k] * set.scales[k]));
+    row += height;
+    first += width;
   }
-  mixing(row, column) = 1.0;
+  return own;
+}
+
+// With P the products of a group, N those of all rows and S the prior of what the set adds,
+//
+//   x = -(N - P + S)_xx^-1 (N - P)_xr,   P_rr + 2 x'P_xr + x'P_xx x
+Eigen::VectorXd PoseGroups::ErrorsLeftOut(const WeightedSet& set) const {
+  const SetColumns own = ColumnsOf(set);
+  const long size = own.prior.size();
   const auto of_set = [&](const Eigen::MatrixXd& products) {
-    return Eigen::MatrixXd(mixing.transpose() * products(columns, columns) * mixing);
+    return Eigen::MatrixXd(own.mixing.transpose() * products(own.columns, own.columns) * own.mixing);
   };
   const Eigen::MatrixXd all = of_set(all_);
   Eigen::VectorXd errors(static_cast<long>(groups_.size()));
   for (size_t g = 0; g < groups_.size(); ++g) {
-    const Eigen::MatrixXd out = of_set(groups_[g].products);
-    Eigen::MatrixXd normal = (all - out).topLeftCorner(size, size);
-    normal.diagonal() += prior;
-    const Eigen::VectorXd x = -normal.ldlt().solve((all - out).col(size).head(size));
+    const Eigen::MatrixXd out = of_set(groups_[g].products), others = all - out;
+    Eigen::MatrixXd normal = others.topLeftCorner(size, size);
+    normal.diagonal() += own.prior;
+    const Eigen::VectorXd x = -normal.ldlt().solve(others.col(size).head(size));
     errors[static_cast<long>(g)] =
         out(size, size) + x.dot(2.0 * out.col(size).head(size) + out.topLeftCorner(size, size) * x);
   }

@@ -30,6 +30,15 @@ class PoseGroups {
  private:
   static constexpr size_t kMost = 20;
 
+  // Columns of the sums that a set needs, [believed, coefficients, residual] of these, and 1 / variance of the prior of
+  // the first two.
+  struct SetColumns {
+    std::vector<long> columns;
+    Eigen::MatrixXd mixing;
+    Eigen::VectorXd prior;
+  };
+  SetColumns ColumnsOf(const WeightedSet& set) const;
+
   const Evidence& evidence_;
   const int view_;
   const std::vector<int> asked_;
