@@ -7,6 +7,8 @@
 #include <random>
 #include <utility>
 
+#include "estimator/statistics/shuffle.h"
+
 namespace sagitta {
 namespace {
 
@@ -81,7 +83,7 @@ class Splitter {
   void AddRandom(std::mt19937_64* random) {
     std::vector<int> order(num_clusters_);
     std::iota(order.begin(), order.end(), 0);
-    for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[(*random)() % i]);
+    Shuffle(&order, random);
     Clusters first(num_clusters_, 0);
     for (int i = 0; i < num_clusters_ / 2; ++i) first[order[i]] = 1;
     Add(SplitBy::kRandom, "", first);

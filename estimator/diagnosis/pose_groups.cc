@@ -4,6 +4,8 @@
 #include <numeric>
 #include <set>
 
+#include "estimator/statistics/shuffle.h"
+
 namespace sagitta {
 namespace {
 
@@ -48,7 +50,7 @@ std::vector<int> GroupOfEach(int poses, int groups) {
   std::mt19937 random(kSeed);
   std::vector<int> group(static_cast<size_t>(poses));
   for (size_t k = 0; k < group.size(); ++k) group[k] = static_cast<int>(k) % groups;
-  for (size_t k = group.size(); k > 1; --k) std::swap(group[k - 1], group[random() % k]);
+  Shuffle(&group, &random);
   return group;
 }
 

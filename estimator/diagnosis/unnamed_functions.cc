@@ -78,6 +78,12 @@ EffectSpec UnnamedList::Over(const Driver& driver, const std::string& effect, co
   return spec;
 }
 
+Settings UnnamedList::DownSettings(const Vector3<double>& down_in_base) {
+  return {{"down_x", Significant(down_in_base.x(), kDigits)},
+          {"down_y", Significant(down_in_base.y(), kDigits)},
+          {"down_z", Significant(down_in_base.z(), kDigits)}};
+}
+
 void UnnamedList::AddFunctions(const GroupedFunctions& functions, const UnnamedFunction& what,
                                const std::string& family) {
   if (functions.groups.empty()) return;

@@ -158,15 +158,13 @@ class JointFunctions : public UnnamedList {
   // Creep under what hangs on the arm, and the heat of the drives.
   void AddLags() {
     if (OrderOf(problem_).kind != DriverKind::kTime || !Varies(TimeOf(problem_).of_shot)) return;
-    const Vector3<double> down = DownInBase(problem_, parameters_);
+    const Settings down = DownSettings(DownInBase(problem_, parameters_));
     const bool loaded = std::any_of(problem_.shot_inputs().begin(), problem_.shot_inputs().end(),
                                     [](const ShotInput& shot) { return !shot.conditions.load_wrenches.empty(); });
     for (const char* lag : kLags) {
-      AddLag(loaded ? "load" : "weight", TorqueOnIt(),
-             {{"lag_s", lag},
-              {"down_x", Significant(down.x(), kDigits)},
-              {"down_y", Significant(down.y(), kDigits)},
-              {"down_z", Significant(down.z(), kDigits)}});
+      Settings settings = down;
+      settings["lag_s"] = lag;
+      AddLag(loaded ? "load" : "weight", TorqueOnIt(), settings);
       AddLag("motion", HeatOfItsMotion(), {{"lag_s", lag}});
     }
   }

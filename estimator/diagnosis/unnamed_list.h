@@ -63,6 +63,8 @@ class UnnamedList {
   void AppendRamps(const Eigen::VectorXd& order, const std::string& kind, int count, GroupedFunctions* functions) const;
   // An effect over the range of a driver; its knots go by the group of functions.
   EffectSpec Over(const Driver& driver, const std::string& effect, const std::string& target) const;
+  // Of an effect that asks which way is down.
+  static Settings DownSettings(const Vector3<double>& down_in_base);
   // Every group of functions on one source or on several, each with coefficients of its own.
   void AddFunctions(const GroupedFunctions& functions, const UnnamedFunction& what, const std::string& family);
 

@@ -272,12 +272,6 @@ class PlaceFunctions : public UnnamedList {
     return sources;
   }
 
-  Settings DownSettings() const {
-    return {{"down_x", Significant(down_in_base_.x(), kDigits)},
-            {"down_y", Significant(down_in_base_.y(), kDigits)},
-            {"down_z", Significant(down_in_base_.z(), kDigits)}};
-  }
-
   // What sits loose goes to the side that is down, smoothly or at once, or to another seat between visits. first,
   // count: of its axes among LooseParts.
   void AddLoose(const std::string& what, const std::string& acts_on, const std::vector<int>& markers, int first,
@@ -294,7 +288,7 @@ class PlaceFunctions : public UnnamedList {
     const Driver order = OrderOf(problem_);
     for (const int m : markers) {
       const std::string& marker = problem_.data().markers[static_cast<size_t>(m)];
-      leans.effects.push_back({"learnt_marker_motion", marker, DownSettings(), {}});
+      leans.effects.push_back({"learnt_marker_motion", marker, DownSettings(down_in_base_), {}});
       leans.effects.back().settings["by"] = "gravity";
       if (order.kind == DriverKind::kTime) jumps.effects.push_back(Over(order, "learnt_marker_motion", marker));
     }
@@ -328,7 +322,7 @@ class PlaceFunctions : public UnnamedList {
                     LoadShiftsWithGravity(load),
                     Axes(Source::Kind::kLoad, owner),
                     {},
-                    {{"learnt_load_shift", load, DownSettings(), {}}}},
+                    {{"learnt_load_shift", load, DownSettings(down_in_base_), {}}}},
                    "load shift");
       AddSlides(owner);
     }
@@ -344,7 +338,7 @@ class PlaceFunctions : public UnnamedList {
       const Eigen::VectorXd along = Component(Vector3<double>::Unit(axis.axis)), seen = OnFitted(along);
       if (!(seen.maxCoeff() - seen.minCoeff() > kStill)) continue;
       const std::string name(1, "xyz"[axis.axis]);
-      EffectSpec slide{"learnt_load_slide", load, DownSettings(), {}};
+      EffectSpec slide{"learnt_load_slide", load, DownSettings(down_in_base_), {}};
       slide.settings["along"] = name;
       slide.settings["from"] = Significant(seen.minCoeff(), kDigits);
       slide.settings["to"] = Significant(seen.maxCoeff(), kDigits);
@@ -393,7 +387,7 @@ class PlaceFunctions : public UnnamedList {
     const std::vector<Side> sides = scan.Best(kSides);
     GroupedFunctions functions;
     for (const Side& side : sides) {
-      Settings settings = DownSettings();
+      Settings settings = DownSettings(down_in_base_);
       settings["along_x"] = Significant(side.along.x(), kDigits);
       settings["along_y"] = Significant(side.along.y(), kDigits);
       settings["along_z"] = Significant(side.along.z(), kDigits);
@@ -427,7 +421,7 @@ class PlaceFunctions : public UnnamedList {
         OfShots(problem_, [](const ShotConditions& shot) { return SizeOfForces(shot.load_wrenches); });
     const Eigen::VectorXd seen = OnFitted(load);
     if (!(seen.maxCoeff() > seen.minCoeff())) return;
-    Settings settings = DownSettings();
+    Settings settings = DownSettings(down_in_base_);
     settings["by"] = "gravity";
     settings["per_N"] = Significant(seen.maxCoeff(), kDigits);
     GroupedFunctions functions;

@@ -5,6 +5,8 @@
 #include <numeric>
 #include <random>
 
+#include "estimator/statistics/shuffle.h"
+
 namespace sagitta {
 namespace {
 
@@ -132,7 +134,7 @@ std::vector<int> MixedRoute(int poses, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::vector<int> order(poses);
   std::iota(order.begin(), order.end(), 0);
-  for (int k = poses - 1; k > 0; --k) std::swap(order[k], order[random() % static_cast<std::uint64_t>(k + 1)]);
+  Shuffle(&order, &random);
   return order;
 }
 

@@ -42,6 +42,10 @@ EffectParameter WeightOfJoint(const Robot& robot, const EffectSpec& spec, const 
   return {name, Quantity::kSmallAngle, kTypicalTurn};
 }
 
+Vector3<double> DownOf(const EffectSpec& spec) {
+  return {spec.NumberSetting("down_x", 0.0), spec.NumberSetting("down_y", 0.0), spec.NumberSetting("down_z", -1.0)};
+}
+
 bool IsOfRamps(const EffectSpec& spec) { return spec.TextSetting("shape", "bumps") == "ramps"; }
 
 EffectDefinition Empirical(EffectDefinition effect) {
@@ -169,11 +173,10 @@ void DeviateJoint(const EffectContext& context, ShotTerms* terms) {
 Eigen::VectorXd FunctionsOf(const EffectContext& context) {
   const EffectSpec& spec = *context.spec;
   if (IsBy(spec, "gravity")) {
-    const Vector3<double> down(spec.NumberSetting("down_x", 0.0), spec.NumberSetting("down_y", 0.0),
-                               spec.NumberSetting("down_z", -1.0));
     const double unit = spec.NumberSetting("per_N", 0.0);
     return (unit > 0.0 ? SizeOfForces(context.shot->load_wrenches) / unit : 1.0) *
-           DirectionFunctions(DownInFlange(context.chain(), context.shot->q, down), spec.IntegerSetting("degree", 1));
+           DirectionFunctions(DownInFlange(context.chain(), context.shot->q, DownOf(spec)),
+                              spec.IntegerSetting("degree", 1));
   }
   const Knots knots = KnotsOf(*context.robot, spec);
   const double value = DriverValue(context);

@@ -32,6 +32,9 @@ double UnitOfJoint(const Robot& robot, const std::string& joint);
 // A weight of a deviation of the target: an angle, or a length of one that slides.
 EffectParameter WeightOfJoint(const Robot& robot, const EffectSpec& spec, const std::string& name);
 
+// Which way is down, as the settings down_x, down_y, down_z state it: in the base frame, of any length.
+Vector3<double> DownOf(const EffectSpec& spec);
+
 // A function of time by ramps, not by bumps (bump.h).
 bool IsOfRamps(const EffectSpec& spec);
 

@@ -20,14 +20,13 @@ bool IsBy(const EffectSpec& spec, const char* driver) { return spec.TextSetting(
 // About the joint's positive direction in the nominal arm, N m (N where it slides): of the weight of the shot's own
 // load, or, by weight, of 1 N at the flange.
 double TorqueOn(const Chain& chain, const EffectSpec& spec, const ShotConditions& shot) {
-  const Vector3<double> down(spec.NumberSetting("down_x", 0.0), spec.NumberSetting("down_y", 0.0),
-                             spec.NumberSetting("down_z", -1.0));
+  const Vector3<double> down = DownOf(spec).normalized();
   const std::vector<Pose<double>> frames = NominalFrames(chain, shot.q);
   const ElementaryTransform& transform = chain.transforms[chain.JointTransform(chain.FindJoint(spec.target))];
   const Pose<double>& here = frames[static_cast<size_t>(chain.JointTransform(chain.FindJoint(spec.target)))];
   const Vector3<double> axis = transform.sign * here.rotation.col(static_cast<int>(transform.axis));
   const auto torque_of = [&](const Vector3<double>& point, double weight) {
-    const Vector3<double> force = weight * down.normalized(), arm = point - here.translation;
+    const Vector3<double> force = weight * down, arm = point - here.translation;
     return axis.dot(transform.is_rotation() ? Vector3<double>(arm.cross(force)) : force);
   };
   if (!IsBy(spec, "load")) return torque_of(frames[static_cast<size_t>(chain.FlangeFrame())].translation, 1.0);

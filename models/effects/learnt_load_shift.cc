@@ -20,11 +20,8 @@ std::vector<EffectParameter> ShiftWeights(const Robot&, const EffectSpec& spec) 
   return weights;
 }
 
-Vector3<double> DownOf(const EffectContext& context) {
-  const EffectSpec& spec = *context.spec;
-  return DownInFlange(
-      context.chain(), context.shot->q,
-      {spec.NumberSetting("down_x", 0.0), spec.NumberSetting("down_y", 0.0), spec.NumberSetting("down_z", -1.0)});
+Vector3<double> DownAt(const EffectContext& context) {
+  return DownInFlange(context.chain(), context.shot->q, DownOf(*context.spec));
 }
 
 // The moment of +F at a point further along the axis and of -F at the load's.
@@ -45,7 +42,7 @@ void ShiftAlong(const EffectContext& context, int axis, const Eigen::VectorXd& f
 
 void ShiftLoad(const EffectContext& context, ShotTerms* terms) {
   if (context.shot->load != context.spec->target) return;
-  const Eigen::VectorXd functions = DirectionFunctions(DownOf(context), DegreeOf(*context.spec));
+  const Eigen::VectorXd functions = DirectionFunctions(DownAt(context), DegreeOf(*context.spec));
   for (int axis = 0; axis < 3; ++axis) {
     ShiftAlong(context, axis, functions, context.first_parameter + axis * static_cast<int>(functions.size()), terms);
   }
@@ -64,7 +61,7 @@ void SlideLoad(const EffectContext& context, ShotTerms* terms) {
   if (context.shot->load != spec.target) return;
   const int axis = spec.TextSetting("along", "x")[0] - 'x';
   const Knots knots{spec.NumberSetting("from", -1.0), spec.NumberSetting("to", 1.0), spec.IntegerSetting("knots", 2)};
-  const double down = DownOf(context)[axis];
+  const double down = DownAt(context)[axis];
   Eigen::VectorXd functions(knots.count);
   for (int k = 0; k < knots.count; ++k) functions[k] = knots.Value(k, down);
   ShiftAlong(context, axis, functions, context.first_parameter, terms);
