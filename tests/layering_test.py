@@ -20,7 +20,8 @@ EXAMPLES = 'tools/examples'  # programs of somebody else: <sagitta/sagitta.h> an
 
 # Folders of estimator/: each may use those before it. Files of estimator/ itself (the front door) may use all.
 ROOMS = ['statistics', 'least_squares', 'alignment', 'estimate', 'noise', 'calibration', 'baselines', 'intervals',
-         'compensation', 'planning', 'agreement', 'inspection', 'validation', 'diagnosis', 'results', 'changes']
+         'compensation', 'planning', 'agreement', 'inspection', 'validation', 'random_effects', 'explanations', 'evidence', 'diagnosis',
+         'results', 'changes']
 
 # Sentences of all rooms: a file ROOM_…words of this folder may use what that room may, and who may use the room may use it.
 WORDS = 'report'

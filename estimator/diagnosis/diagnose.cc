@@ -5,17 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/diagnosis/bagged_models.h"
 #include "estimator/diagnosis/cautions.h"
 #include "estimator/diagnosis/learnt_model.h"
-#include "estimator/diagnosis/moments.h"
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/diagnosis/refit.h"
 #include "estimator/diagnosis/selected_effects.h"
 #include "estimator/diagnosis/set_aside.h"
+#include "estimator/evidence/bagged_models.h"
+#include "estimator/explanations/moments.h"
 #include "estimator/noise/rotation_noise.h"
 #include "estimator/report/diagnosis_caution_words.h"
-#include "estimator/report/diagnosis_function_words.h"
+#include "estimator/report/explanations_words.h"
 #include "estimator/statistics/distributions.h"
 #include "problems/input_error.h"
 #include "problems/range.h"

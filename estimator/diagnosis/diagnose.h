@@ -13,9 +13,9 @@
 #include "estimator/diagnosis/gap.h"
 #include "estimator/diagnosis/gap_map.h"
 #include "estimator/diagnosis/learnt_function.h"
-#include "estimator/diagnosis/next_poses.h"
 #include "estimator/diagnosis/noise_finding.h"
 #include "estimator/diagnosis/thermal_lag.h"
+#include "estimator/evidence/next_poses.h"
 #include "models/constants.h"
 #include "problems/choices.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "estimator/diagnosis/posterior.h"
+#include "estimator/evidence/posterior.h"
 
 namespace sagitta {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "estimator/diagnosis/diagnosed_model.h"
-#include "estimator/diagnosis/drivers.h"
+#include "estimator/explanations/drivers.h"
 
 namespace sagitta {
 

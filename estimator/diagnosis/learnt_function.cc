@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <numeric>
 
-#include "estimator/report/diagnosis_function_words.h"
+#include "estimator/report/explanations_words.h"
 #include "models/constants.h"
 #include "problems/text.h"
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "estimator/diagnosis/drivers.h"
-#include "estimator/diagnosis/posterior.h"
+#include "estimator/evidence/posterior.h"
+#include "estimator/explanations/drivers.h"
 
 namespace sagitta {
 

@@ -7,9 +7,9 @@
 #include <map>
 #include <set>
 
-#include "estimator/diagnosis/driver_functions.h"
 #include "estimator/diagnosis/selected_effects.h"
-#include "estimator/diagnosis/unnamed_list.h"
+#include "estimator/explanations/driver_functions.h"
+#include "estimator/explanations/unnamed_list.h"
 #include "models/effects/catalogue.h"
 #include "models/effects/learnt_deviation.h"
 

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "estimator/diagnosis/evidence.h"
 #include "estimator/diagnosis/gap.h"
-#include "estimator/diagnosis/pose_groups.h"
+#include "estimator/evidence/evidence.h"
+#include "estimator/evidence/pose_groups.h"
 
 namespace sagitta {
 

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <set>
 
-#include "estimator/diagnosis/drivers.h"
+#include "estimator/explanations/drivers.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/noise/variance_components.h"
 #include "estimator/statistics/distributions.h"

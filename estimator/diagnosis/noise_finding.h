@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "estimator/diagnosis/diagnosed_model.h"
-#include "estimator/diagnosis/posterior.h"
+#include "estimator/evidence/posterior.h"
 #include "models/constants.h"
 
 namespace sagitta {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "estimator/diagnosis/compensator_shapes.h"
-#include "estimator/diagnosis/evidence_score.h"
-#include "estimator/diagnosis/typical_units.h"
+#include "estimator/explanations/compensator_shapes.h"
+#include "estimator/explanations/typical_units.h"
+#include "estimator/random_effects/evidence_score.h"
 
 namespace sagitta {
 namespace {

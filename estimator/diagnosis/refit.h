@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "estimator/diagnosis/candidates.h"
 #include "estimator/diagnosis/diagnosed_model.h"
+#include "estimator/explanations/candidates.h"
 
 namespace sagitta {
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <map>
 
-#include "estimator/diagnosis/compensator_shapes.h"
+#include "estimator/explanations/compensator_shapes.h"
 #include "estimator/statistics/distributions.h"
 #include "models/effects/learnt_deviation.h"
 

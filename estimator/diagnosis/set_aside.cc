@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "estimator/diagnosis/moments.h"
 #include "estimator/diagnosis/noise_check.h"
+#include "estimator/explanations/moments.h"
 
 namespace sagitta {
 namespace {

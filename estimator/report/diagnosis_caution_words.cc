@@ -13,10 +13,6 @@ std::string Configurations(int count) {
 
 }  // namespace
 
-std::string GravityIsUnknown(const std::string& station) {
-  return "the direction of gravity in the base frame: station " + station + " is not levelled";
-}
-
 std::string LookAtThisFirst(const Finding& finding) {
   return "Look at this first: " + finding.words + "; " + finding.remedy + ".";
 }

@@ -10,9 +10,6 @@
 
 namespace sagitta {
 
-// What an effect of weights lacks where the station is not levelled.
-std::string GravityIsUnknown(const std::string& station);
-
 // A finding about the readings that no effect answers.
 std::string LookAtThisFirst(const Finding& finding);
 

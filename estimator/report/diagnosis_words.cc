@@ -6,7 +6,7 @@
 
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/estimate/parameter_table.h"
-#include "estimator/report/diagnosis_function_words.h"
+#include "estimator/report/explanations_words.h"
 #include "models/effects/catalogue.h"
 #include "problems/text.h"
 

@@ -84,7 +84,7 @@ std::string WhoIsTheNoise(const NoiseReport& report) {
   return "Robot and instrument are noise alike: " + joints + (report.per_joint ? "" : " per joint") + moves + ".";
 }
 
-std::string ChoiceWords(const NoiseReport& report) {
+std::string WhyThisNoise(const NoiseReport& report) {
   const std::string figures = " (one per joint gains " + Significant(report.gain_per_joint, 3) +
                               " in deviance, and has to gain " + Significant(report.penalty, 3) + ")";
   return report.per_joint ? "The data separate the joints' repeatabilities" + figures + "."
@@ -112,7 +112,7 @@ void DescribeComponents(const CalibrationProblem& problem, NoiseReport* report) 
     report->words.push_back(
         "No configuration was visited twice: what the model lacks at a configuration counts as repeatability here.");
   }
-  if (report->penalty > 0.0) report->words.push_back(ChoiceWords(*report));
+  if (report->penalty > 0.0) report->words.push_back(WhyThisNoise(*report));
 }
 
 void DescribeOutliers(const CalibrationProblem& problem, Estimate* estimate) {

@@ -1,5 +1,5 @@
 // What is weighed, averaged over resamples of the poses: what every resample shows stays, and each has one share.
-#include "estimator/diagnosis/bagged_models.h"
+#include "estimator/evidence/bagged_models.h"
 
 #include <gtest/gtest.h>
 

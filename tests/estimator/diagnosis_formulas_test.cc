@@ -9,14 +9,14 @@
 #include <numeric>
 #include <set>
 
-#include "estimator/diagnosis/candidates.h"
 #include "estimator/diagnosis/diagnose.h"
 #include "estimator/diagnosis/gap.h"
-#include "estimator/diagnosis/moments.h"
 #include "estimator/diagnosis/noise_check.h"
-#include "estimator/diagnosis/posterior.h"
 #include "estimator/diagnosis/refit.h"
 #include "estimator/diagnosis/selected_effects.h"
+#include "estimator/evidence/posterior.h"
+#include "estimator/explanations/candidates.h"
+#include "estimator/explanations/moments.h"
 #include "problems/simulation.h"
 #include "tests/support/moved_kr270.h"
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <functional>
 
-#include "estimator/diagnosis/candidates.h"
 #include "estimator/diagnosis/diagnosed_model.h"
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/diagnosis/selected_effects.h"
+#include "estimator/explanations/candidates.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/parallel.h"
 #include "problems/loads.h"

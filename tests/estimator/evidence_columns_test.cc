@@ -1,5 +1,5 @@
 // Products that are made as they are asked for, against those of all rows at once.
-#include "estimator/diagnosis/evidence_columns.h"
+#include "estimator/explanations/evidence_columns.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <tuple>
 
 #include "estimator/calibration/joint_estimator.h"
-#include "estimator/diagnosis/driver_functions.h"
-#include "estimator/diagnosis/explanations.h"
+#include "estimator/explanations/driver_functions.h"
+#include "estimator/explanations/explanations.h"
 #include "estimator/least_squares/linearization.h"
 #include "tests/support/kr270_experiment.h"
 #include "tests/support/moved_kr270.h"

@@ -8,10 +8,10 @@
 #include <numeric>
 #include <random>
 
-#include "estimator/diagnosis/evidence_score.h"
-#include "estimator/diagnosis/nameless_cause.h"
-#include "estimator/diagnosis/set_search.h"
-#include "estimator/diagnosis/sweep.h"
+#include "estimator/evidence/nameless_cause.h"
+#include "estimator/random_effects/evidence_score.h"
+#include "estimator/random_effects/set_search.h"
+#include "estimator/random_effects/sweep.h"
 
 namespace sagitta::evidence_test {
 namespace {

@@ -1,6 +1,6 @@
 // One cause without a name against several causes: what may be a piece of what, the odds by hand, and whole diagnoses
 // of data whose cause the catalogue does not hold.
-#include "estimator/diagnosis/nameless_cause.h"
+#include "estimator/evidence/nameless_cause.h"
 
 #include <gtest/gtest.h>
 

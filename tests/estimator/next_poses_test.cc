@@ -1,5 +1,5 @@
 // Poses that are proposed, against what the rivals would show there by their formulas.
-#include "estimator/diagnosis/next_poses.h"
+#include "estimator/evidence/next_poses.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Which poses are chosen, and what is expected of them, by closed forms of a few readings.
-#include "estimator/diagnosis/pose_choice.h"
+#include "estimator/evidence/pose_choice.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 // all poses and N = A'A of these and the priors, the residual e of the fit and its rows i of one pose,
 //
 //   e left out = (I - A_i N^-1 A_i')^-1 e_i
-#include "estimator/diagnosis/pose_groups.h"
+#include "estimator/evidence/pose_groups.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 
 #include "estimator/diagnosis/effect_checks.h"
 #include "estimator/diagnosis/refit.h"
-#include "estimator/diagnosis/typical_units.h"
+#include "estimator/explanations/typical_units.h"
 #include "tests/support/moved_kr270.h"
 
 namespace sagitta::pose_groups_test {

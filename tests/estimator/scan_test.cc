@@ -1,4 +1,4 @@
-#include "estimator/diagnosis/scan.h"
+#include "estimator/explanations/scan.h"
 
 #include <gtest/gtest.h>
 

@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "estimator/diagnosis/compensator_shapes.h"
 #include "estimator/diagnosis/diagnosed_model.h"
-#include "estimator/diagnosis/driver_functions.h"
-#include "estimator/diagnosis/drivers.h"
+#include "estimator/explanations/compensator_shapes.h"
+#include "estimator/explanations/driver_functions.h"
+#include "estimator/explanations/drivers.h"
 #include "models/gravity_compensator.h"
 #include "tests/support/kr270_experiment.h"
 

@@ -8,9 +8,9 @@
 #include <numeric>
 #include <set>
 
-#include "estimator/diagnosis/driver_functions.h"
-#include "estimator/diagnosis/evidence_columns.h"
-#include "estimator/diagnosis/unnamed_functions.h"
+#include "estimator/explanations/driver_functions.h"
+#include "estimator/explanations/evidence_columns.h"
+#include "estimator/explanations/unnamed_functions.h"
 #include "models/constants.h"
 #include "models/effects/learnt_deviation.h"
 #include "models/effects/pose_functions.h"

@@ -5,7 +5,7 @@
 #include <functional>
 #include <set>
 
-#include "estimator/diagnosis/drivers.h"
+#include "estimator/explanations/drivers.h"
 #include "problems/text.h"
 #include "tools/report/workspace.h"
 

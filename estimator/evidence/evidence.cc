@@ -1,0 +1,286 @@
+#include "estimator/evidence/evidence.h"
+
+#include <algorithm>
+#include <boost/math/tools/minima.hpp>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+#include <tuple>
+
+#include "estimator/evidence/nameless_cause.h"
+#include "estimator/report/explanations_words.h"
+#include "models/constants.h"
+
+namespace sagitta {
+namespace {
+
+// Repeatability of arms, from small ones to worn ones: 2 to 500 urad, by octaves, then refined.
+constexpr double kLeastRepeatability = 2e-6, kMostRepeatability = 5e-4;
+constexpr double kSettled = 0.03;  // of log sigma
+constexpr int kSettledBits = 5;    // 2^-5
+// Rows beyond what is estimated that settle it: of n degrees of freedom a standard deviation is good to 1 / sqrt(2 n),
+// 2 % here.
+constexpr int kRowsThatSettle = 1000;
+// A view that is so much less likely with the best set is not searched: e^-4 = 2 %.
+constexpr double kWorthSearching = -4.0;
+constexpr int kMostViews = 4;
+// Where so many moves do not end a climb with the stated noise, thirty causes at once are less likely than other noise,
+// which is asked first.
+constexpr int kFirstMoves = 30;
+constexpr int kEveryMove = std::numeric_limits<int>::max();
+// A deviation is another than stated only where the interval of 95 % for it, by the likelihood ratio, does not hold
+// what is stated: half the quantile of chi-square with one degree of freedom.
+constexpr double kLeastGain = 1.92;
+// Where a thousand sets share the probability they differ in details: the rest would say the same of every effect.
+constexpr size_t kMostModels = 1000;
+// A deviation that follows the pose in its own way is one family of unnamed functions among about ten
+// (explanations.cc).
+constexpr double kOfUnnamed = 0.1;
+
+}  // namespace
+
+void Normalise(std::vector<WeightedModel>* models) {
+  std::stable_sort(models->begin(), models->end(),
+                   [](const WeightedModel& a, const WeightedModel& b) { return a.log_weight > b.log_weight; });
+  std::vector<double> logs;
+  for (const WeightedModel& model : *models) logs.push_back(model.log_weight);
+  const double sum = LogSumExp(logs);
+  for (WeightedModel& model : *models) model.probability = std::exp(model.log_weight - sum);
+}
+
+Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parameters, const CandidateList& candidates,
+                   const PriorMasses& masses, double sigma_dof, const std::function<void(const std::string&)>& progress,
+                   const Evidence* before)
+    : problem_(problem),
+      columns_(problem, parameters, candidates.candidates),
+      list_(ListExplanations(problem, parameters, candidates, masses, &columns_)),
+      masses_(masses),
+      prior_{masses.nothing, masses.further},
+      sigma_dof_(sigma_dof),
+      stated_(StatedScatter(problem)) {
+  ViewedNormal stated = Viewed({});
+  DropInvisible(stated.given_believed.normal, masses, &list_);
+  if (progress) progress("weighing " + std::to_string(list_.math.size()) + " explanations");
+  std::deque<SetSearch> searches;
+  const bool is_done =
+      Climb(std::move(stated), before == nullptr ? WeightedSet() : BestOf(*before), kFirstMoves, &searches);
+  const auto& joints = problem.robot().chain.joints;
+  const bool any_turns =
+      std::any_of(joints.begin(), joints.end(), [](const Joint& joint) { return joint.type == JointType::kRevolute; });
+  for (int round = 1; round < kMostViews && any_turns; ++round) {
+    const WeightedSet best = models_[0].set;
+    const std::optional<Trial> next = NextView();
+    if (!next) break;
+    if (progress) progress(SearchingWithRepeatability(next->view.sigma));
+    Climb(Viewed(next->view), best, kEveryMove, &searches);
+  }
+  if (!is_done) FinishStated(&searches);
+  Explore(&searches);
+}
+
+std::optional<Evidence::Trial> Evidence::NextView() {
+  const WeightedModel& best = models_[0];
+  const double of_pose = std::log(kOfUnnamed * masses_.unnamed / masses_.nothing);
+  std::vector<Trial> trials;
+  const auto try_kind = [&](NoiseView::Kind kind, double log_prior, const WeightedSet& set) {
+    const auto [known, is_new] = tried_.try_emplace({kind, set.members, set.scales});
+    if (is_new) known->second = BestView(kind, log_prior, set);
+    trials.push_back(known->second);
+  };
+  const auto try_beside = [&](const WeightedSet& set) {
+    try_kind(NoiseView::Kind::kVisit, std::log(kNoiseIsWrong), set);
+    if (columns_.HasRevisits()) try_kind(NoiseView::Kind::kPose, of_pose, set);
+  };
+  try_beside(best.set);
+  if (!best.set.members.empty()) try_beside(BestOfNothing().set);  // which other noise may be enough for
+  const auto is_known = [&](const NoiseView& view) {
+    return std::any_of(views_.begin(), views_.end(), [&](const ViewedNormal& known) {
+      return known.view.kind == view.kind && std::abs(std::log(known.view.sigma / view.sigma)) < 0.1;
+    });
+  };
+  std::optional<Trial> next;
+  for (const Trial& trial : trials) {
+    if (trial.log_weight < best.log_weight + kWorthSearching || is_known(trial.view)) continue;
+    if (!next || trial.log_weight > next->log_weight) next = trial;
+  }
+  return next;
+}
+
+void Evidence::FinishStated(std::deque<SetSearch>* searches) {
+  const WeightedModel best = models_[0];
+  const bool is_worth_it = best.view == 0 || LogWeightAsStated(best.set) >= best.log_weight + kWorthSearching;
+  if (!is_worth_it) return;
+  searches->front().ClimbFrom(best.set);
+  AddModel(0, searches->front().Best());
+  Normalise(&models_);
+}
+
+JointScatter Evidence::ScatterOf(const NoiseView& view) const {
+  JointScatter scatter = stated_;
+  if (view.kind == NoiseView::Kind::kStated) return scatter;
+  for (long j = 0; j < scatter.visit.size(); ++j) {
+    if (problem_.robot().chain.joints[static_cast<size_t>(j)].type != JointType::kRevolute) continue;
+    (view.kind == NoiseView::Kind::kVisit ? scatter.visit : scatter.pose)[j] = view.sigma;
+  }
+  return scatter;
+}
+
+ViewedNormal Evidence::Viewed(const NoiseView& view) const {
+  std::set<std::vector<int>> own;
+  for (const Explanation& explanation : list_.math) own.insert(explanation.group.columns);
+  const JointScatter scatter = ScatterOf(view);
+  return {view, scatter, columns_.ProjectAll(scatter, own)};
+}
+
+double Evidence::LogWeight(const NoiseView& view, const WeightedSet& set, const FewExplanations& few,
+                           const RowSums& sums) const {
+  std::vector<int> members(set.members.size());
+  std::iota(members.begin(), members.end(), 0);
+  const GivenBelieved given_believed = columns_.Project(sums);
+  const SetSearch search(given_believed.normal, few.explanations, prior_, Likelihood(given_believed.normal.dof));
+  return search.Evaluate(members, set.scales).log_weight + given_believed.log_constant + view.log_prior;
+}
+
+// In the first view, whose normal equations are there.
+double Evidence::LogWeightAsStated(const WeightedSet& set) const {
+  return SearchIn(0).Evaluate(set.members, set.scales).log_weight + views_[0].given_believed.log_constant;
+}
+
+// The size is found on as many blocks of rows as settle it; all rows say how likely it is.
+Evidence::Trial Evidence::BestView(NoiseView::Kind kind, double log_prior, const WeightedSet& set) const {
+  const double low = std::log(kLeastRepeatability), high = std::log(kMostRepeatability);
+  const FewExplanations few = WithTheirColumns(list_.math, set.members);
+  const int enough = kRowsThatSettle + columns_.num_believed() + static_cast<int>(few.columns.size());
+  const int every = std::max(1, columns_.num_rows() / enough);
+  const JointScatter least = ScatterOf({kind, 0.0}), unit = ScatterOf({kind, 1.0});
+  const std::vector<FilledBlock> some =
+      columns_.Fill(few.columns, every, least, {unit.visit - least.visit, unit.pose - least.pose});
+  const auto view_at = [&](double log_sigma) { return NoiseView{kind, std::exp(log_sigma), log_prior}; };
+  const auto among_some = [&](double log_sigma) {
+    const NoiseView view = view_at(log_sigma);
+    return LogWeight(view, set, few, columns_.Sum(view.sigma * view.sigma, some));
+  };
+  const auto weight = [&](double log_sigma) {
+    if (every == 1) return among_some(log_sigma);
+    const NoiseView view = view_at(log_sigma);
+    return LogWeight(view, set, few, columns_.Sum(ScatterOf(view), &few.columns));
+  };
+  const double spacing = std::log(2.0);
+  double near = low, near_weight = among_some(low);
+  for (double at = low + spacing; at <= high; at += spacing) {
+    const double here = among_some(at);
+    if (here <= near_weight) continue;
+    near = at;
+    near_weight = here;
+  }
+  // Counted from the nearest of them: the precision is relative.
+  const auto [offset, lost] = boost::math::tools::brent_find_minima([&](double at) { return -among_some(near + at); },
+                                                                    std::max(low - near, -spacing),
+                                                                    std::min(high - near, spacing), kSettledBits);
+  const double best = near + offset, best_weight = every == 1 ? -lost : weight(best);
+  const double gain = best_weight - log_prior - LogWeightAsStated(set);
+  if (gain < kLeastGain) return {};
+  // The prior is even over log sigma: of its range the likelihood keeps what its curvature leaves.
+  const double apart = 4.0 * kSettled;
+  const double curvature = (2.0 * best_weight - weight(best - apart) - weight(best + apart)) / (apart * apart);
+  const double width = std::sqrt(2.0 * kPi / std::max(curvature, 1e-3));
+  const double occam = std::log(std::min(1.0, width / (high - low)));
+  return {{kind, std::exp(best), log_prior + occam}, best_weight + occam};
+}
+
+const WeightedModel& Evidence::BestOfNothing() const {
+  return *std::find_if(models_.begin(), models_.end(),
+                       [](const WeightedModel& model) { return model.set.members.empty(); });
+}
+
+void Evidence::Correct(const std::vector<double>& log_corrections) {
+  for (size_t m = 0; m < models_.size(); ++m) models_[m].log_weight += log_corrections[m];
+  Normalise(&models_);
+}
+
+void Evidence::AddModel(int view, const WeightedSet& set) {
+  const ViewedNormal& viewed = views_[view];
+  models_.push_back({view, set, 0.0, set.log_weight + viewed.given_believed.log_constant + viewed.view.log_prior});
+}
+
+WeightedSet Evidence::BestOf(const Evidence& other) const {
+  const auto key = [](const ExplanationList& list, size_t k) {
+    return std::make_tuple(list.name[k], list.start[k].Path(), list.math[k].group.size());
+  };
+  std::map<std::tuple<std::string, std::string, int>, int> here;
+  for (size_t k = 0; k < list_.math.size(); ++k) here.emplace(key(list_, k), static_cast<int>(k));
+  WeightedSet set;
+  for (const int m : other.models()[0].set.members) {
+    const auto same = here.find(key(other.list(), static_cast<size_t>(m)));
+    if (same != here.end()) set.members.push_back(same->second);
+  }
+  std::sort(set.members.begin(), set.members.end());
+  set.members.erase(std::unique(set.members.begin(), set.members.end()), set.members.end());
+  return set;
+}
+
+bool Evidence::Climb(ViewedNormal viewed, const WeightedSet& start, int most_moves, std::deque<SetSearch>* searches) {
+  views_.push_back(std::move(viewed));
+  const int view = static_cast<int>(views_.size()) - 1;
+  searches->push_back(SearchIn(view));
+  SetSearch& search = searches->back();
+  const bool is_done = search.ClimbFrom(start, most_moves);
+  AddModel(view, search.Best());
+  if (!search.Best().members.empty()) AddModel(view, search.Empty());
+  Normalise(&models_);
+  return is_done;
+}
+
+void Evidence::Explore(std::deque<SetSearch>* searches) {
+  std::vector<WeightedModel> climbed = std::move(models_);
+  models_.clear();
+  const double hopeless = climbed[0].log_weight - kWorthKeeping;
+  for (int view = 0; view < static_cast<int>(views_.size()); ++view) {
+    const auto is_near = [&](const WeightedModel& model) { return model.view == view && model.log_weight >= hopeless; };
+    if (std::any_of(climbed.begin(), climbed.end(), is_near)) {
+      for (const WeightedSet& set : (*searches)[view].Explore()) AddModel(view, set);
+    } else {
+      for (const WeightedModel& model : climbed) {
+        if (model.view == view) models_.push_back(model);
+      }
+    }
+  }
+  AddReadings();
+  Normalise(&models_);
+  if (models_.size() <= kMostModels) return;
+  const auto holds_something = [](const WeightedModel& model) { return !model.set.members.empty(); };
+  models_.erase(std::remove_if(models_.begin() + kMostModels, models_.end(), holds_something), models_.end());
+  Normalise(&models_);
+}
+
+void Evidence::AddReadings() {
+  NamelessCauses causes(list_, masses_.further);
+  for (size_t i = models_.size(); i-- > 0;) {
+    const WeightedModel& many = models_[i];
+    auto one = causes.ReadAsOne(many.set.members, many.set, list_.math, views_[many.view].given_believed.normal,
+                                LikelihoodOf(many.view));
+    if (!one) continue;
+    WeightedModel as_one = many;
+    as_one.pieces = std::move(one->pieces);
+    as_one.set = std::move(one->set);
+    as_one.log_weight += one->gain;
+    models_.push_back(std::move(as_one));
+  }
+}
+
+GroupValues Evidence::ValuesOfMember(const WeightedModel& model, int member) const {
+  const std::vector<const ColumnGroup*> groups = GroupsOf(list_.math, model.set.members);
+  return ValuesOf(views_[model.view].given_believed.normal, groups, model.set.scales).Of(model.PlaceOf(member), groups);
+}
+
+double Evidence::ResidualOf(const WeightedModel& model) const {
+  const ProjectedNormal& normal = views_[model.view].given_believed.normal;
+  return Members(normal, GroupsOf(list_.math, model.set.members), model.set.scales).residual();
+}
+
+double Evidence::SigmaIsWrong(const WeightedModel& model) const {
+  return LikelihoodOf(model.view).ProbabilityWrong(ResidualOf(model));
+}
+
+}  // namespace sagitta

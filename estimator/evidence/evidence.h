@@ -1,0 +1,141 @@
+// The posterior over everything that could explain the gap: sets of explanations given each view of the noise.
+//
+// The noise is one more thing that may be other than stated. Its factor is part of the likelihood (evidence_score.h);
+// that joints deviate at every visit by more or less than stated, or that some deviation follows the pose in a way of
+// its own, are other covariances of the rows. Each view has its normal equations; their log weights compare directly:
+//
+//   log p(r | view, set) = -1/2 log |C| - 1/2 log |J' C^-1 J| + log f(R) + log B(set)
+//
+// A view is searched only where it is worth that, which the best set so far says at the cost of its few columns.
+#pragma once
+
+#include <algorithm>
+#include <deque>
+#include <functional>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "estimator/explanations/explanations.h"
+#include "estimator/random_effects/set_search.h"
+
+namespace sagitta {
+
+constexpr double kEvenOdds = 0.5;  // as likely as not
+// That a stated noise is wrong in its factor, and in its repeatability: one experiment in twenty each.
+constexpr double kNoiseIsWrong = 0.05;
+
+struct NoiseView {
+  enum class Kind {
+    kStated,
+    kVisit,  // joint repeatability is another than stated
+    kPose    // a deviation of the joints that follows the pose, without a name
+  };
+  Kind kind = Kind::kStated;
+  double sigma = 0.0;  // rad, of the latter two
+  double log_prior = 0.0;
+};
+
+// Weights over all views and sets, normalised.
+struct WeightedModel {
+  int view = 0;
+  WeightedSet set;
+  double probability = 0.0;
+  double log_weight = 0.0;  // before normalisation
+  // Members of the catalogue that are read as pieces of the set's nameless cause, ascending (nameless_cause.h).
+  std::vector<int> pieces = {};
+
+  size_t PlaceOf(int member) const {
+    return static_cast<size_t>(std::find(set.members.begin(), set.members.end(), member) - set.members.begin());
+  }
+  bool HasPiece(int member) const { return std::binary_search(pieces.begin(), pieces.end(), member); }
+};
+
+// Sorted by weight, with probabilities that sum to 1.
+void Normalise(std::vector<WeightedModel>* models);
+
+// Normal equations of the explanations in one view of the noise.
+struct ViewedNormal {
+  NoiseView view;
+  JointScatter scatter;
+  GivenBelieved given_believed;
+};
+
+// What the rows say of all explanations, for every view of the noise.
+class Evidence {
+ public:
+  // sigma_dof: what states the noise (ResidualLikelihood). before: of other rows of the same problem; the search starts
+  // from its best set.
+  Evidence(const CalibrationProblem& problem, const ParameterSet& parameters, const CandidateList& candidates,
+           const PriorMasses& masses, double sigma_dof, const std::function<void(const std::string&)>& progress,
+           const Evidence* before = nullptr);
+
+  const ExplanationList& list() const { return list_; }
+  const EvidenceColumns& columns() const { return columns_; }
+  const std::deque<ViewedNormal>& views() const { return views_; }
+  // Best first; without those below e^-kWorthKeeping of the best, but always with some that hold nothing.
+  const std::vector<WeightedModel>& models() const { return models_; }
+  const WeightedModel& BestOfNothing() const;
+  // Adds to each model's log weight and sorts them anew.
+  void Correct(const std::vector<double>& log_corrections);
+  ResidualLikelihood LikelihoodOf(int view) const { return Likelihood(views_[view].given_believed.normal.dof); }
+  ResidualLikelihood Likelihood(double dof) const { return {dof, sigma_dof_, kNoiseIsWrong}; }
+  const SetPrior& prior() const { return prior_; }
+  const PriorMasses& masses() const { return masses_; }
+  // Of all explanations given a view.
+  SetSearch SearchIn(int view) const {
+    return SetSearch(views_[view].given_believed.normal, list_.math, prior_, LikelihoodOf(view));
+  }
+  // Coefficients of one member of a model's set and their covariance, in typical sizes, the others estimated too.
+  GroupValues ValuesOfMember(const WeightedModel& model, int member) const;
+  bool IsSigmaStated() const { return sigma_dof_ > 0.0; }
+  // That sigma is not what is stated, in a model; 0 where nothing states it.
+  double SigmaIsWrong(const WeightedModel& model) const;
+  // Square of the residual that a model leaves.
+  double ResidualOf(const WeightedModel& model) const;
+
+ private:
+  struct Trial {
+    NoiseView view;
+    double log_weight = -std::numeric_limits<double>::infinity();  // no other view than the stated one
+  };
+  JointScatter ScatterOf(const NoiseView& view) const;
+  ViewedNormal Viewed(const NoiseView& view) const;
+  // Of the set given a view; `sums` are of its few columns alone.
+  double LogWeight(const NoiseView& view, const WeightedSet& set, const FewExplanations& few,
+                   const RowSums& sums) const;
+  double LogWeightAsStated(const WeightedSet& set) const;
+  Trial BestView(NoiseView::Kind kind, double log_prior, const WeightedSet& set) const;
+  // The view that is most likely with one of two sets, the best one and nothing; nothing where none is worth a
+  // search.
+  std::optional<Trial> NextView();
+  // What the best set of another evidence is called here.
+  WeightedSet BestOf(const Evidence& other) const;
+  // In one more view, from a set; what is best there is added to the models. False: it was not reached.
+  bool Climb(ViewedNormal viewed, const WeightedSet& start, int most_moves, std::deque<SetSearch>* searches);
+  // Where thirty moves in the stated view did not end, other noise is asked first, and this goes on where it is worth
+  // it.
+  void FinishStated(std::deque<SetSearch>* searches);
+  // All models, by views that are not hopeless: what lies further below the best than is kept is not explored.
+  void Explore(std::deque<SetSearch>* searches);
+  void AddModel(int view, const WeightedSet& set);
+  // Of each model of which members may be pieces of one nameless cause, that reading too.
+  void AddReadings();
+
+  const CalibrationProblem problem_;
+  EvidenceColumns columns_;
+  ExplanationList list_;
+  PriorMasses masses_;
+  SetPrior prior_;
+  double sigma_dof_;
+  JointScatter stated_;
+  std::deque<ViewedNormal> views_;  // stay where they are
+  std::vector<WeightedModel> models_;
+  // Best views with sets, by kind, members and scales: the set of nothing is asked every time.
+  std::map<std::tuple<NoiseView::Kind, std::vector<int>, std::vector<double>>, Trial> tried_;
+};
+
+}  // namespace sagitta

@@ -1,0 +1,321 @@
+#include "estimator/evidence/next_poses.h"
+
+#include <glog/logging.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <random>
+#include <set>
+
+#include "estimator/evidence/pose_choice.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/planning/pose_space.h"
+#include "models/effects/catalogue.h"
+#include "problems/loads.h"
+
+namespace sagitta {
+namespace {
+
+constexpr int kPosesDrawn = 400;
+constexpr double kLeastPivot = 1e-300;
+constexpr double kDecided = 0.95;        // of the leading answer: nothing is left to decide
+constexpr double kWorthDeciding = 0.02;  // of an answer
+constexpr size_t kMostAnswers = 5;
+constexpr size_t kMostShapes = 3;  // of an answer, such as those of a compensator
+
+// The least and the largest value of each joint: its limits, or the range of the data where none are stated.
+Eigen::Matrix2Xd LimitsOf(const CalibrationProblem& problem) {
+  Eigen::Matrix2Xd limits(2, problem.robot().num_joints());
+  for (int j = 0; j < problem.robot().num_joints(); ++j) {
+    const Joint& joint = problem.robot().chain.joints[static_cast<size_t>(j)];
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Configuration& each : problem.data().configurations) {
+      low = std::min(low, each.q[j]);
+      high = std::max(high, each.q[j]);
+    }
+    const bool is_stated = joint.min && joint.max && high > low;
+    limits.col(j) = is_stated ? Eigen::Vector2d(*joint.min, *joint.max) : Eigen::Vector2d(low, high);
+  }
+  return limits;
+}
+
+// Poses within these limits; each like a measured one.
+std::vector<ProposedPose> DrawPoses(const CalibrationProblem& problem, unsigned long long seed) {
+  std::mt19937_64 random(seed);
+  const auto uniform = [&random](double low, double high) {
+    return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1p-53);
+  };
+  const std::vector<Configuration>& configurations = problem.data().configurations;
+  const Eigen::Matrix2Xd limits = LimitsOf(problem);
+  std::vector<ProposedPose> poses;
+  for (int k = 0; k < kPosesDrawn; ++k) {
+    ProposedPose pose;
+    do {
+      pose.like = static_cast<int>(random() % configurations.size());
+    } while (configurations[static_cast<size_t>(pose.like)].is_validation);
+    pose.q.resize(problem.robot().num_joints());
+    for (int j = 0; j < problem.robot().num_joints(); ++j) pose.q[j] = uniform(limits(0, j), limits(1, j));
+    poses.push_back(std::move(pose));
+  }
+  return poses;
+}
+
+// The problem with the poses as configurations that are not fitted, shot like those they are like.
+CalibrationProblem WithPoses(const CalibrationProblem& problem, const std::vector<ProposedPose>& poses) {
+  Measurements data = problem.data();
+  NoiseRoots roots = problem.resolved_noise;
+  const std::vector<std::vector<int>> shots = ShotsByConfiguration(problem.data());
+  for (const ProposedPose& pose : poses) {
+    const std::vector<int>& own = shots[static_cast<size_t>(pose.like)];
+    const std::string id = "next" + std::to_string(data.configurations.size());
+    AppendConfiguration(problem.data(), pose.like, own, pose.q, id, &data);
+    data.configurations.back().is_validation = true;
+    if (roots.empty()) continue;
+    for (const int shot : own) {
+      for (const int o : problem.data().shots[shot].observations) roots.push_back(problem.resolved_noise[o]);
+    }
+  }
+  CalibrationProblem extended = problem;
+  extended.set_data(std::move(data));
+  extended.resolved_noise = std::move(roots);
+  extended.weight_roots.clear();
+  extended.RenewShots();
+  extended.latent = MakeLatentModel(extended.robot().chain, extended.data(), extended.experiment());
+  return extended;
+}
+
+// Points of the poses, the last observations, are where the model predicts them: a station reads them there.
+CalibrationProblem AsPredicted(CalibrationProblem extended, const ParameterSet& parameters, size_t measured) {
+  std::vector<int> added(extended.data().observations.size() - measured);
+  std::iota(added.begin(), added.end(), static_cast<int>(measured));
+  const Eigen::Matrix3Xd points = PredictPoints(extended, parameters, added);
+  for (size_t i = 0; i < added.size(); ++i) {
+    Observation& observation = extended.mutable_data()->observations[measured + i];
+    if (observation.is_point()) observation.point_in_station = points.col(static_cast<long>(i));
+  }
+  return extended;
+}
+
+// The explanations that some sets have, in columns of their own over the rows of a problem with more poses.
+class FewColumns {
+ public:
+  FewColumns(const Evidence& evidence, const std::vector<const WeightedSet*>& sets, const CalibrationProblem& extended,
+             const ParameterSet& parameters)
+      : given_(evidence.list()),
+        candidates_(CandidatesOf(sets)),
+        columns_(extended, parameters, candidates_.candidates),
+        list_(ListExplanations(extended, parameters, candidates_, evidence.masses(), &columns_, AnyUnnamed(sets))) {}
+
+  const EvidenceColumns& columns() const { return columns_; }
+  const ExplanationList& list() const { return list_; }
+
+  // Whether both list the same functions without a name. They are listed by the fitted rows, which are the same; only
+  // where two say equally much of these, rounding may list another.
+  bool AreListed() const { return list_.functions.empty() || list_.functions.size() == given_.functions.size(); }
+
+  // Of a member in this list. What has no name comes last in both lists, all of it in the same order; of the catalogue
+  // one start has one place.
+  int NumberOf(int member) const {
+    const int here = static_cast<int>(list_.math.size());
+    if (given_.IsUnnamed(member)) return here - static_cast<int>(given_.functions.size()) + given_.unnamed[member];
+    const EffectSpec& start = given_.start[member];
+    int k = 0;
+    while (k < here && (list_.start[k].Path() != start.Path() || list_.start[k].values != start.values)) ++k;
+    CHECK_LT(k, here);
+    return k;
+  }
+
+ private:
+  CandidateList CandidatesOf(const std::vector<const WeightedSet*>& sets) const {
+    std::set<int> used;
+    for (const WeightedSet* set : sets) {
+      for (const int m : set->members) used.insert(given_.candidate[m]);
+    }
+    const int all = AnyUnnamed(sets) ? static_cast<int>(given_.candidates.size()) : 0;
+    for (int c = 0; c < all; ++c) {  // functions without a name move load points too
+      if (given_.candidates[c].spec.effect == LoadCom().name) used.insert(c);
+    }
+    CandidateList few;
+    for (const int candidate : used) {
+      if (candidate >= 0) few.candidates.push_back(given_.candidates[candidate]);
+    }
+    return few;
+  }
+
+  bool AnyUnnamed(const std::vector<const WeightedSet*>& sets) const {
+    return std::any_of(sets.begin(), sets.end(), [&](const WeightedSet* set) {
+      return std::any_of(set->members.begin(), set->members.end(), [&](int m) { return given_.IsUnnamed(m); });
+    });
+  }
+
+  const ExplanationList& given_;
+  const CandidateList candidates_;
+  EvidenceColumns columns_;
+  const ExplanationList list_;
+};
+
+// A set that could be the right answer.
+struct Rival {
+  int model = 0;  // of the evidence
+  double probability = 0.0;
+  int name = 0;  // of the answer
+};
+
+// Rows of a set's unit prior coefficients behind the believed ones, of rows that are for [believed, columns]. groups:
+// within those columns.
+struct Coefficients {
+  std::vector<const ColumnGroup*> groups;
+  std::vector<double> scales;
+  long believed = 0, size = 0;  // of the set, without the believed
+
+  Eigen::MatrixXd Of(const Eigen::MatrixXd& rows) const {
+    Eigen::MatrixXd mixed(believed + size, rows.cols());
+    mixed.topRows(believed) = rows.topRows(believed);
+    const auto of_columns = rows.bottomRows(rows.rows() - believed);
+    long first = believed;
+    for (size_t k = 0; k < groups.size(); ++k) {
+      mixed.middleRows(first, groups[k]->size()) =
+          groups[k]->Mixed(scales[k] * of_columns(groups[k]->columns, Eigen::all));
+      first += groups[k]->size();
+    }
+    return mixed;
+  }
+};
+
+// What is known of a set's coefficients, and of all poses by it. sums: of the fitted rows with [believed, columns,
+// residual]; turned: the poses' rows in [believed, columns], transposed. With N = P' L D L' P of the coefficients and
+// the poses' rows R in them:  m = R x,  Y = D^-1/2 L^-1 P R'.
+void Predict(const Coefficients& coefficients, const Eigen::MatrixXd& sums, const Eigen::MatrixXd& turned,
+             RivalRows* rows) {
+  const Eigen::MatrixXd half = coefficients.Of(sums);
+  Eigen::MatrixXd precision = coefficients.Of(half.leftCols(turned.rows()).transpose());
+  precision.diagonal().tail(coefficients.size).array() += 1.0;
+  // What hardly anything determines must not decide: a flat prior is one of a thousand times what the data say.
+  precision.diagonal() *= 1.0 + 1e-9;
+  const Eigen::LDLT<Eigen::MatrixXd> factor(precision);
+  rows->spread = coefficients.Of(turned);
+  rows->means = -rows->spread.transpose() * factor.solve(half.col(turned.rows()));
+  rows->spread = factor.transpositionsP() * rows->spread;
+  factor.matrixL().solveInPlace(rows->spread);
+  rows->spread.array().colwise() *= factor.vectorD().array().max(kLeastPivot).rsqrt();
+}
+
+// The sets that are worth deciding between. What is called alike, or predicts the same at new poses, is one answer: a
+// deviation that follows the pose has its own value at each, and whether an effect is a piece of a nameless cause no
+// pose shows.
+std::vector<Rival> RivalsOf(const Evidence& evidence) {
+  struct Answer {
+    double probability = 0.0;
+    std::vector<int> models;
+  };
+  std::map<std::set<std::string>, Answer> answers;
+  for (size_t m = 0; m < evidence.models().size(); ++m) {
+    const WeightedModel& model = evidence.models()[m];
+    std::set<std::string> names;
+    for (const int member : model.set.members) names.insert(evidence.list().name[member]);
+    Answer& answer = answers[names];
+    answer.probability += model.probability;
+    const bool is_met = std::any_of(answer.models.begin(), answer.models.end(), [&](int other) {
+      return evidence.models()[other].set.members == model.set.members;
+    });
+    if (!is_met && answer.models.size() < kMostShapes) answer.models.push_back(static_cast<int>(m));
+  }
+  std::vector<Answer> sorted;
+  for (const auto& [names, answer] : answers) {
+    if (answer.probability >= kWorthDeciding) sorted.push_back(answer);
+  }
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const Answer& a, const Answer& b) { return a.probability > b.probability; });
+  sorted.resize(std::min(sorted.size(), kMostAnswers));
+  double all = 0.0;
+  for (const Answer& answer : sorted) all += answer.probability;
+  std::vector<Rival> rivals;
+  for (size_t k = 0; k < sorted.size(); ++k) {
+    double kept = 0.0;
+    for (const int m : sorted[k].models) kept += evidence.models()[m].probability;
+    for (const int m : sorted[k].models) {
+      const double share = evidence.models()[m].probability / kept;
+      rivals.push_back({m, share * sorted[k].probability / all, static_cast<int>(k)});
+    }
+  }
+  return rivals;
+}
+
+// Of the answers.
+std::vector<double> ProbabilitiesOf(const std::vector<Rival>& rivals) {
+  std::vector<double> probabilities;
+  for (const Rival& rival : rivals) {
+    probabilities.resize(std::max(probabilities.size(), static_cast<size_t>(rival.name) + 1), 0.0);
+    probabilities[static_cast<size_t>(rival.name)] += rival.probability;
+  }
+  return probabilities;
+}
+
+std::optional<PoseChoice> ChoiceOf(const Evidence& evidence, const std::vector<Rival>& rivals,
+                                   const CalibrationProblem& extended, const ParameterSet& parameters, size_t poses) {
+  std::vector<const WeightedSet*> sets;
+  for (const Rival& rival : rivals) sets.push_back(&evidence.models()[rival.model].set);
+  const FewColumns few(evidence, sets, extended, parameters);
+  if (!few.AreListed()) return std::nullopt;
+  const JointScatter& scatter = evidence.views()[evidence.models()[rivals[0].model].view].scatter;
+  std::vector<int> chosen;  // members of all sets, each once
+  for (const WeightedSet* set : sets) {
+    for (const int m : set->members) chosen.push_back(few.NumberOf(m));
+  }
+  std::sort(chosen.begin(), chosen.end());
+  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+  const FewExplanations explanations = WithTheirColumns(few.list().math, chosen);
+  const std::vector<int>& columns = explanations.columns;
+  const std::vector<std::vector<int>> all = ObservationsByConfiguration(extended.data());
+  const std::vector<std::vector<int>> observations(all.end() - static_cast<long>(poses), all.end());
+  std::vector<long> first_row = {0};
+  for (const std::vector<int>& own : observations) {
+    first_row.push_back(first_row.back() + 3 * static_cast<long>(own.size()));
+  }
+  const long believed = few.columns().num_believed();
+  Eigen::MatrixXd turned(believed + static_cast<long>(columns.size()), first_row.back());
+  for (size_t c = 0; c < poses; ++c) {
+    turned.middleCols(first_row[c], first_row[c + 1] - first_row[c]) =
+        few.columns().RowsAt(observations[c], scatter, columns).transpose();
+  }
+  const Eigen::MatrixXd sums = few.columns().WithPriors(few.columns().Sum(scatter, &columns).products);
+  std::vector<RivalRows> rows(rivals.size());
+  for (size_t i = 0; i < rivals.size(); ++i) {
+    rows[i].probability = rivals[i].probability;
+    rows[i].name = rivals[i].name;
+    Coefficients coefficients{{}, sets[i]->scales, believed, 0};
+    for (const int m : sets[i]->members) {
+      const auto at = std::lower_bound(chosen.begin(), chosen.end(), few.NumberOf(m)) - chosen.begin();
+      coefficients.groups.push_back(&explanations.explanations[static_cast<size_t>(at)].group);
+      coefficients.size += coefficients.groups.back()->size();
+    }
+    Predict(coefficients, sums, turned, &rows[i]);
+  }
+  return PoseChoice(std::move(rows), std::move(first_row));
+}
+
+}  // namespace
+
+std::optional<NextPoses> ProposeNext(const Evidence& evidence, const CalibrationProblem& problem,
+                                     const ParameterSet& parameters, unsigned long long seed) {
+  const std::vector<Rival> rivals = RivalsOf(evidence);
+  const std::vector<double> now = ProbabilitiesOf(rivals);
+  if (now.size() < 2 || now[0] > kDecided) return std::nullopt;
+  const std::vector<ProposedPose> drawn = DrawPoses(problem, seed);
+  const CalibrationProblem extended =
+      AsPredicted(WithPoses(problem, drawn), parameters, problem.data().observations.size());
+  std::optional<PoseChoice> choice = ChoiceOf(evidence, rivals, extended, parameters, drawn.size());
+  if (!choice) return std::nullopt;
+  NextPoses next;
+  for (const double probability : now) next.decided += probability * probability;
+  for (int k = 0; k < kPosesProposed; ++k) next.poses.push_back(drawn[choice->Take()]);
+  next.decides = choice->Decides();
+  next.needed = choice->Needed(kWanted, kMostNeeded);
+  if (next.decides < next.decided + kWorthDeciding) return std::nullopt;  // no pose decides
+  return next;
+}
+
+}  // namespace sagitta

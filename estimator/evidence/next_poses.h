@@ -1,0 +1,34 @@
+// What to measure next: poses at which the explanations that still share the probability say different things
+// (pose_choice.h).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "estimator/evidence/evidence.h"
+
+namespace sagitta {
+
+struct ProposedPose {
+  Eigen::VectorXd q;  // rad or m
+  int like = 0;       // configuration of the data whose loads, stations and markers it is measured with
+};
+
+// What to measure next, and what it is expected to decide.
+struct NextPoses {
+  std::vector<ProposedPose> poses;
+  double decides = 0.0;  // probability that the right explanation is expected to have after measuring them
+  double decided = 0.0;  // that it has now, expected in the same way: the sum of squared probabilities
+  int needed = 0;        // poses like these, after which it is expected to be kWanted; 0: more than kMostNeeded
+};
+
+constexpr int kPosesProposed = 6;
+constexpr double kWanted = 0.9;
+constexpr int kMostNeeded = 60;  // as long as a usual campaign
+
+// None where one explanation has it all. problem, parameters: what the evidence was made of.
+std::optional<NextPoses> ProposeNext(const Evidence& evidence, const CalibrationProblem& problem,
+                                     const ParameterSet& parameters, unsigned long long seed);
+
+}  // namespace sagitta

@@ -1,0 +1,176 @@
+#include "estimator/evidence/posterior.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sagitta {
+namespace {
+
+constexpr double kThreefold = 3.0;
+
+bool IsPose(const Evidence& evidence, const WeightedModel& model) {
+  return evidence.views()[model.view].view.kind == NoiseView::Kind::kPose;
+}
+
+bool HasUnnamed(const Evidence& evidence, const WeightedModel& model) {
+  return IsPose(evidence, model) || std::any_of(model.set.members.begin(), model.set.members.end(),
+                                                [&](int m) { return evidence.list().IsUnnamed(m); });
+}
+
+// By SetPrior a set of m members has the prior (1 - nothing) further^(m-1) m! prod share, a share being proportional to
+// the mass of its kind: multiplied masses multiply that by f_further^(m-1) prod f_kind, before all is normalised anew.
+// Log factor on a model's weight when one mass is multiplied.
+struct Changed {
+  const char* mass;
+  double nothing, catalogue, unnamed, further;  // factors
+
+  double LogFactor(const Evidence& evidence, const WeightedModel& model) const {
+    const size_t count = model.set.members.size();
+    if (count == 0) return std::log(HasUnnamed(evidence, model) ? unnamed : nothing);
+    double log = static_cast<double>(count - 1) * std::log(further);
+    for (const int m : model.set.members) {  // of which a piece has the mass of its nameless cause alone
+      if (!model.HasPiece(m)) log += std::log(evidence.list().IsUnnamed(m) ? unnamed : catalogue);
+    }
+    return log;
+  }
+};
+
+struct Leading {
+  bool is_something = false;
+  std::vector<int> names;
+
+  bool operator==(const Leading& other) const { return is_something == other.is_something && names == other.names; }
+};
+
+Leading LeadingOf(const Posterior& posterior, double gate) {
+  if (posterior.Something() <= gate || posterior.sets.empty()) return {};
+  return {true, posterior.sets[0].names};
+}
+
+// Names of a list in their order: the first explanation of each, and the place of every explanation's name.
+struct NamesInOrder {
+  explicit NamesInOrder(const ExplanationList& list) {
+    std::map<std::string, int> of_name;  // first explanation, then place
+    for (size_t k = 0; k < list.name.size(); ++k) of_name.emplace(list.name[k], static_cast<int>(k));
+    for (auto& [name, at] : of_name) {
+      first.push_back(at);
+      at = static_cast<int>(first.size()) - 1;
+    }
+    for (const std::string& name : list.name) place.push_back(of_name.at(name));
+  }
+
+  std::vector<int> first, place;
+};
+
+// The first explanation of each name that only the former have.
+std::vector<int> Without(const NamesInOrder& all, const std::vector<int>& names, const std::vector<int>& others) {
+  std::vector<int> own;
+  for (const int name : names) {
+    if (!std::binary_search(others.begin(), others.end(), name)) own.push_back(all.first[static_cast<size_t>(name)]);
+  }
+  return own;
+}
+
+}  // namespace
+
+double Posterior::Of(const std::string& name) const {
+  for (const std::vector<NamedProbability>* list : {&explanations, &functions}) {
+    for (const NamedProbability& entry : *list) {
+      if (entry.name == name) return entry.probability;
+    }
+  }
+  return 0.0;
+}
+
+// With p(M) of all models M = (view, set):  P(name) = sum of p(M) over M that hold it;  P(nothing) = sum over the empty
+// set as stated of p(M) (1 - P(sigma is wrong | M)), the rest of the empty sets is noise.
+Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>& models) {
+  Posterior posterior;
+  std::map<std::pair<std::vector<int>, bool>, NameSet> sets;
+  std::map<int, NamedProbability> named, functions;
+  std::map<int, double> most;
+  const ExplanationList& list = evidence.list();
+  const NamesInOrder all(list);
+  for (size_t i = 0; i < models.size(); ++i) {
+    const WeightedModel& model = models[i];
+    const bool has_unnamed = HasUnnamed(evidence, model);
+    if (has_unnamed) posterior.unnamed += model.probability;
+    if (model.set.members.empty() && !has_unnamed) {
+      const bool is_stated = evidence.views()[model.view].view.kind == NoiseView::Kind::kStated;
+      const double wrong = is_stated ? evidence.SigmaIsWrong(model) : 1.0;
+      posterior.noise += wrong * model.probability;
+      posterior.nothing += (1.0 - wrong) * model.probability;
+      continue;
+    }
+    std::vector<int> names;
+    for (const int m : model.set.members) {
+      if (model.HasPiece(m)) continue;
+      const int name = all.place[static_cast<size_t>(m)];
+      names.insert(std::lower_bound(names.begin(), names.end(), name), name);
+      const auto [entry, is_new] = (list.IsUnnamed(m) ? functions : named).try_emplace(name);
+      if (is_new) entry->second = {list.name[m], m, 0.0};
+      if (model.probability > most[name]) {
+        most[name] = model.probability;
+        entry->second.explanation = m;
+      }
+      entry->second.probability += model.probability;
+    }
+    names.erase(std::unique(names.begin(), names.end()), names.end());
+    // The first of a kind is the most probable.
+    const NameSet fresh{names, has_unnamed, 0.0, static_cast<int>(i), {}};
+    NameSet& set = sets.emplace(std::make_pair(names, IsPose(evidence, model)), fresh).first->second;
+    set.probability += model.probability;
+    set.models.push_back(static_cast<int>(i));
+  }
+  const auto sorted = [](const auto& entries) {
+    std::vector<typename std::decay_t<decltype(entries)>::mapped_type> entries_by_probability;
+    for (const auto& [key, entry] : entries) entries_by_probability.push_back(entry);
+    std::stable_sort(entries_by_probability.begin(), entries_by_probability.end(),
+                     [](const auto& a, const auto& b) { return a.probability > b.probability; });
+    return entries_by_probability;
+  };
+  for (auto* entries : {&named, &functions}) {  // rounding of the sums
+    for (auto& [name, entry] : *entries) entry.probability = std::min(1.0, entry.probability);
+  }
+  posterior.unnamed = std::min(1.0, posterior.unnamed);
+  posterior.sets = sorted(sets);
+  posterior.explanations = sorted(named);
+  posterior.functions = sorted(functions);
+  return posterior;
+}
+
+double ProbabilityOf(const std::string& effect, const Evidence& evidence, const std::vector<WeightedModel>& models) {
+  const ExplanationList& list = evidence.list();
+  double sum = 0.0;
+  for (const WeightedModel& model : models) {
+    const bool holds = std::any_of(model.set.members.begin(), model.set.members.end(), [&](int m) {
+      return !list.IsUnnamed(m) && !model.HasPiece(m) && list.SpecOf(m).effect == effect;
+    });
+    if (holds) sum += model.probability;
+  }
+  return std::min(1.0, sum);  // rounding of the sums
+}
+
+std::vector<Flip> WhatFlips(const Evidence& evidence, const Posterior& posterior, double gate) {
+  const Leading now = LeadingOf(posterior, gate);
+  const NamesInOrder all(evidence.list());
+  std::vector<Flip> flips;
+  for (const double factor : {kThreefold, 1.0 / kThreefold}) {
+    const Changed changes[] = {{"nothing", factor, 1.0, 1.0, 1.0},
+                               {"catalogue", 1.0, factor, 1.0, 1.0},
+                               {"unnamed", 1.0, 1.0, factor, 1.0},
+                               {"further", 1.0, 1.0, 1.0, factor}};
+    for (const Changed& change : changes) {
+      std::vector<WeightedModel> changed = evidence.models();
+      for (WeightedModel& model : changed) model.log_weight += change.LogFactor(evidence, model);
+      Normalise(&changed);
+      const Leading then = LeadingOf(PosteriorOf(evidence, changed), gate);
+      if (then == now) continue;
+      flips.push_back({change.mass, factor > 1.0, then.is_something, Without(all, then.names, now.names),
+                       Without(all, now.names, then.names)});
+    }
+  }
+  return flips;
+}
+
+}  // namespace sagitta

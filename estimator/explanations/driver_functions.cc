@@ -1,0 +1,121 @@
+#include "estimator/explanations/driver_functions.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "models/effects/bump.h"
+
+namespace sagitta {
+namespace {
+
+Eigen::MatrixXd ByKnots(const Eigen::VectorXd& x, const Knots& knots) {
+  Eigen::MatrixXd functions(x.size(), knots.count);
+  for (int k = 0; k < knots.count; ++k) {
+    functions.col(k) = x.unaryExpr([&](double at) { return knots.Value(k, at); });
+  }
+  return functions;
+}
+
+}  // namespace
+
+Eigen::MatrixXd Bumps(const Eigen::VectorXd& x, double low, double high, int count) {
+  return ByKnots(x, {low, high, count});
+}
+
+Eigen::MatrixXd Ramps(const Eigen::VectorXd& x, double low, double high, int count) {
+  return ByKnots(x, {low, high, count, true});
+}
+
+Eigen::MatrixXd Waves(const Eigen::VectorXd& x, int orders) {
+  Eigen::MatrixXd waves(x.size(), 2 * orders);
+  for (int n = 1; n <= orders; ++n) {
+    waves.col(2 * n - 2) = (n * x.array()).cos();
+    waves.col(2 * n - 1) = (n * x.array()).sin();
+  }
+  return waves;
+}
+
+std::vector<Gap> Gaps(const Eigen::VectorXd& x, int most) {
+  const std::set<double> distinct(x.data(), x.data() + x.size());
+  const std::vector<double> sorted(distinct.begin(), distinct.end());
+  std::vector<Gap> gaps;
+  const size_t stride = sorted.size() / static_cast<size_t>(most) + 1;
+  for (size_t i = stride; i < sorted.size(); i += stride) gaps.emplace_back(sorted[i - 1], sorted[i]);
+  return gaps;
+}
+
+Eigen::VectorXd Jump(const Eigen::VectorXd& x, const Gap& gap) {
+  return ((x.array() - gap.first) / (gap.second - gap.first)).cwiseMax(0.0).cwiseMin(1.0);
+}
+
+Eigen::MatrixXd Products(const Eigen::MatrixXd& one, const Eigen::MatrixXd& other) {
+  Eigen::MatrixXd products(one.rows(), one.cols() * other.cols());
+  for (long i = 0; i < one.cols(); ++i) {
+    for (long k = 0; k < other.cols(); ++k) {
+      products.col(i * other.cols() + k) = one.col(i).cwiseProduct(other.col(k));
+    }
+  }
+  return products;
+}
+
+Eigen::MatrixXd Stretches(const Eigen::VectorXd& x, int most) {
+  const std::set<double> distinct(x.data(), x.data() + x.size());
+  const std::vector<double> sorted(distinct.begin(), distinct.end());
+  const long count = std::min<long>(most, static_cast<long>(sorted.size()));
+  Eigen::MatrixXd stretches = Eigen::MatrixXd::Zero(x.size(), count);
+  for (long s = 0; s < x.size(); ++s) {
+    const long place = std::lower_bound(sorted.begin(), sorted.end(), x[s]) - sorted.begin();
+    stretches(s, place * count / static_cast<long>(sorted.size())) = 1.0;
+  }
+  return stretches;
+}
+
+// Along a spiral of equal steps in height and of the golden angle about z (Gonzalez 2010, Math. Geosci. 42, 49).
+std::vector<Eigen::Vector3d> HalfOfAllDirections(int count) {
+  const double golden_angle = kPi * (3.0 - std::sqrt(5.0));
+  std::vector<Eigen::Vector3d> directions;
+  for (int k = 0; k < count; ++k) {
+    const double z = (k + 0.5) / count, r = std::sqrt(1.0 - z * z);
+    directions.emplace_back(r * std::cos(golden_angle * k), r * std::sin(golden_angle * k), z);
+  }
+  return directions;
+}
+
+namespace {
+
+// L with L L' = F F' but for `left` of its trace: Cholesky with pivots, which ends after as many columns as F has
+// directions (Harbrecht, Peters and Schneider 2012, Appl. Numer. Math. 62, 428).
+Eigen::MatrixXd LeadingColumns(const Eigen::MatrixXd& functions, double left) {
+  Eigen::VectorXd diagonal = functions.rowwise().squaredNorm();
+  const double enough = left * diagonal.sum();
+  const long most = std::min(functions.rows(), functions.cols());
+  Eigen::MatrixXd root(functions.rows(), most);
+  long rank = 0;
+  for (Eigen::Index pivot; rank < most && diagonal.sum() > enough; ++rank) {
+    const double largest = diagonal.maxCoeff(&pivot);
+    const auto before = root.leftCols(rank);
+    root.col(rank) =
+        (functions * functions.row(pivot).transpose() - before * before.row(pivot).transpose()) / std::sqrt(largest);
+    diagonal = (diagonal - root.col(rank).cwiseAbs2()).cwiseMax(0.0);
+    diagonal[pivot] = 0.0;
+  }
+  return root.leftCols(rank);
+}
+
+}  // namespace
+
+// F = U S V':  basis U S, mixing V' = S^-1 U' F, of directions above the tolerance.
+Compressed Compress(const Eigen::MatrixXd& functions, double tolerance) {
+  const Eigen::MatrixXd few = LeadingColumns(functions, 0.1 * tolerance * tolerance);
+  if (few.cols() == 0) return {few, Eigen::MatrixXd(0, functions.cols())};
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(Eigen::MatrixXd(few.transpose() * few));
+  const double least = tolerance * tolerance * eigen.eigenvalues().maxCoeff();
+  const long rank = (eigen.eigenvalues().array() > least).count();
+  const Eigen::VectorXd squares = eigen.eigenvalues().tail(rank);
+  const Eigen::MatrixXd basis = few * eigen.eigenvectors().rightCols(rank);  // L = U S W', so L W = U S
+  return {basis, squares.cwiseInverse().asDiagonal() * (basis.transpose() * functions)};
+}
+
+}  // namespace sagitta

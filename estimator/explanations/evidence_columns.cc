@@ -1,0 +1,429 @@
+#include "estimator/explanations/evidence_columns.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "estimator/explanations/drivers.h"
+#include "estimator/explanations/typical_units.h"
+#include "estimator/least_squares/all_joints.h"
+#include "models/effects/catalogue.h"
+#include "models/effects/learnt_deviation.h"
+#include "models/sight.h"
+#include "problems/loads.h"
+#include "problems/split.h"
+
+namespace sagitta {
+namespace {
+
+constexpr int kRowsPerBlock = 384;  // enough for the products to run at full speed
+// Bytes of linearized blocks that are kept; of more the rows are linearized again in each pass, and all products made.
+constexpr size_t kMostStored = size_t{2} << 30;
+
+// A force that is the same everywhere; it acts where joints give way.
+EffectSpec UnitPull() { return {LearntPull().name, "robot", {{"degree", "0"}}, {}}; }
+
+std::vector<EffectSpec> WithPull(const CalibrationProblem& problem, std::vector<EffectSpec> specs) {
+  if (!problem.robot().compliances.empty()) specs.push_back(UnitPull());
+  return specs;
+}
+
+}  // namespace
+
+double TypicalSizeOf(const Source& source, const Chain& chain) {
+  switch (source.kind) {
+    case Source::Kind::kJoint:
+      return chain.joints[source.owner].type == JointType::kRevolute ? kTypicalTurn : kTypicalTravel;
+    case Source::Kind::kStation:
+    case Source::Kind::kMarker:
+      return kTypicalMovement;
+    case Source::Kind::kStationTurn:
+      return kTypicalStationTurn;
+    case Source::Kind::kStationScale:
+      return kTypicalScale;
+    case Source::Kind::kReading:
+      return source.axis == static_cast<int>(Sensed::kRange) ? kTypicalMovement : kTypicalStationTurn;
+    case Source::Kind::kPlate:
+      return source.axis < 3 ? kTypicalMovement : kTypicalPlateTurn;
+    case Source::Kind::kLink:
+      return kTypicalGrowth;
+    case Source::Kind::kLoad:
+      return kTypicalLoadShift;
+    case Source::Kind::kPull:
+      return kTypicalPull;
+  }
+  return 0.0;
+}
+
+const char* UnitOf(const Source& source, const Chain& chain) {
+  const bool is_turn = source.kind == Source::Kind::kStationTurn ||
+                       (source.kind == Source::Kind::kReading && source.axis != static_cast<int>(Sensed::kRange)) ||
+                       (source.kind == Source::Kind::kPlate && source.axis >= 3) ||
+                       (source.kind == Source::Kind::kJoint && chain.joints[source.owner].type == JointType::kRevolute);
+  const bool is_share = source.kind == Source::Kind::kLink || source.kind == Source::Kind::kStationScale;
+  return is_turn ? "urad" : is_share ? "ppm" : "um";
+}
+
+std::vector<int> MarkersOnFlange(const CalibrationProblem& problem) {
+  std::vector<int> markers;
+  for (size_t m = 0; m < problem.data().markers.size(); ++m) {
+    if (problem.marker_frames()[m] == problem.model().chain().FlangeFrame()) markers.push_back(static_cast<int>(m));
+  }
+  return markers;
+}
+
+JointScatter StatedScatter(const CalibrationProblem& problem) {
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(problem.robot().num_joints());
+  JointScatter scatter{none, none};
+  for (int i = 0; i < problem.latent.size(); ++i) scatter.visit[problem.latent.joints[i]] = problem.latent.sigmas[i];
+  return scatter;
+}
+
+EvidenceColumns::SplitCandidates EvidenceColumns::Split(const CalibrationProblem& problem,
+                                                        const std::vector<Candidate>& candidates) {
+  const Robot& robot = problem.model().robot();
+  const std::vector<int> order = OrderOfTime(problem.shot_inputs());
+  SplitCandidates split;
+  std::set<std::string> known;
+  for (const EffectSpec& own : robot.effects) known.insert(own.Path());
+  for (size_t c = 0; c < candidates.size(); ++c) {
+    const EffectSpec& spec = candidates[c].spec;
+    if (IsGravityCompensator(spec) || !known.insert(spec.Path()).second) continue;
+    auto motions = SingleMotionsOf(robot, problem.data().markers, spec, problem.shot_inputs(), order);
+    if (motions) {
+      split.motions.emplace_back(c, std::move(*motions));
+    } else {
+      split.others.push_back(spec);
+    }
+  }
+  return split;
+}
+
+EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                 const std::vector<Candidate>& candidates)
+    : EvidenceColumns(problem, parameters, candidates, Split(problem, candidates)) {}
+
+EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                 const std::vector<Candidate>& candidates, const SplitCandidates& split)
+    : extended_(problem.WithEffects(WithPull(problem, split.others))), of_candidate_(candidates.size()) {
+  extended_.parameters.CopyByName(parameters);
+  extended_.latent = WithAllJoints(problem.latent, problem.robot().num_joints());
+  const ParameterSet& all = extended_.parameters;
+  std::map<std::string, std::vector<int>> coordinates_of;  // by path
+  for (int i = 0; i < all.num_coordinates(); ++i) {
+    const std::string& name = all.coordinates()[i].name;
+    const int own = parameters.FindCoordinate(name);
+    if (own < 0) coordinates_of[name.substr(0, name.rfind('/'))].push_back(i);
+    if (own >= 0 && parameters.coordinates()[own].estimated()) believed_.push_back(i);
+  }
+  for (size_t c = 0; c < candidates.size(); ++c) {
+    const auto own = coordinates_of.find(candidates[c].spec.Path());
+    if (own == coordinates_of.end()) continue;
+    for (const int coordinate : own->second) {
+      names_[static_cast<int>(catalogue_.size())] = all.coordinates()[coordinate].name;
+      of_candidate_[c].push_back(static_cast<int>(catalogue_.size()));
+      catalogue_.push_back(coordinate);
+    }
+    coordinates_of.erase(own);
+  }
+  num_columns_ = static_cast<int>(catalogue_.size());
+  const std::vector<double> sizes = TypicalSizes(extended_, all, split.others);
+  for (const int coordinate : catalogue_) units_.push_back(sizes[coordinate]);
+  SetLinearized();
+  SetBlocks();
+  AddMotions(candidates, split);
+}
+
+void EvidenceColumns::AddMotions(const std::vector<Candidate>& candidates, const SplitCandidates& split) {
+  const Robot& robot = extended_.robot();
+  const std::vector<int> fitted = FittedShots(extended_);
+  struct Column {
+    size_t candidate, parameter;
+    std::string name;
+    const Eigen::VectorXd* per_unit;
+    double size;
+  };
+  std::map<Source, std::vector<Column>> of_source;
+  for (const auto& [c, motions] : split.motions) {
+    const EffectSpec& spec = candidates[c].spec;
+    const auto own = FindEffect(robot, spec.effect)->parameters(robot, spec);
+    std::vector<double> largest;
+    for (const SingleMotion& motion : motions) largest.push_back(motion.per_unit(fitted).cwiseAbs().maxCoeff());
+    const std::vector<double> sizes = TypicalSizes(own, largest);
+    for (size_t k = 0; k < own.size(); ++k) {
+      const bool is_joint = motions[k].of == SingleMotion::Of::kJoint;
+      const Source source{is_joint ? Source::Kind::kJoint : Source::Kind::kMarker, motions[k].owner, motions[k].axis};
+      of_source[source].push_back(
+          {c, k, spec.Path() + "/" + own[k].name, &motions[k].per_unit, sizes[k] / TypicalSizeOf(source, robot.chain)});
+    }
+    of_candidate_[c].resize(own.size());
+  }
+  for (const auto& [source, columns] : of_source) {
+    auto functions = std::make_shared<Eigen::MatrixXd>(static_cast<long>(extended_.data().shots.size()),
+                                                       static_cast<long>(columns.size()));
+    for (size_t i = 0; i < columns.size(); ++i) {
+      functions->col(static_cast<long>(i)) = columns[i].size * *columns[i].per_unit;
+    }
+    const std::vector<int> added = Add({source, functions});
+    for (size_t i = 0; i < columns.size(); ++i) {
+      of_candidate_[columns[i].candidate][columns[i].parameter] = added[i];
+      names_[added[i]] = columns[i].name;
+    }
+  }
+}
+
+void EvidenceColumns::SetLinearized() {
+  loads_ = LoadsCarried(extended_.data());
+  const ParameterSet& all = extended_.parameters;
+  linearized_ = believed_;
+  linearized_.insert(linearized_.end(), catalogue_.begin(), catalogue_.end());
+  const std::set<int> there(linearized_.begin(), linearized_.end());
+  const auto append = [&](const ParameterBlock& block) {
+    for (int i = 0; i < block.tangent_size; ++i) {
+      if (there.count(block.first_coordinate + i) == 0) linearized_.push_back(block.first_coordinate + i);
+    }
+  };
+  for (int s = 0; s < all.num_stations(); ++s) {
+    append(all.station_translation(s));
+    append(all.station_rotation(s));
+  }
+  for (int m = 0; m < all.num_markers(); ++m) append(all.marker(m));
+  for (int axis = 0; axis < 3; ++axis) {
+    if (PullAlong(axis) >= 0) linearized_.push_back(PullAlong(axis));
+  }
+  for (int joint = -1; joint < extended_.robot().num_joints(); ++joint) {
+    for (const auto& [coordinate, nominal] : LengthsOf(joint)) {
+      if (there.count(coordinate) == 0) linearized_.push_back(coordinate);
+    }
+  }
+}
+
+void EvidenceColumns::SetBlocks() {
+  const Measurements& data = extended_.data();
+  fitted_shots_ = FittedShots(extended_);
+  place_of_shot_.assign(data.shots.size(), -1);
+  for (size_t k = 0; k < fitted_shots_.size(); ++k) place_of_shot_[fitted_shots_[k]] = static_cast<int>(k);
+  std::vector<int> pose_of_configuration(data.configurations.size(), -1);
+  int next = 0;
+  for (const std::vector<int>& group : GroupsOfEqualJointValues(data)) {
+    for (const int c : group) pose_of_configuration[c] = next;
+    ++next;
+  }
+  std::map<int, int> place;
+  pose_of_observation_.assign(data.observations.size(), -1);
+  std::vector<std::set<int>> visits;
+  for (const int i : extended_.CalibrationObservations()) {
+    const int shot = data.observations[i].shot;
+    const auto entry =
+        place.emplace(pose_of_configuration[data.shots[shot].configuration], static_cast<int>(poses_.size()));
+    if (entry.second) {
+      poses_.emplace_back();
+      visits.emplace_back();
+    }
+    poses_[entry.first->second].push_back(i);
+    visits[entry.first->second].insert(extended_.latent.visit_of_shot[shot]);
+    pose_of_observation_[i] = entry.first->second;
+  }
+  for (const std::set<int>& own : visits) has_revisits_ |= own.size() > 1;
+  int rows = 0;
+  for (int pose = 0; pose < num_poses(); ++pose) {
+    if (rows == 0 || rows > kRowsPerBlock) {
+      poses_of_block_.emplace_back();
+      rows = 0;
+    }
+    poses_of_block_.back().push_back(pose);
+    rows += 3 * static_cast<int>(poses_[pose].size());
+  }
+  size_t bytes = 0;
+  for (const std::vector<int>& own : poses_of_block_) {
+    std::vector<int> observations;
+    for (const int pose : own) observations.insert(observations.end(), poses_[pose].begin(), poses_[pose].end());
+    bytes += 3 * observations.size() * linearized_.size() * sizeof(double);
+    if (!stored_.empty() && bytes > kMostStored) break;
+    stored_.push_back(LinearizeBlock(observations));
+  }
+  VLOG(1) << "diagnosis: " << linearized_.size() << " linearized columns of " << num_rows() << " rows, "
+          << stored_.size() << " of " << poses_of_block_.size() << " blocks are kept";
+}
+
+std::vector<int> EvidenceColumns::Add(const FunctionFamily& family) {
+  const auto known = std::find(sources_.begin(), sources_.end(), family.source);
+  source_of_family_.push_back(static_cast<size_t>(known - sources_.begin()));
+  if (known == sources_.end()) {
+    sources_.push_back(family.source);
+    for (Block& block : stored_) block.sources.push_back(SourceRows(block, family.source));
+  }
+  std::vector<int> own;
+  for (int f = 0; f < family.functions->cols(); ++f) {
+    family_of_column_.push_back(static_cast<int>(families_.size()));
+    function_of_column_.push_back(f);
+    own.push_back(num_columns_++);
+  }
+  families_.push_back(family);
+  const auto [fitted, is_new] = fitted_functions_.try_emplace(family.functions.get());
+  if (is_new) fitted->second = (*family.functions)(fitted_shots_, Eigen::all);
+  return own;
+}
+
+std::vector<std::pair<int, double>> EvidenceColumns::LengthsOf(int joint) const {
+  std::vector<std::pair<int, double>> lengths;
+  const std::vector<std::vector<int>> links = LengthsByLink(extended_.robot().chain);
+  for (const int transform : links[static_cast<size_t>(joint) + 1]) {
+    const ElementaryTransform& length = extended_.robot().chain.transforms[transform];
+    const int coordinate = length.error.empty() ? -1 : extended_.parameters.FindCoordinate("geometry/" + length.error);
+    if (coordinate >= 0) lengths.emplace_back(coordinate, length.nominal);
+  }
+  return lengths;
+}
+
+int EvidenceColumns::LoadPointOf(int load, int axis) const {
+  const EffectSpec spec{LoadCom().name, loads_[static_cast<size_t>(load)], {}, {}};
+  const std::string name = FindEffect(spec.effect)->parameters(extended_.robot(), spec)[static_cast<size_t>(axis)].name;
+  const int coordinate = extended_.parameters.FindCoordinate(spec.Path() + "/" + name);
+  const bool is_there = std::find(linearized_.begin(), linearized_.end(), coordinate) != linearized_.end();
+  return is_there ? coordinate : -1;
+}
+
+int EvidenceColumns::PullAlong(int axis) const {
+  return extended_.parameters.FindCoordinate(UnitPull().Path() + "/" + "xyz"[axis] + "1");
+}
+
+Eigen::MatrixXd EvidenceColumns::FunctionOf(const std::vector<int>& columns) const {
+  Eigen::MatrixXd functions(static_cast<long>(extended_.data().shots.size()), static_cast<long>(columns.size()));
+  for (size_t c = 0; c < columns.size(); ++c) {
+    const size_t beyond = static_cast<size_t>(columns[c]) - catalogue_.size();
+    functions.col(static_cast<long>(c)) =
+        families_[family_of_column_[beyond]].functions->col(function_of_column_[beyond]);
+  }
+  return functions;
+}
+
+EvidenceColumns::Block EvidenceColumns::LinearizeBlock(const std::vector<int>& observations) const {
+  const NoiseRoots noise = ObservationNoise(extended_, observations, kFallbackSigma);
+  return {observations,
+          Linearize(extended_, extended_.parameters, observations, linearized_, noise, LatentTreatment::kIgnore),
+          {}};
+}
+
+const EvidenceColumns::Block& EvidenceColumns::BlockOf(int index, Block* scratch) const {
+  if (index < static_cast<int>(stored_.size())) return stored_[index];
+  std::vector<int> observations;
+  for (const int pose : poses_of_block_[index]) {
+    observations.insert(observations.end(), poses_[pose].begin(), poses_[pose].end());
+  }
+  *scratch = LinearizeBlock(observations);
+  return *scratch;
+}
+
+std::vector<std::pair<int, double>> EvidenceColumns::MovedBy(const Source& source) const {
+  const ParameterSet& all = extended_.parameters;
+  const double size = TypicalSizeOf(source, extended_.robot().chain);
+  const Vector3<double> axis = Vector3<double>::Unit(source.axis % 3);
+  std::vector<std::pair<int, double>> moved;
+  switch (source.kind) {
+    case Source::Kind::kJoint:
+    case Source::Kind::kStationScale:
+    case Source::Kind::kReading:
+      break;
+    case Source::Kind::kPull:
+      moved.emplace_back(PullAlong(source.axis), size);
+      break;
+    case Source::Kind::kStation:
+      moved.emplace_back(all.station_translation(source.owner).first_coordinate + source.axis, size);
+      break;
+    case Source::Kind::kStationTurn:
+      moved.emplace_back(all.station_rotation(source.owner).first_coordinate + source.axis, size);
+      break;
+    case Source::Kind::kMarker:
+      moved.emplace_back(all.marker(source.owner).first_coordinate + source.axis, size);
+      break;
+    case Source::Kind::kPlate:
+      for (const int m : MarkersOnFlange(extended_)) {
+        const Vector3<double> motion = source.axis < 3 ? axis : Vector3<double>(axis.cross(all.MarkerPoint(m)));
+        for (int k = 0; k < 3; ++k) moved.emplace_back(all.marker(m).first_coordinate + k, size * motion[k]);
+      }
+      break;
+    case Source::Kind::kLoad:
+      moved.emplace_back(LoadPointOf(source.owner, source.axis), size);
+      break;
+    case Source::Kind::kLink:
+      for (const auto& [coordinate, nominal] : LengthsOf(source.owner)) moved.emplace_back(coordinate, size * nominal);
+      break;
+  }
+  return moved;
+}
+
+// What a unit of the source does to the rows of a block; a station's and a marker's are other coordinates for other
+// rows.
+Eigen::VectorXd EvidenceColumns::SourceRows(const Block& block, const Source& source) const {
+  if (source.kind == Source::Kind::kJoint) {
+    return TypicalSizeOf(source, extended_.robot().chain) * block.here.latent.col(source.owner);
+  }
+  if (source.kind == Source::Kind::kStationScale || source.kind == Source::Kind::kReading) {
+    return ReadingRows(block, source);
+  }
+  Eigen::VectorXd rows = Eigen::VectorXd::Zero(block.here.num_rows());
+  for (const auto& [coordinate, size] : MovedBy(source)) {
+    const auto at = std::find(linearized_.begin(), linearized_.end(), coordinate);
+    rows += size * block.here.jacobian.col(at - linearized_.begin());
+  }
+  return rows;
+}
+
+// What moves each measured point by a function of itself: with it the station's axes move as far.
+Eigen::VectorXd EvidenceColumns::ReadingRows(const Block& block, const Source& source) const {
+  const bool is_scale = source.kind == Source::Kind::kStationScale;
+  const SightTerm term{0, static_cast<Sensed>(source.axis), SightLaw::kOne, {}};
+  Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(3, static_cast<long>(block.observations.size()));
+  for (size_t o = 0; o < block.observations.size(); ++o) {
+    const Observation& reading = extended_.data().observations[block.observations[o]];
+    const Vector3<double>& point = reading.point_in_station;
+    if (!point.allFinite() || (!is_scale && reading.marker != source.marker)) continue;
+    const Vector3<double>& instrument = extended_.shot_inputs()[reading.shot].conditions.instrument;
+    motions.col(static_cast<long>(o)) =
+        is_scale ? point : SightDisplacement<double>(term, point - instrument, Vector3<double>::Zero());
+  }
+  motions *= TypicalSizeOf(source, extended_.robot().chain);
+  Eigen::VectorXd rows = Eigen::VectorXd::Zero(block.here.num_rows());
+  for (int axis = 0; axis < 3; ++axis) {
+    const Source along{Source::Kind::kStation, source.owner, axis};
+    Eigen::VectorXd moved = SourceRows(block, along) / TypicalSizeOf(along, extended_.robot().chain);
+    for (long o = 0; o < motions.cols(); ++o) moved.segment<3>(3 * o) *= motions(axis, o);
+    rows += moved;
+  }
+  return rows;
+}
+
+void EvidenceColumns::FillRows(const Block& block, const std::vector<int>* of, Eigen::MatrixXd* rows) const {
+  const long believed = static_cast<long>(believed_.size()), height = block.here.num_rows();
+  const long count = of == nullptr ? num_columns_ : static_cast<long>(of->size());
+  rows->resize(height, believed + count + 1);
+  rows->leftCols(believed) = block.here.jacobian.leftCols(believed);
+  rows->col(believed + count) = block.here.residual;
+  int family = -1;
+  Eigen::VectorXd source;
+  Eigen::MatrixXd functions;
+  for (long k = 0; k < count; ++k) {
+    const int column = of == nullptr ? static_cast<int>(k) : (*of)[static_cast<size_t>(k)];
+    auto own = rows->col(believed + k);
+    if (column < static_cast<int>(catalogue_.size())) {
+      own = units_[column] * block.here.jacobian.col(believed + column);
+      continue;
+    }
+    const int beyond = column - static_cast<int>(catalogue_.size());
+    if (family_of_column_[beyond] != family) {
+      family = family_of_column_[beyond];
+      const size_t known = source_of_family_[family];
+      source = known < block.sources.size() ? block.sources[known] : SourceRows(block, families_[family].source);
+    }
+    const auto function = families_[family].functions->col(function_of_column_[beyond]);
+    for (size_t o = 0; o < block.observations.size(); ++o) {
+      const double value = function[extended_.data().observations[block.observations[o]].shot];
+      own.segment<3>(static_cast<long>(3 * o)) = value * source.segment<3>(static_cast<long>(3 * o));
+    }
+  }
+}
+
+}  // namespace sagitta

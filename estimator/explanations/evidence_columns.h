@@ -1,0 +1,257 @@
+// Normal equations of everything that may be missing, from one linearization of the believed model with all candidates
+// at neutral. Rows come in blocks of whole poses and are added to the normal equations at once: what is kept does not
+// grow with the number of rows, beyond a store of fixed size that saves linearizing twice.
+//
+// Columns are in units of their typical size. Most are "source times function": a source is one way in which a pose may
+// be off (a joint deviates, a station or a marker moves along an axis), a function is one number per shot. So are the
+// effects of the catalogue that do nothing but make a joint deviate or move a marker; the others have columns of the
+// linearization.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "estimator/explanations/candidates.h"
+#include "estimator/explanations/scan.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/random_effects/evidence_score.h"
+#include "models/single_motion.h"
+
+namespace sagitta {
+
+// Share of a column's square that is left off the believed ones: below, it is rounding of the elimination.
+constexpr double kContained = 1e-9;
+
+struct Source {
+  enum class Kind {
+    kJoint,         // a joint deviates
+    kStation,       // the readings of a station move along an axis
+    kStationTurn,   // the base turns in a station about an axis
+    kStationScale,  // the readings of a station grow
+    kReading,       // a station reads a marker's azimuth (axis 0), elevation (1) or range (2) too large
+    kMarker,        // a marker moves along an axis of its frame
+    kPlate,         // all markers on the flange move along an axis (0 to 2), turn about an axis of the flange (3 to 5)
+    kLink,          // the lengths between a joint and the next grow
+    kLoad,          // a load's centre of gravity moves along an axis of the flange, where load_com is a candidate
+    kPull           // a force at the flange along an axis of the base, where joints give way
+  };
+  Kind kind = Kind::kJoint;
+  int owner = 0;   // index of the joint, station, marker or load; of a link that of the joint before it, -1: the base
+  int axis = 0;    // of all but joints, links and scales
+  int marker = 0;  // of readings
+
+  bool operator==(const Source& other) const { return Parts() == other.Parts(); }
+  bool operator<(const Source& other) const { return Parts() < other.Parts(); }
+
+ private:
+  std::tuple<Kind, int, int, int> Parts() const { return {kind, owner, axis, marker}; }
+};
+
+// SI, and what it is millionths of, in words: urad, um or ppm.
+double TypicalSizeOf(const Source& source, const Chain& chain);
+const char* UnitOf(const Source& source, const Chain& chain);
+
+// Indices of the markers that are on the flange.
+std::vector<int> MarkersOnFlange(const CalibrationProblem& problem);
+
+// Functions of the shots that one source may follow, each a column.
+struct FunctionFamily {
+  Source source;
+  std::shared_ptr<const Eigen::MatrixXd> functions;  // one row per shot of the data; those of other sources too
+};
+
+// Joint deviations that rows of one visit, or of one pose (equal joint values), share: standard deviations, rad or m,
+// one per joint.
+struct JointScatter {
+  Eigen::VectorXd visit, pose;
+};
+
+// As the experiment states it: repeatability at each visit.
+JointScatter StatedScatter(const CalibrationProblem& problem);
+
+// Sums over rows, whitened: rows of [believed, explaining, residual] times themselves.
+struct RowSums {
+  Eigen::MatrixXd products;
+  double log_det = 0.0;  // of the covariance that whitened them
+  int rows = 0;
+
+  static RowSums Zero(long width) { return {Eigen::MatrixXd::Zero(width, width), 0.0, 0}; }
+  RowSums& operator+=(const RowSums& other);
+};
+
+// Rows of some columns for sums under a family of scatters, of covariance C_0 + v M with any variance v. With K K' =
+// C_0 and K^-1 M K'^-1 = U diag(l) U' of each pose, rows U'K^-1 [believed, columns, residual] have the variances 1 + v
+// l.
+struct FilledBlock {
+  Eigen::MatrixXd rows;
+  Eigen::VectorXd growth;  // l of each row
+  double log_det = 0.0;    // of C_0
+};
+
+// Given what is believed, which is eliminated with a flat prior (or its stated one).
+struct GivenBelieved {
+  ProjectedNormal normal;
+  double log_constant = 0.0;  // -1/2 (log |C| + log |J' C^-1 J|): compares ways to whiten
+};
+
+// The columns of everything that is believed or may explain, and their sums over the rows.
+class EvidenceColumns {
+ public:
+  // Candidates without columns of their own (the gravity compensator) are left out.
+  EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
+                  const std::vector<Candidate>& candidates);
+
+  // Adds a family; returns its columns.
+  std::vector<int> Add(const FunctionFamily& family);
+  int num_columns() const { return num_columns_; }
+  // Columns of each candidate, empty for one that the model already has.
+  const std::vector<int>& ColumnsOf(int candidate) const { return of_candidate_[candidate]; }
+  // Name of the coordinate of a candidate's column.
+  const std::string& Name(int column) const { return names_.at(column); }
+
+  // Functions behind columns that are not the linearization's, one row per shot of the data.
+  Eigen::MatrixXd FunctionOf(const std::vector<int>& columns) const;
+
+  // Lengths of the arm between a joint (-1: the base) and the next: coordinate and nominal value, m, of each that has
+  // an error.
+  std::vector<std::pair<int, double>> LengthsOf(int joint) const;
+
+  // Coordinate of a load's centre of gravity along an axis of the flange; -1: of a load that is none of load_com's
+  // candidates. Loads are counted in the order of their names.
+  int LoadPointOf(int load, int axis) const;
+  const std::vector<std::string>& loads() const { return loads_; }
+  // Coordinate of a pull at the flange along an axis of the base; -1: no joint gives way.
+  int PullAlong(int axis) const;
+
+  // Groups of configurations with equal joint values, in the order of the data.
+  int num_poses() const { return static_cast<int>(poses_.size()); }
+  // Whether any pose has more than one visit.
+  bool HasRevisits() const { return has_revisits_; }
+
+  // All columns (null), or some; all poses (empty), or some.
+  RowSums Sum(const JointScatter& scatter, const std::vector<int>* columns = nullptr,
+              const std::vector<int>& poses = {}) const;
+  // Of some columns, over the poses of each group by themselves.
+  std::vector<RowSums> SumEach(const JointScatter& scatter, const std::vector<int>& columns,
+                               const std::vector<int>& group_of_pose) const;
+  // Of one block in `every`; their sum is that over all where `every` is 1. least, per_unit: scatters of C_0 and M.
+  std::vector<FilledBlock> Fill(const std::vector<int>& columns, int every, const JointScatter& least,
+                                const JointScatter& per_unit) const;
+  RowSums Sum(double variance, const std::vector<FilledBlock>& filled) const;
+  int num_rows() const { return 3 * static_cast<int>(extended_.CalibrationObservations().size()); }
+  GivenBelieved Project(const RowSums& sums) const;
+  // Of all columns over all rows. own: lists of columns of which the block with themselves is asked for often. Where
+  // the linearized blocks are kept the other products are made as they are asked for: this must outlive what is
+  // returned.
+  GivenBelieved ProjectAll(const JointScatter& scatter, const std::set<std::vector<int>>& own) const;
+
+  AlongSources SumAlong(const std::vector<Source>& sources) const;
+
+  int num_believed() const { return static_cast<int>(believed_.size()); }
+  // Rows [believed, columns] of one pose that need not be fitted, whitened.
+  Eigen::MatrixXd RowsAt(const std::vector<int>& observations, const JointScatter& scatter,
+                         const std::vector<int>& columns) const;
+  // Products of RowSums, the priors of the believed included.
+  Eigen::MatrixXd WithPriors(Eigen::MatrixXd products) const;
+
+ private:
+  struct Block {
+    std::vector<int> observations;
+    Linearization here;                    // believed, catalogue and source columns; joints that deviate: `latent`
+    std::vector<Eigen::VectorXd> sources;  // rows of each of sources_
+  };
+  // Rows of one pose in a block, and what they share: C - I.
+  struct PoseRows {
+    long top = 0, height = 0;
+  };
+  std::vector<PoseRows> PosesAmong(const std::vector<int>& observations) const;
+  Eigen::MatrixXd SharedBy(const PoseRows& pose, const std::vector<int>& observations, const Eigen::MatrixXd& latent,
+                           const JointScatter& scatter) const;
+  // Of the covariance of one pose's rows, which begin at `top` in their block.
+  struct PoseRoot {
+    long top = 0;
+    Eigen::LLT<Eigen::MatrixXd> root;
+  };
+  using BlockRoots = std::vector<PoseRoot>;  // empty: rows are independent, of unit variance
+
+  // Candidates that the model has not: those whose parameters each move one thing, by their index, and the others.
+  struct SplitCandidates {
+    std::vector<std::pair<size_t, std::vector<SingleMotion>>> motions;
+    std::vector<EffectSpec> others;
+  };
+  static SplitCandidates Split(const CalibrationProblem& problem, const std::vector<Candidate>& candidates);
+  EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
+                  const std::vector<Candidate>& candidates, const SplitCandidates& split);
+  // Coordinates of a block's columns.
+  void SetLinearized();
+  // Poses and blocks of them; the first blocks are linearized.
+  void SetBlocks();
+  // One family of each source.
+  void AddMotions(const std::vector<Candidate>& candidates, const SplitCandidates& split);
+  Block LinearizeBlock(const std::vector<int>& observations) const;
+  const Block& BlockOf(int index, Block* scratch) const;
+  // Of a family's column.
+  size_t SourceOf(int column) const {
+    return source_of_family_[static_cast<size_t>(family_of_column_[static_cast<size_t>(column) - catalogue_.size()])];
+  }
+  // What a unit of the source moves: coordinates, and by how much, SI.
+  std::vector<std::pair<int, double>> MovedBy(const Source& source) const;
+  Eigen::VectorXd SourceRows(const Block& block, const Source& source) const;
+  Eigen::VectorXd ReadingRows(const Block& block, const Source& source) const;
+  // of: null for all columns.
+  void FillRows(const Block& block, const std::vector<int>* of, Eigen::MatrixXd* rows) const;
+  // Their number.
+  int AddPriors(Eigen::MatrixXd* own, Eigen::VectorXd* along, double* square) const;
+  BlockRoots RootsOf(const std::vector<int>& observations, const Eigen::MatrixXd& latent,
+                     const JointScatter& scatter) const;
+  // rows <- root^-1 rows of each pose; log of the determinant of the covariance.
+  static double Whiten(const BlockRoots& roots, Eigen::MatrixXd* rows);
+  // Believed columns, with their priors, eliminated from sums with others and the residual.
+  struct Eliminated {
+    Eigen::MatrixXd along;  // Q'[A r], Q orthonormal over what is believed
+    double square = 0.0;    // r'r, with priors
+    double dof = 0.0;
+    double log_constant = 0.0;  // as of GivenBelieved
+  };
+  Eliminated Eliminate(Eigen::MatrixXd own, Eigen::MatrixXd with_others, double square, const RowSums& sums) const;
+  class ShotProducts;
+  struct AllSums;
+  AllSums SumAll(const JointScatter& scatter, const std::set<std::vector<int>>& own,
+                 std::vector<BlockRoots>* roots) const;
+  void SumFamilies(const std::set<std::vector<int>>& own, const std::vector<BlockRoots>& roots, AllSums* all) const;
+  Eigen::MatrixXd SumsOfShots(size_t source, const std::vector<Eigen::MatrixXd>& along, long first, long rows) const;
+  // u'A of all columns of families; along: u' of each block.
+  Eigen::MatrixXd AlongFamilies(const std::vector<Eigen::MatrixXd>& along) const;
+  // A_k' C^-1 A of some columns with all; roots: of every block.
+  Eigen::MatrixXd ProductsOf(const std::vector<int>& columns, const std::vector<BlockRoots>& roots) const;
+
+  CalibrationProblem extended_;
+  std::vector<int> believed_;    // coordinates of extended_
+  std::vector<int> catalogue_;   // coordinates of effects that have no families
+  std::vector<int> linearized_;  // coordinates behind the columns of a block
+  std::vector<std::vector<int>> of_candidate_;
+  std::vector<double> units_;         // of the columns of catalogue_
+  std::map<int, std::string> names_;  // of all candidates' columns
+  std::vector<FunctionFamily> families_;
+  std::vector<int> fitted_shots_;
+  std::vector<int> place_of_shot_;  // among those
+  // Functions of families with the rows of fitted shots alone, which all sums are over.
+  std::map<const Eigen::MatrixXd*, Eigen::MatrixXd> fitted_functions_;
+  std::vector<Source> sources_;  // of the families, each once
+  std::vector<size_t> source_of_family_;
+  std::vector<int> family_of_column_, function_of_column_;  // of columns beyond the catalogue
+  std::vector<std::string> loads_;
+  int num_columns_ = 0;
+  std::vector<std::vector<int>> poses_;  // observations of each
+  std::vector<std::vector<int>> poses_of_block_;
+  std::vector<int> pose_of_observation_;
+  bool has_revisits_ = false;
+  std::vector<Block> stored_;  // of the first blocks
+};
+
+}  // namespace sagitta

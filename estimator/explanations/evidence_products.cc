@@ -1,0 +1,335 @@
+// Products of all columns, as they are asked for. Most columns are a source's rows times a function of the shots, and
+// what is asked of them follows from products shot by shot: with s and t the rows of two sources, f and h the functions
+//
+//   A_f'C^-1 A_h = f'S h,  S(i, j) = s_i'C^-1 t_j of shots i and j,    A_f'C^-1 X = sum over shots of f(i) s_i'C^-1 X
+//
+// which needs one row per shot in place of three per reading. S is zero between shots of different poses.
+#include <glog/logging.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <set>
+
+#include "estimator/explanations/evidence_columns.h"
+#include "estimator/least_squares/row_sums.h"
+#include "models/batch/shot_program.h"
+
+namespace sagitta {
+namespace {
+
+constexpr long kRowsTogether = 24;  // of products: what the widest vectors have registers for
+
+}  // namespace
+
+class EvidenceColumns::ShotProducts {
+ public:
+  ShotProducts(const EvidenceColumns& columns, const std::vector<BlockRoots>& roots)
+      : columns_(columns), roots_(roots) {}
+
+  // A'C^-1 A of columns that are all of families.
+  Eigen::MatrixXd Own(const std::vector<int>& listed) {
+    const std::vector<Part> parts = PartsOf(listed);
+    const auto size = static_cast<long>(listed.size());
+    Eigen::MatrixXd own(size, size);
+    for (const Part& one : parts) {
+      for (const Part& other : parts) {
+        if (other.source < one.source) continue;
+        const Eigen::MatrixXd along = Of(one.source, other.source).Times(other.functions);
+        const Eigen::MatrixXd block = TallProduct(one.functions.transpose(), along);
+        own(one.places, other.places) = block;
+        own(other.places, one.places) = block.transpose();
+      }
+    }
+    return own;
+  }
+
+  // Squares of each column of a family.
+  Eigen::VectorXd Squares(size_t family) {
+    const size_t source = columns_.source_of_family_[family];
+    const Eigen::MatrixXd& functions = *columns_.families_[family].functions;
+    return functions.cwiseProduct(Of(source, source).Times(functions)).colwise().sum().transpose();
+  }
+
+ private:
+  // Columns of one source.
+  struct Part {
+    size_t source = 0;
+    std::vector<long> places;   // in the list
+    Eigen::MatrixXd functions;  // shots x columns
+  };
+
+  std::vector<Part> PartsOf(const std::vector<int>& listed) const {
+    std::map<size_t, std::vector<long>> places;
+    for (size_t k = 0; k < listed.size(); ++k) places[columns_.SourceOf(listed[k])].push_back(static_cast<long>(k));
+    std::vector<Part> parts;
+    for (const auto& [source, own] : places) {
+      std::vector<int> columns;
+      for (const long k : own) columns.push_back(listed[static_cast<size_t>(k)]);
+      parts.push_back({source, own, columns_.FunctionOf(columns)});
+    }
+    return parts;
+  }
+
+  // S of two sources, shots x shots; what lies off the diagonal is of poses with several shots.
+  struct ByShot {
+    Eigen::VectorXd diagonal;
+    Eigen::SparseMatrix<double> off_diagonal;
+
+    Eigen::MatrixXd Times(const Eigen::MatrixXd& functions) const {
+      Eigen::MatrixXd product = diagonal.asDiagonal() * functions;
+      if (off_diagonal.nonZeros() > 0) product += off_diagonal * functions;
+      return product;
+    }
+  };
+
+  const ByShot& Of(size_t one, size_t other) {
+    const auto [known, is_new] = known_.try_emplace({one, other});
+    ByShot& products = known->second;
+    if (!is_new) return products;
+    const auto shots = static_cast<long>(columns_.extended_.data().shots.size());
+    products.diagonal.setZero(shots);
+    products.off_diagonal.resize(shots, shots);
+    std::vector<Eigen::Triplet<double>> off_diagonal;
+    for (size_t b = 0; b < columns_.stored_.size(); ++b) {
+      AddBlock(b, one, other, [&](int shot, int with, double product) {
+        if (shot == with) {
+          products.diagonal[shot] += product;
+        } else {
+          off_diagonal.emplace_back(shot, with, product);
+        }
+      });
+    }
+    products.off_diagonal.setFromTriplets(off_diagonal.begin(),
+                                          off_diagonal.end());  // sums what is of one pair of shots
+    return products;
+  }
+
+  // add(shot, shot, product): to the products of two shots.
+  void AddBlock(size_t b, size_t one, size_t other, const std::function<void(int, int, double)>& add) const {
+    const Block& block = columns_.stored_[b];
+    const Eigen::VectorXd &s = block.sources[one], &t = block.sources[other];
+    const auto shot_of = [&](size_t o) { return columns_.extended_.data().observations[block.observations[o]].shot; };
+    if (roots_[b].empty()) {
+      for (size_t o = 0; o < block.observations.size(); ++o) {
+        const long top = static_cast<long>(3 * o);
+        add(shot_of(o), shot_of(o), s.segment<3>(top).dot(t.segment<3>(top)));
+      }
+      return;
+    }
+    for (const PoseRoot& pose : roots_[b]) {
+      const long height = pose.root.rows();
+      const auto first = static_cast<size_t>(pose.top / 3), last = first + static_cast<size_t>(height / 3);
+      std::map<int, long> place;  // of its shots
+      for (size_t o = first; o < last; ++o) place.emplace(shot_of(o), static_cast<long>(place.size()));
+      Eigen::MatrixXd by_shot = Eigen::MatrixXd::Zero(height, static_cast<long>(place.size()));
+      for (size_t o = first; o < last; ++o) {
+        const long top = static_cast<long>(3 * (o - first));
+        by_shot.col(place[shot_of(o)]).segment<3>(top) = t.segment<3>(pose.top + top);
+      }
+      const Eigen::MatrixXd solved = pose.root.solve(by_shot);
+      for (size_t o = first; o < last; ++o) {
+        const long top = static_cast<long>(3 * (o - first));
+        for (const auto& [shot, column] : place) {
+          add(shot_of(o), shot, s.segment<3>(pose.top + top).dot(solved.col(column).segment<3>(top)));
+        }
+      }
+    }
+  }
+
+  const EvidenceColumns& columns_;
+  const std::vector<BlockRoots>& roots_;
+  std::map<std::pair<size_t, size_t>, ByShot> known_;
+};
+
+struct EvidenceColumns::AllSums {
+  RowSums whitened;               // log det and rows alone
+  Eigen::MatrixXd with_believed;  // [J A r]'C^-1 [J r]
+  Eigen::VectorXd squares;        // of each of A
+  ColumnProducts::OwnBlocks own;
+};
+
+namespace {
+
+// Columns of which rows are made: those of the linearization, and those that are asked for together with one.
+std::vector<int> ColumnsByRows(int of_linearization, const std::set<std::vector<int>>& own) {
+  std::set<int> columns;
+  for (int c = 0; c < of_linearization; ++c) columns.insert(columns.end(), c);
+  for (const std::vector<int>& list : own) {
+    const bool any = std::any_of(list.begin(), list.end(), [&](int c) { return c < of_linearization; });
+    if (any) columns.insert(list.begin(), list.end());
+  }
+  return {columns.begin(), columns.end()};
+}
+
+std::vector<long> PlacesOf(const std::vector<int>& list, const std::vector<int>& sorted) {
+  std::vector<long> places;
+  for (const int c : list) places.push_back(std::lower_bound(sorted.begin(), sorted.end(), c) - sorted.begin());
+  return places;
+}
+
+}  // namespace
+
+EvidenceColumns::AllSums EvidenceColumns::SumAll(const JointScatter& scatter, const std::set<std::vector<int>>& own,
+                                                 std::vector<BlockRoots>* roots) const {
+  const long believed = num_believed(), of_linearization = static_cast<long>(catalogue_.size());
+  const std::vector<int> by_rows = ColumnsByRows(static_cast<int>(of_linearization), own);
+  const auto count = static_cast<long>(by_rows.size());
+  std::map<std::vector<int>, std::vector<long>> places;  // of lists, among those
+  AllSums all;
+  for (const std::vector<int>& list : own) {
+    if (list.empty() || *std::min_element(list.begin(), list.end()) >= of_linearization) continue;
+    places[list] = PlacesOf(list, by_rows);
+    all.own[list] = Eigen::MatrixXd::Zero(static_cast<long>(list.size()), static_cast<long>(list.size()));
+  }
+  Eigen::MatrixXd of_rows = Eigen::MatrixXd::Zero(believed + count + 1, believed + 1);
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(count);
+  std::vector<Eigen::MatrixXd> along;  // [J r]'C^-1 of each block
+  Eigen::MatrixXd rows;
+  for (const Block& block : stored_) {
+    FillRows(block, &by_rows, &rows);
+    roots->push_back(RootsOf(block.observations, block.here.latent, scatter));
+    all.whitened.log_det += Whiten(roots->back(), &rows);
+    all.whitened.rows += block.here.num_rows();
+    Eigen::MatrixXd with(rows.rows(), believed + 1);
+    with << rows.leftCols(believed), rows.rightCols(1);
+    of_rows += TallProduct(rows.transpose(), with);
+    const Eigen::MatrixXd explaining = rows.middleCols(believed, count);
+    squares += explaining.colwise().squaredNorm().transpose();
+    for (const auto& [list, own_places] : places) {
+      const Eigen::MatrixXd of = explaining(Eigen::all, own_places);
+      all.own[list] += TallProduct(of.transpose(), of);
+    }
+    for (const PoseRoot& pose : roots->back()) {
+      auto of_pose = with.middleRows(pose.top, pose.root.rows());
+      of_pose = pose.root.matrixU().solve(Eigen::MatrixXd(of_pose));
+    }
+    along.push_back(with.transpose());
+  }
+  all.with_believed.resize(believed + num_columns_ + 1, believed + 1);
+  all.with_believed << of_rows.topRows(believed + of_linearization), AlongFamilies(along).transpose(),
+      of_rows.bottomRows(1);
+  all.squares.resize(num_columns_);
+  all.squares.head(of_linearization) = squares.head(of_linearization);
+  SumFamilies(own, *roots, &all);
+  return all;
+}
+
+// Squares of the families' columns, and blocks of the lists that hold nothing else.
+void EvidenceColumns::SumFamilies(const std::set<std::vector<int>>& own, const std::vector<BlockRoots>& roots,
+                                  AllSums* all) const {
+  ShotProducts by_shot(*this, roots);
+  for (const std::vector<int>& list : own) {
+    const auto [place, is_new] = all->own.try_emplace(list);
+    if (is_new) place->second = by_shot.Own(list);
+  }
+  auto first = static_cast<long>(catalogue_.size());
+  for (size_t f = 0; f < families_.size(); ++f) {
+    const long columns = families_[f].functions->cols();
+    all->squares.segment(first, columns) = by_shot.Squares(f);
+    first += columns;
+  }
+}
+
+GivenBelieved EvidenceColumns::ProjectAll(const JointScatter& scatter, const std::set<std::vector<int>>& own) const {
+  VLOG(1) << "diagnosis: products of " << num_columns_ << " columns in " << own.size() << " groups";
+  if (stored_.size() < poses_of_block_.size()) return Project(Sum(scatter));
+  const long believed = num_believed();
+  std::vector<BlockRoots> roots;
+  AllSums all = SumAll(scatter, own, &roots);
+  const Eigen::MatrixXd& few = all.with_believed;
+  Eigen::MatrixXd with_others(believed, num_columns_ + 1);
+  with_others << few.middleRows(believed, num_columns_).leftCols(believed).transpose(), few.topRightCorner(believed, 1);
+  const Eliminated out = Eliminate(few.topLeftCorner(believed, believed), std::move(with_others),
+                                   few(few.rows() - 1, believed), all.whitened);
+  const Eigen::MatrixXd along = out.along.leftCols(num_columns_);
+  const Eigen::VectorXd of_residual = out.along.rightCols(1);
+  Eigen::VectorXd seen = Eigen::VectorXd::Ones(num_columns_);  // 0: of a column that what is believed contains
+  for (int c = 0; c < num_columns_; ++c) {
+    if (!(all.squares[c] - along.col(c).squaredNorm() > kContained * all.squares[c])) seen[c] = 0.0;
+  }
+  for (auto& [columns, sum] : all.own) {
+    const Eigen::MatrixXd of = along(Eigen::all, columns);
+    const Eigen::VectorXd kept = seen(columns);
+    sum = kept.asDiagonal() * (sum - of.transpose() * of) * kept.asDiagonal();
+  }
+  const Eigen::VectorXd gradient =
+      seen.cwiseProduct(few.rightCols(1).middleRows(believed, num_columns_) - along.transpose() * of_residual);
+  const auto rows_of = [this, roots, along, seen](const std::vector<int>& columns) -> Eigen::MatrixXd {
+    const Eigen::MatrixXd of = along(Eigen::all, columns);
+    const Eigen::VectorXd kept = seen(columns);
+    return kept.asDiagonal() * (ProductsOf(columns, roots) - of.transpose() * along) * seen.asDiagonal();
+  };
+  return {{ColumnProducts(std::move(all.own), rows_of), gradient, out.square - of_residual.squaredNorm(), out.dof},
+          out.log_constant};
+}
+
+// (u's)(shot) of one source, a column for each fitted shot; of some rows of u', zeros below.
+Eigen::MatrixXd EvidenceColumns::SumsOfShots(size_t source, const std::vector<Eigen::MatrixXd>& along, long first,
+                                             long rows) const {
+  const Measurements& data = extended_.data();
+  const long own = std::min(rows, along[0].rows() - first);
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(rows, static_cast<long>(fitted_shots_.size()));
+  for (size_t b = 0; b < stored_.size(); ++b) {
+    const Block& block = stored_[b];
+    for (size_t o = 0; o < block.observations.size(); ++o) {
+      const long top = static_cast<long>(3 * o);
+      sums.col(place_of_shot_[data.observations[block.observations[o]].shot]).head(own) +=
+          along[b].block(first, top, own, 3) * block.sources[source].segment<3>(top);
+    }
+  }
+  return sums;
+}
+
+// With u of each block:  u'A = sum over shots of (u's)(shot) f(shot). So many rows of u' at a time as fill whole
+// vectors, and what follows the same functions one after the other: sums and functions stay in the cache.
+Eigen::MatrixXd EvidenceColumns::AlongFamilies(const std::vector<Eigen::MatrixXd>& along) const {
+  std::map<const Eigen::MatrixXd*, std::vector<std::pair<size_t, long>>> followers;  // sources, and columns of products
+  long columns = 0;
+  for (size_t f = 0; f < families_.size(); ++f) {
+    followers[families_[f].functions.get()].emplace_back(source_of_family_[f], columns);
+    columns += families_[f].functions->cols();
+  }
+  Eigen::MatrixXd products(along[0].rows(), columns);
+  for (long row = 0; row < products.rows(); row += kRowsTogether) {
+    const long own = std::min(kRowsTogether, products.rows() - row);
+    const long wide = (own + kBatchLanes - 1) / kBatchLanes * kBatchLanes;
+    std::vector<Eigen::MatrixXd> of_shots;
+    for (size_t s = 0; s < sources_.size(); ++s) of_shots.push_back(SumsOfShots(s, along, row, wide));
+    for (const auto& [whole, sources] : followers) {
+      const Eigen::MatrixXd& functions = fitted_functions_.at(whole);
+      for (const auto& [source, first] : sources) {
+        products.block(row, first, own, functions.cols()) = TallProduct(of_shots[source], functions).topRows(own);
+      }
+    }
+  }
+  return products;
+}
+
+Eigen::MatrixXd EvidenceColumns::ProductsOf(const std::vector<int>& columns,
+                                            const std::vector<BlockRoots>& roots) const {
+  const long believed = num_believed(), size = static_cast<long>(columns.size());
+  const long of_linearization = static_cast<long>(catalogue_.size());
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(size, num_columns_);
+  std::vector<Eigen::MatrixXd> along;  // A_k'C^-1 of each block
+  Eigen::MatrixXd rows;
+  for (size_t b = 0; b < stored_.size(); ++b) {
+    const Block& block = stored_[b];
+    FillRows(block, &columns, &rows);
+    Eigen::MatrixXd u = rows.middleCols(believed, size);
+    for (const PoseRoot& pose : roots[b]) {
+      auto own = u.middleRows(pose.top, pose.root.rows());
+      own = pose.root.solve(Eigen::MatrixXd(own));
+    }
+    along.push_back(u.transpose());
+    products.leftCols(of_linearization) +=
+        TallProduct(along.back(), block.here.jacobian.middleCols(believed, of_linearization));
+  }
+  for (long c = 0; c < of_linearization; ++c) products.col(c) *= units_[static_cast<size_t>(c)];
+  products.rightCols(num_columns_ - of_linearization) = AlongFamilies(along);
+  return products;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,282 @@
+// What the rows of EvidenceColumns sum to: covariances of the rows, products of their columns, and what is left of them
+// given what is believed.
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <set>
+
+#include "estimator/explanations/evidence_columns.h"
+#include "estimator/least_squares/batch_algebra.h"
+
+namespace sagitta {
+namespace {
+
+constexpr Eigen::Index kRowsAtOnce = 24;  // of a product: what the widest vectors have registers for
+// Of J'J scaled to a unit diagonal: below, a direction is rounding.
+constexpr double kRankOfSums = 1e-13;
+
+// The products of a few columns at a time with those from the first of them on are added to the upper triangle.
+void AddUpperProducts(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& weighted, Eigen::MatrixXd* upper) {
+  for (Eigen::Index first = 0; first < rows.cols(); first += kRowsAtOnce) {
+    const Eigen::MatrixXd strip = rows.middleCols(first, std::min(kRowsAtOnce, rows.cols() - first)).transpose();
+    Eigen::MatrixXd product(strip.rows(), rows.cols() - first);
+    MultiplyColumns(strip.data(), strip.rows(), strip.rows(), strip.cols(), weighted.col(first).data(), product.cols(),
+                    product.data());
+    upper->block(first, first, product.rows(), product.cols()) += product;
+  }
+}
+
+double LogDet(const Eigen::LLT<Eigen::MatrixXd>& root) { return 2.0 * root.matrixLLT().diagonal().array().log().sum(); }
+
+}  // namespace
+
+std::vector<EvidenceColumns::PoseRows> EvidenceColumns::PosesAmong(const std::vector<int>& observations) const {
+  std::vector<PoseRows> poses;
+  int latest = -1;
+  for (size_t o = 0; o < observations.size(); ++o) {
+    const int pose = pose_of_observation_[observations[o]];  // -1 of one that is not fitted
+    if (o == 0 || pose != latest) poses.push_back({static_cast<long>(3 * o), 0});
+    poses.back().height += 3;
+    latest = pose;
+  }
+  return poses;
+}
+
+// Sum over joints of visit_j^2 l_j l_j' within visits + pose_j^2 l_j l_j' within poses.
+Eigen::MatrixXd EvidenceColumns::SharedBy(const PoseRows& pose, const std::vector<int>& observations,
+                                          const Eigen::MatrixXd& latent, const JointScatter& scatter) const {
+  const Eigen::MatrixXd l = latent.middleRows(pose.top, pose.height);
+  const Eigen::MatrixXd of_visit = l * scatter.visit.asDiagonal(), of_pose = l * scatter.pose.asDiagonal();
+  Eigen::MatrixXd shared = of_pose * of_pose.transpose();
+  const Eigen::MatrixXd within = of_visit * of_visit.transpose();
+  const auto visit = [&](long row) {
+    const int observation = observations[static_cast<size_t>((pose.top + row) / 3)];
+    return extended_.latent.visit_of_shot[extended_.data().observations[observation].shot];
+  };
+  for (long i = 0; i < pose.height; ++i) {
+    for (long j = 0; j < pose.height; ++j) {
+      if (visit(i) == visit(j)) shared(i, j) += within(i, j);
+    }
+  }
+  return shared;
+}
+
+EvidenceColumns::BlockRoots EvidenceColumns::RootsOf(const std::vector<int>& observations,
+                                                     const Eigen::MatrixXd& latent, const JointScatter& scatter) const {
+  BlockRoots roots;
+  if (scatter.visit.isZero(0.0) && scatter.pose.isZero(0.0)) return roots;
+  for (const PoseRows& pose : PosesAmong(observations)) {
+    Eigen::MatrixXd covariance = SharedBy(pose, observations, latent, scatter);
+    covariance.diagonal().array() += 1.0;
+    roots.push_back({pose.top, Eigen::LLT<Eigen::MatrixXd>(covariance)});
+  }
+  return roots;
+}
+
+double EvidenceColumns::Whiten(const BlockRoots& roots, Eigen::MatrixXd* rows) {
+  double log_det = 0.0;
+  for (const PoseRoot& pose : roots) {
+    auto own = rows->middleRows(pose.top, pose.root.rows());
+    own = pose.root.matrixL().solve(Eigen::MatrixXd(own));
+    log_det += LogDet(pose.root);
+  }
+  return log_det;
+}
+
+RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>* columns,
+                             const std::vector<int>& poses) const {
+  const std::set<int> wanted(poses.begin(), poses.end());
+  const long count = columns == nullptr ? num_columns_ : static_cast<long>(columns->size());
+  const long width = static_cast<long>(believed_.size()) + count + 1;
+  RowSums sums = RowSums::Zero(width);
+  Block scratch;
+  Eigen::MatrixXd rows;
+  for (size_t b = 0; b < poses_of_block_.size(); ++b) {
+    const Block& block = BlockOf(static_cast<int>(b), &scratch);
+    FillRows(block, columns, &rows);
+    if (!poses.empty()) {
+      for (size_t o = 0; o < block.observations.size(); ++o) {
+        if (wanted.count(pose_of_observation_[block.observations[o]]) > 0) continue;
+        rows.middleRows(static_cast<long>(3 * o), 3).setZero();
+        sums.rows -= 3;
+      }
+    }
+    sums.log_det += Whiten(RootsOf(block.observations, block.here.latent, scatter), &rows);
+    AddUpperProducts(rows, rows, &sums.products);
+    sums.rows += block.here.num_rows();
+  }
+  sums.products = Eigen::MatrixXd(sums.products.selfadjointView<Eigen::Upper>());
+  return sums;
+}
+
+RowSums& RowSums::operator+=(const RowSums& other) {
+  products += other.products;
+  log_det += other.log_det;
+  rows += other.rows;
+  return *this;
+}
+
+std::vector<RowSums> EvidenceColumns::SumEach(const JointScatter& scatter, const std::vector<int>& columns,
+                                              const std::vector<int>& group_of_pose) const {
+  const int groups = 1 + *std::max_element(group_of_pose.begin(), group_of_pose.end());
+  const long width = static_cast<long>(believed_.size() + columns.size()) + 1;
+  std::vector<RowSums> sums(static_cast<size_t>(groups), RowSums::Zero(width));
+  Block scratch;
+  Eigen::MatrixXd rows;
+  for (size_t b = 0; b < poses_of_block_.size(); ++b) {
+    const Block& block = BlockOf(static_cast<int>(b), &scratch);
+    FillRows(block, &columns, &rows);
+    const BlockRoots roots = RootsOf(block.observations, block.here.latent, scatter);
+    Whiten(roots, &rows);
+    std::vector<std::vector<long>> of_group(sums.size());
+    const std::vector<PoseRows> poses = PosesAmong(block.observations);
+    for (size_t k = 0; k < poses.size(); ++k) {
+      const int pose = pose_of_observation_[block.observations[static_cast<size_t>(poses[k].top / 3)]];
+      const auto group = static_cast<size_t>(group_of_pose[static_cast<size_t>(pose)]);
+      for (long row = 0; row < poses[k].height; ++row) of_group[group].push_back(poses[k].top + row);
+      if (!roots.empty()) sums[group].log_det += LogDet(roots[k].root);
+    }
+    for (size_t group = 0; group < sums.size(); ++group) {
+      const Eigen::MatrixXd own = rows(of_group[group], Eigen::all);
+      AddUpperProducts(own, own, &sums[group].products);
+      sums[group].rows += static_cast<int>(own.rows());
+    }
+  }
+  for (RowSums& own : sums) own.products = Eigen::MatrixXd(own.products.selfadjointView<Eigen::Upper>());
+  return sums;
+}
+
+AlongSources EvidenceColumns::SumAlong(const std::vector<Source>& sources) const {
+  const Measurements& data = extended_.data();
+  const Eigen::MatrixXd none =
+      Eigen::MatrixXd::Zero(static_cast<long>(data.shots.size()), static_cast<long>(sources.size()));
+  AlongSources sums{none, none};
+  Block scratch;
+  for (size_t b = 0; b < poses_of_block_.size(); ++b) {
+    const Block& block = BlockOf(static_cast<int>(b), &scratch);
+    for (size_t s = 0; s < sources.size(); ++s) {
+      const Eigen::VectorXd moved = SourceRows(block, sources[s]);
+      for (size_t o = 0; o < block.observations.size(); ++o) {
+        const long shot = data.observations[block.observations[o]].shot, top = static_cast<long>(3 * o);
+        const auto own = moved.segment<3>(top);
+        sums.square(shot, static_cast<long>(s)) += own.squaredNorm();
+        sums.residual(shot, static_cast<long>(s)) += block.here.residual.segment<3>(top).dot(own);
+      }
+    }
+  }
+  return sums;
+}
+
+std::vector<FilledBlock> EvidenceColumns::Fill(const std::vector<int>& columns, int every, const JointScatter& least,
+                                               const JointScatter& per_unit) const {
+  std::vector<FilledBlock> filled;
+  Block scratch;
+  for (size_t b = 0; b < poses_of_block_.size(); b += static_cast<size_t>(every)) {
+    const Block& block = BlockOf(static_cast<int>(b), &scratch);
+    FilledBlock& own = filled.emplace_back();
+    FillRows(block, &columns, &own.rows);
+    own.growth.resize(own.rows.rows());
+    const BlockRoots roots = RootsOf(block.observations, block.here.latent, least);
+    own.log_det = Whiten(roots, &own.rows);
+    const std::vector<PoseRows> poses = PosesAmong(block.observations);
+    for (size_t p = 0; p < poses.size(); ++p) {
+      Eigen::MatrixXd shared = SharedBy(poses[p], block.observations, block.here.latent, per_unit);
+      if (!roots.empty()) {
+        shared = roots[p].root.matrixL().solve(shared);
+        shared = roots[p].root.matrixL().solve(Eigen::MatrixXd(shared.transpose()));
+      }
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(shared);
+      own.growth.segment(poses[p].top, poses[p].height) = eigen.eigenvalues().cwiseMax(0.0);
+      auto rows = own.rows.middleRows(poses[p].top, poses[p].height);
+      rows = eigen.eigenvectors().transpose() * Eigen::MatrixXd(rows);
+    }
+  }
+  return filled;
+}
+
+RowSums EvidenceColumns::Sum(double variance, const std::vector<FilledBlock>& filled) const {
+  const long width = filled.empty() ? 0 : filled[0].rows.cols();
+  RowSums sums = RowSums::Zero(width);
+  for (const FilledBlock& block : filled) {
+    const Eigen::VectorXd variances = (1.0 + variance * block.growth.array()).matrix();
+    sums.log_det += block.log_det + variances.array().log().sum();
+    AddUpperProducts(block.rows, variances.cwiseInverse().asDiagonal() * block.rows, &sums.products);
+    sums.rows += static_cast<int>(block.rows.rows());
+  }
+  sums.products = Eigen::MatrixXd(sums.products.selfadjointView<Eigen::Upper>());
+  return sums;
+}
+
+// Those that the user stated, and markers on a spring.
+int EvidenceColumns::AddPriors(Eigen::MatrixXd* own, Eigen::VectorXd* along, double* square) const {
+  Linearization priors;
+  priors.columns = believed_;
+  priors.jacobian.resize(0, static_cast<long>(believed_.size()));
+  AppendPriors(extended_.parameters, &priors);
+  *own += priors.jacobian.transpose() * priors.jacobian;
+  *along += priors.jacobian.transpose() * priors.residual;
+  *square += priors.residual.squaredNorm();
+  return static_cast<int>(priors.residual.size());
+}
+
+Eigen::MatrixXd EvidenceColumns::RowsAt(const std::vector<int>& observations, const JointScatter& scatter,
+                                        const std::vector<int>& columns) const {
+  const Block block = LinearizeBlock(observations);
+  Eigen::MatrixXd rows;
+  FillRows(block, &columns, &rows);
+  Whiten(RootsOf(block.observations, block.here.latent, scatter), &rows);
+  return rows.leftCols(rows.cols() - 1);
+}
+
+Eigen::MatrixXd EvidenceColumns::WithPriors(Eigen::MatrixXd products) const {
+  const long believed = num_believed(), last = products.cols() - 1;
+  Eigen::MatrixXd own = products.topLeftCorner(believed, believed);
+  Eigen::VectorXd along = products.col(last).head(believed);
+  AddPriors(&own, &along, &products(last, last));
+  products.topLeftCorner(believed, believed) = own;
+  products.col(last).head(believed) = along;
+  products.row(last).head(believed) = along.transpose();
+  return products;
+}
+
+// With K = J'C^-1 J (priors added) = V diag(l) V' of scaled columns and B = V diag(l)^(-1/2) of its rank:
+//   along = B'(J'C^-1 [A r]),   n = rows + priors - rank,   log constant = -1/2 (log |C| + log |K|).
+EvidenceColumns::Eliminated EvidenceColumns::Eliminate(Eigen::MatrixXd own, Eigen::MatrixXd with_others, double square,
+                                                       const RowSums& sums) const {
+  Eigen::VectorXd along_residual = with_others.rightCols(1);
+  const int priors = AddPriors(&own, &along_residual, &square);
+  with_others.rightCols(1) = along_residual;
+  const Eigen::VectorXd scale = own.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+      Eigen::MatrixXd(scale.asDiagonal() * own * scale.asDiagonal()));
+  const double least = kRankOfSums * eigen.eigenvalues().maxCoeff();
+  const int rank = static_cast<int>((eigen.eigenvalues().array() > least).count());
+  const Eigen::MatrixXd basis =
+      eigen.eigenvectors().rightCols(rank) * eigen.eigenvalues().tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
+  const double log_det = eigen.eigenvalues().tail(rank).array().log().sum() - 2.0 * scale.array().log().sum();
+  return {basis.transpose() * (scale.asDiagonal() * with_others), square,
+          static_cast<double>(sums.rows + priors - rank), -0.5 * (sums.log_det + log_det)};
+}
+
+// [G g; g' R] = [A r]'C^-1 [A r] - along' along.
+GivenBelieved EvidenceColumns::Project(const RowSums& sums) const {
+  const long believed = static_cast<long>(believed_.size()), width = sums.products.cols(), count = width - believed - 1;
+  const Eliminated out =
+      Eliminate(sums.products.topLeftCorner(believed, believed), sums.products.topRightCorner(believed, count + 1),
+                sums.products(count + believed, count + believed), sums);
+  Eigen::MatrixXd left = sums.products.bottomRightCorner(count + 1, count + 1);
+  left(count, count) = out.square;
+  const Eigen::VectorXd before = left.diagonal();
+  left.selfadjointView<Eigen::Upper>().rankUpdate(out.along.transpose(), -1.0);
+  Eigen::MatrixXd information = left.topLeftCorner(count, count).selfadjointView<Eigen::Upper>();
+  Eigen::VectorXd gradient = left.col(count).head(count);
+  for (long c = 0; c < count; ++c) {
+    if (information(c, c) > kContained * before[c]) continue;
+    information.row(c).setZero();
+    information.col(c).setZero();
+    gradient[c] = 0.0;
+  }
+  return {{std::move(information), std::move(gradient), left(count, count), out.dof}, out.log_constant};
+}
+
+}  // namespace sagitta

@@ -1,0 +1,214 @@
+#include "estimator/explanations/explanations.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "estimator/explanations/compensator_shapes.h"
+#include "estimator/explanations/driver_functions.h"
+#include "estimator/explanations/unnamed_functions.h"
+#include "estimator/report/explanations_words.h"
+#include "models/effects/catalogue.h"
+#include "models/effects/learnt_deviation.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kAlikeShapes = 1e-5;  // of the largest: directions of springs that add less are dropped
+constexpr long kPerShape = 4;          // columns of a compensator's shape
+constexpr double kElsewhere = 0.05;    // of the compensators: not against the arm's own weight
+
+// Change points, widths and lags of one effect are many settings and one explanation.
+std::string WithoutChangePoint(const Robot& robot, EffectSpec spec) {
+  const EffectDefinition* definition = FindEffect(robot, spec.effect);
+  if (definition == nullptr) return spec.effect;  // a robot has one compensator
+  for (const SettingDefinition& setting : definition->settings) {
+    const bool is_scanned =
+        setting.kind == SettingDefinition::Kind::kMoment || setting.kind == SettingDefinition::Kind::kNumber;
+    if (is_scanned) spec.settings.erase(setting.name);
+  }
+  return spec.Path();
+}
+
+// Of the catalogue or of what is unnamed, each with its mass: equal over families, then over targets, then over
+// settings; in a family that states weights, by these.
+void SetShares(const PriorMasses& prior, ExplanationList* list) {
+  struct Family {
+    std::map<std::string, int> settings;  // of each target
+    double weights = 0.0;
+  };
+  const double something = prior.catalogue + prior.unnamed;
+  for (const bool unnamed : {false, true}) {
+    std::map<std::string, Family> families;
+    std::vector<size_t> own;
+    for (size_t k = 0; k < list->math.size(); ++k) {
+      if (list->IsUnnamed(static_cast<int>(k)) != unnamed) continue;
+      own.push_back(k);
+      Family& family = families[list->place[k].family];
+      ++family.settings[list->place[k].target];
+      family.weights += list->place[k].weight;
+    }
+    const double mass =
+        (unnamed ? prior.unnamed : prior.catalogue) / something / std::max(1.0, static_cast<double>(families.size()));
+    for (const size_t k : own) {
+      const PlaceInPrior& place = list->place[k];
+      const Family& family = families[place.family];
+      const double among = static_cast<double>(family.settings.size()) * family.settings.at(place.target);
+      list->math[k].share = mass * place.listed * (family.weights > 0.0 ? place.weight / family.weights : 1.0 / among);
+    }
+  }
+}
+
+template <typename Value>
+std::vector<Value> Kept(std::vector<Value> values, const std::vector<size_t>& kept) {
+  std::vector<Value> few;
+  for (const size_t k : kept) few.push_back(std::move(values[k]));
+  return few;
+}
+
+class ListBuilder {
+ public:
+  ListBuilder(const CalibrationProblem& problem, const ParameterSet& parameters, const CandidateList& candidates,
+              EvidenceColumns* columns)
+      : problem_(problem), parameters_(parameters), columns_(columns), fitted_(FittedShots(problem)) {
+    list_.candidates = candidates.candidates;
+    list_.not_testable = candidates.not_testable;
+  }
+
+  ExplanationList Build(const PriorMasses& prior, bool with_unnamed) {
+    AddCatalogue();
+    if (with_unnamed) AddUnnamed();
+    SetShares(prior, &list_);
+    return std::move(list_);
+  }
+
+ private:
+  int Number(const std::string& name) {
+    return numbers_.emplace(name, static_cast<int>(numbers_.size())).first->second;
+  }
+
+  void Append(ColumnGroup group, int candidate, int unnamed, const EffectSpec& start, const PlaceInPrior& place,
+              const std::string& excludes) {
+    list_.name.push_back(IsGravityCompensator(start) ? start.effect + "/" + start.target : excludes);
+    list_.math.push_back({std::move(group), 0.0, Number(excludes)});
+    list_.candidate.push_back(candidate);
+    list_.unnamed.push_back(unnamed);
+    list_.start.push_back(start);
+    list_.place.push_back(place);
+  }
+
+  void AddCatalogue() {
+    for (size_t c = 0; c < list_.candidates.size(); ++c) {
+      const EffectSpec& spec = list_.candidates[c].spec;
+      const int candidate = static_cast<int>(c);
+      if (IsGravityCompensator(spec)) {
+        AddCompensator(candidate);
+      } else if (!columns_->ColumnsOf(candidate).empty()) {
+        Append({columns_->ColumnsOf(candidate), {}}, candidate, -1, spec, {spec.effect, spec.target},
+               WithoutChangePoint(problem_.robot(), spec));
+      }
+    }
+  }
+
+  // Four columns for each shape: a spring of the usual rest length that turns the joint by kTypicalSpringTurn (root
+  // mean square over the shots), and what another rest length, direction and ratio within the grid's cell add,
+  //   Kc (T1 + s0 T2),  s0 = m + d eta,  eta ~ N(0, 1):  columns T1 + m T2, d T2, and the first one's derivatives times
+  // the standard deviations of an even distribution over the cell.
+  void AddCompensator(int candidate) {
+    const EffectSpec& spec = list_.candidates[candidate].spec;
+    const int joint = problem_.robot().chain.FindJoint(spec.target);
+    const Source source{Source::Kind::kJoint, joint, 0};
+    const std::vector<EffectSpec> shapes = CompensatorShapes(spec.target);
+    const Eigen::VectorXd angles = OfShots(problem_, [&](const ShotConditions& shot) { return shot.q[joint]; });
+    Eigen::MatrixXd torques(angles.size(), kPerShape * static_cast<long>(shapes.size()));
+    const double turn = kTypicalSpringTurn / kTypicalTurn * std::sqrt(static_cast<double>(fitted_.size()));
+    for (size_t s = 0; s < shapes.size(); ++s) {
+      const Eigen::MatrixXd own = SpringColumns(shapes[s], angles);
+      torques.middleCols(kPerShape * static_cast<long>(s), kPerShape) = turn / OnFitted(own.col(0)).norm() * own;
+    }
+    const Eigen::VectorXd weights = SpringWeights(joint, OnFitted(torques));
+    const Compressed functions = Compress(torques, kAlikeShapes);
+    const std::vector<int> own = columns_->Add({source, std::make_shared<const Eigen::MatrixXd>(functions.basis)});
+    for (size_t s = 0; s < shapes.size(); ++s) {
+      Append({own, functions.mixing.middleCols(kPerShape * static_cast<long>(s), kPerShape)}, candidate, -1, shapes[s],
+             {spec.effect, spec.target, weights[static_cast<long>(s)]}, spec.effect);
+    }
+  }
+
+  // A compensator is built where weight is carried and against it. Of the prior a joint has the share of the squared
+  // torque that a weight at the flange puts on it (mean over the shots, of all joints'), and of that a shape the share
+  // that it can remove, cos^2 of the angle between the two torques, nothing where it pulls along.
+  // kElsewhere of the prior is equal over joints and shapes: springs that balance something else.
+  Eigen::VectorXd SpringWeights(int joint, const Eigen::MatrixXd& torques) {
+    if (of_weight_.size() == 0) of_weight_ = OnFitted(TorquesPerWeight(problem_, parameters_));
+    const Chain& chain = problem_.robot().chain;
+    const double sign = chain.transforms[chain.JointTransform(joint)].sign;  // a spring's torque is along the joint
+    const long shapes = torques.cols() / kPerShape;
+    Eigen::VectorXd against(shapes);
+    for (long s = 0; s < shapes; ++s) {
+      const double size = torques.col(kPerShape * s).norm() * of_weight_.col(joint).norm();
+      const double cosine = size > 0.0 ? sign * torques.col(kPerShape * s).dot(of_weight_.col(joint)) / size : 0.0;
+      against[s] = cosine < 0.0 ? cosine * cosine : 0.0;
+    }
+    double all = 0.0;
+    for (int j = 0; j < joints(); ++j) all += IsRevolute(problem_, j) ? of_weight_.col(j).squaredNorm() : 0.0;
+    const double sum = against.sum(), of_joint = all > 0.0 ? of_weight_.col(joint).squaredNorm() / all : 0.0;
+    const double elsewhere = kElsewhere / static_cast<double>(joints() * shapes);
+    if (!(sum > 0.0)) return Eigen::VectorXd::Constant(shapes, elsewhere);
+    return ((1.0 - kElsewhere) * of_joint / sum * against).array() + elsewhere;
+  }
+
+  Eigen::MatrixXd OnFitted(const Eigen::MatrixXd& functions) const { return functions(fitted_, Eigen::all); }
+
+  int joints() const { return problem_.robot().num_joints(); }
+
+  void AddUnnamed() {
+    for (UnnamedGroup& unnamed : ListUnnamed(problem_, parameters_, columns_)) {
+      const std::string name = unnamed.family + "/" + unnamed.function.acts_on + "/" + unnamed.function.words;
+      list_.functions.push_back(std::move(unnamed.function));
+      const int function = static_cast<int>(list_.functions.size()) - 1;
+      Append(std::move(unnamed.group), -1, function, {}, {unnamed.family, name, 0.0, unnamed.listed}, name);
+    }
+  }
+
+  const CalibrationProblem& problem_;
+  const ParameterSet& parameters_;
+  EvidenceColumns* columns_;
+  std::vector<int> fitted_;  // shots
+  ExplanationList list_;
+  std::map<std::string, int> numbers_;
+  Eigen::MatrixXd of_weight_;  // fitted shots x joints: torque per weight at the flange, m
+};
+
+}  // namespace
+
+ExplanationList ListExplanations(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                 const CandidateList& candidates, const PriorMasses& prior, EvidenceColumns* columns,
+                                 bool with_unnamed) {
+  return ListBuilder(problem, parameters, candidates, columns).Build(prior, with_unnamed);
+}
+
+void DropInvisible(const ProjectedNormal& normal, const PriorMasses& prior, ExplanationList* list) {
+  const double widest = kScales[kNumScales - 1] * kScales[kNumScales - 1];
+  std::vector<size_t> kept;
+  std::map<std::pair<std::string, std::string>, bool> seen;  // of the catalogue, by effect and target
+  for (size_t k = 0; k < list->math.size(); ++k) {
+    const bool is_visible = widest * OwnInformation(normal, list->math[k].group).trace() >= 1.0;
+    if (is_visible) kept.push_back(k);
+    if (list->IsUnnamed(static_cast<int>(k))) continue;
+    const EffectSpec& spec = list->SpecOf(static_cast<int>(k));
+    seen[{spec.effect, spec.target}] |= is_visible;
+  }
+  for (const auto& [what, is_visible] : seen) {
+    if (is_visible) continue;
+    list->not_testable.push_back({what.first, what.second, RowsAboveTheNoise()});
+  }
+  list->math = Kept(std::move(list->math), kept);
+  list->candidate = Kept(std::move(list->candidate), kept);
+  list->unnamed = Kept(std::move(list->unnamed), kept);
+  list->start = Kept(std::move(list->start), kept);
+  list->name = Kept(std::move(list->name), kept);
+  list->place = Kept(std::move(list->place), kept);
+  SetShares(prior, list);
+}
+
+}  // namespace sagitta

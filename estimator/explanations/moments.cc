@@ -1,0 +1,114 @@
+#include "estimator/explanations/moments.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "estimator/explanations/evidence_columns.h"
+#include "estimator/random_effects/sweep.h"
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+constexpr size_t kChangePoints = 30;    // at least, and less than twice as many, where the visits allow
+constexpr double kWorthRefining = 3.0;  // log evidence over nothing: 20 to 1
+constexpr size_t kMostAround = 20;      // on either side, in one round
+
+// Times at which a fitted shot was measured, ascending.
+std::vector<double> FittedTimes(const CalibrationProblem& problem) {
+  std::set<double> times;
+  for (size_t s = 0; s < problem.shot_inputs().size(); ++s) {
+    const bool held_out = problem.data().configurations[problem.data().shots[s].configuration].is_validation;
+    if (problem.shot_inputs()[s].conditions.has_time && !held_out)
+      times.insert(problem.shot_inputs()[s].conditions.time);
+  }
+  return {times.begin(), times.end()};
+}
+
+size_t StrideOf(const std::vector<double>& times) { return std::max<size_t>(1, times.size() / kChangePoints); }
+
+// Before the i-th time.
+std::string MomentBefore(const std::vector<double>& times, size_t i) {
+  return std::to_string(0.5 * (times[i - 1] + times[i]));
+}
+
+struct Best {
+  const Candidate* candidate = nullptr;
+  double log_evidence = kWorthRefining;
+};
+
+// Of each effect on each target, the others of its settings alike: the moment that alone explains most.
+std::map<std::string, Best> BestMoments(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                        const std::vector<Candidate>& candidates) {
+  EvidenceColumns columns(problem, parameters, candidates);
+  std::set<std::vector<int>> own;
+  for (size_t c = 0; c < candidates.size(); ++c) own.insert(columns.ColumnsOf(static_cast<int>(c)));
+  const GivenBelieved given_believed = columns.ProjectAll(StatedScatter(problem), own);
+  const ResidualLikelihood known_sigma(given_believed.normal.dof, std::numeric_limits<double>::infinity(), 0.0);
+  std::map<std::string, Best> best;
+  for (size_t c = 0; c < candidates.size(); ++c) {
+    const ColumnGroup group{columns.ColumnsOf(static_cast<int>(c)), {}};
+    if (group.columns.empty()) continue;
+    const double log_evidence =
+        AverageGain(known_sigma, given_believed.normal.residual, OwnInformation(given_believed.normal, group),
+                    OwnGradient(given_believed.normal, group));
+    EffectSpec others = candidates[c].spec;
+    others.settings.erase(MomentOf(problem.robot(), others));
+    Best& known = best[others.Path()];
+    if (log_evidence > known.log_evidence) known = {&candidates[c], log_evidence};
+  }
+  return best;
+}
+
+}  // namespace
+
+std::string MomentOf(const Robot& robot, const EffectSpec& spec) {
+  const EffectDefinition* definition = FindEffect(robot, spec.effect);
+  if (definition == nullptr) return "";
+  for (const SettingDefinition& setting : definition->settings) {
+    if (setting.kind == SettingDefinition::Kind::kMoment && spec.settings.count(setting.name) > 0) return setting.name;
+  }
+  return "";
+}
+
+std::vector<std::string> ChangePoints(const CalibrationProblem& problem) {
+  const std::vector<double> times = FittedTimes(problem);
+  std::vector<std::string> points;
+  const size_t stride = StrideOf(times);
+  for (size_t i = stride; i + 1 < times.size(); i += stride) points.push_back(MomentBefore(times, i));
+  return points;
+}
+
+void RefineMoments(const CalibrationProblem& problem, const ParameterSet& parameters, CandidateList* list) {
+  const std::vector<double> times = FittedTimes(problem);
+  std::vector<Candidate> tried;
+  for (const Candidate& candidate : list->candidates) {
+    if (!MomentOf(problem.robot(), candidate.spec).empty()) tried.push_back(candidate);
+  }
+  for (size_t stride = StrideOf(times); stride > 1 && !tried.empty();) {
+    const size_t finer = std::max<size_t>(1, stride / kMostAround);
+    std::vector<Candidate> centres, around;
+    for (const auto& [others, best] : BestMoments(problem, parameters, tried)) {
+      if (best.candidate == nullptr) continue;
+      const std::string setting = MomentOf(problem.robot(), best.candidate->spec);
+      centres.push_back(*best.candidate);
+      const double moment = std::stod(best.candidate->spec.settings.at(setting));
+      const auto after = static_cast<size_t>(std::lower_bound(times.begin(), times.end(), moment) - times.begin());
+      for (size_t off = finer; off < stride; off += finer) {
+        for (const size_t i : {after - off, after + off}) {
+          if (i < 1 || i >= times.size()) continue;  // after - off wraps around below 0
+          around.push_back(*best.candidate);
+          around.back().spec.settings[setting] = MomentBefore(times, i);
+        }
+      }
+    }
+    list->candidates.insert(list->candidates.end(), around.begin(), around.end());
+    tried = std::move(centres);
+    tried.insert(tried.end(), around.begin(), around.end());
+    stride = finer;
+  }
+}
+
+}  // namespace sagitta

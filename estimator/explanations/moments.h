@@ -1,0 +1,21 @@
+// When something may have changed: moments between visits, first every so-manieth, then all around those that matter.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "estimator/explanations/candidates.h"
+
+namespace sagitta {
+
+// Name of the setting that is a moment, "" where there is none.
+std::string MomentOf(const Robot& robot, const EffectSpec& spec);
+
+// Middles between the times of consecutive fitted visits, s of the campaign's clock, thinned; settings of kMoment.
+std::vector<std::string> ChangePoints(const CalibrationProblem& problem);
+
+// Adds the moments between the thinned ones, around the best of each effect on each target that alone is more likely
+// than nothing by e^3: rows on the wrong side of a moment leave what a hundred other explanations would absorb.
+void RefineMoments(const CalibrationProblem& problem, const ParameterSet& parameters, CandidateList* list);
+
+}  // namespace sagitta

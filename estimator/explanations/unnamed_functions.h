@@ -1,0 +1,38 @@
+// What has no name: random functions of what a pose, a load, a time or a place may drive, of everything that may
+// deviate.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "estimator/explanations/drivers.h"
+#include "estimator/explanations/evidence_columns.h"
+#include "estimator/random_effects/sweep.h"
+
+namespace sagitta {
+
+// A deviation outside the catalogue.
+struct UnnamedFunction {
+  std::string kind;                     // smooth, periodic, step (a jump), time, other: FORMATS section 6
+  std::string acts_on;                  // joint, station or marker
+  std::vector<std::string> depends_on;  // joints, time, temperature, a station or a marker
+  std::string words;
+  std::vector<Source> sources;  // each with the same functions
+  Driver driver;                // of one driver; else empty
+  // The same function as effects of the model, without values; empty where time is not stated and it goes by visits.
+  std::vector<EffectSpec> effects;
+};
+
+// One of them with its columns.
+struct UnnamedGroup {
+  ColumnGroup group;
+  UnnamedFunction function;
+  std::string family;   // that shares a part of the prior
+  double listed = 1.0;  // of the family: the others say less of these rows and are left out
+};
+
+// Adds their columns.
+std::vector<UnnamedGroup> ListUnnamed(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                      EvidenceColumns* columns);
+
+}  // namespace sagitta

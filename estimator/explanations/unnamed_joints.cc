@@ -1,0 +1,339 @@
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "estimator/explanations/candidates.h"
+#include "estimator/explanations/driver_functions.h"
+#include "estimator/explanations/unnamed_list.h"
+#include "estimator/report/explanations_words.h"
+#include "models/constants.h"
+#include "models/single_motion.h"
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+constexpr int kWaveOrders = 6;  // of waves over another joint's angle, as of the catalogue's harmonics (candidates.cc)
+constexpr size_t kJumps = 8;    // along a joint's angle, of all gaps between poses, kMostJointGaps at most
+constexpr int kMostJointGaps = 200;
+constexpr double kSame = 0.999;  // of the length of a mean of unit vectors: phases within 2.6 degrees
+constexpr int kRipples = 6;      // of each joint, of all orders beyond the catalogue's that it may have
+constexpr int kNeighbours = 2;   // joints that a hose or a table of corrections goes over lie that close
+
+// s, a factor of four apart: no lag between them is off by more than two. What follows faster is there before it is
+// measured, what follows slower creeps evenly through a campaign.
+constexpr const char* kLags[] = {"300", "1200", "4800"};
+
+class JointFunctions : public UnnamedList {
+ public:
+  JointFunctions(const CalibrationProblem& problem, const ParameterSet& parameters, EvidenceColumns* columns)
+      : UnnamedList(problem, columns), parameters_(parameters), along_(columns->SumAlong(Joints())) {}
+
+  void Add() {
+    AddJointFunctions();
+    AddAllJoints();
+    AddRipple();
+    AddPairs();
+    AddSurfaces();
+    AddLags();
+  }
+
+ private:
+  std::vector<Source> Joints() const {
+    std::vector<Source> sources;
+    for (int j = 0; j < joints(); ++j) sources.push_back({Source::Kind::kJoint, j, 0});
+    return sources;
+  }
+
+  // A joint deviates with a driver.
+  void AddJointFunctions() {
+    const bool loaded = std::any_of(problem_.shot_inputs().begin(), problem_.shot_inputs().end(),
+                                    [](const ShotInput& shot) { return !shot.wrenches.empty(); });
+    const Eigen::MatrixXd torques = loaded ? JointTorques(problem_, parameters_) : Eigen::MatrixXd();
+    std::vector<std::pair<Driver, std::string>> common = {{TimeOf(problem_), "time"},
+                                                          {TemperatureOf(problem_), "temperature"}};
+    for (int j = 0; j < joints(); ++j) {
+      const Source source{Source::Kind::kJoint, j, 0};
+      for (int k = 0; k < joints(); ++k) {
+        GroupedFunctions functions;
+        const Eigen::VectorXd q = OfShots(problem_, [k](const ShotConditions& shot) { return shot.q[k]; });
+        if (!Smooth(q, "smooth", &functions)) continue;
+        if (k == j) AppendBumps(q, "smooth", kFineBumps, &functions);
+        if (k == j) AppendJumps(q, j, &functions);
+        if (k != j && IsRevolute(problem_, k)) AppendWaves(q, k, &functions);
+        const Driver angle = AngleOf(problem_, k);
+        AddFunctions(functions,
+                     {"",
+                      JointName(j),
+                      {JointName(k)},
+                      DeviatesWith(JointName(j), JointName(k)),
+                      {source},
+                      angle,
+                      {Over(angle, "learnt_deviation", JointName(j))}},
+                     k == j ? "own angle" : "other angle");
+      }
+      std::vector<std::pair<Driver, std::string>> drivers = common;
+      if (loaded) drivers.push_back({TorqueOf(problem_, j, torques), "torque"});
+      for (const auto& [driver, family] : drivers) {
+        GroupedFunctions functions;
+        if (!Smooth(driver.of_shot, driver.kind == DriverKind::kTime ? "time" : "smooth", &functions)) continue;
+        const bool is_torque = driver.kind == DriverKind::kTorque;
+        if (driver.kind == DriverKind::kTime) AppendRamps(driver.of_shot, "time", kRamps, &functions);
+        AddFunctions(functions,
+                     {"",
+                      JointName(j),
+                      {is_torque ? JointName(j) : family},
+                      DeviatesWith(JointName(j), is_torque ? "the torque on it" : family),
+                      {source},
+                      driver,
+                      {Over(driver, "learnt_deviation", JointName(j))}},
+                     family);
+      }
+    }
+  }
+
+  // Of the gaps between poses those that the rows say most of, each by itself.
+  void AppendJumps(const Eigen::VectorXd& q, int j, GroupedFunctions* functions) const {
+    Scan<Gap> scan;
+    for (const TriedJump& jump : TryJumps(along_, fitted_, q, {kMostJointGaps, 1, j, 1}))
+      scan.Try(jump.reduction, jump.gap);
+    const std::vector<Gap> best = scan.Best(kJumps);
+    const double unit = IsRevolute(problem_, j) ? kDegree : 1e-3;
+    const double listed = static_cast<double>(best.size()) / static_cast<double>(scan.size());
+    for (const Gap& gap : best) {
+      functions->Append(Jump(q, gap), "step",
+                        {{"driver", JointName(j)},
+                         {"from", Significant(gap.first / unit, kDigits)},
+                         {"to", Significant(gap.second / unit, kDigits)}},
+                        "learnt_jump_deviation", listed);
+    }
+  }
+
+  void AppendWaves(const Eigen::VectorXd& q, int driver, GroupedFunctions* functions) const {
+    for (int n = 1; n <= kWaveOrders; ++n) {
+      functions->Append(Waves(n * q, 1), "periodic", {{"driver", JointName(driver)}, {"order", std::to_string(n)}},
+                        "learnt_wave_deviation");
+    }
+  }
+
+  // The heat of the drives: each joint deviates in its own way.
+  void AddAllJoints() {
+    const Driver time = TimeOf(problem_);
+    GroupedFunctions functions;
+    if (joints() < 2 || !Smooth(time.of_shot, "time", &functions)) return;
+    UnnamedFunction what{"", "joints", {"time"}, EachJointDeviatesWithTime(), {}, time, {}};
+    for (int j = 0; j < joints(); ++j) {
+      what.sources.push_back({Source::Kind::kJoint, j, 0});
+      what.effects.push_back(Over(time, "learnt_deviation", JointName(j)));
+    }
+    AddFunctions(functions, what, "joints in time");
+  }
+
+  // What the effect does to its joint, in typical sizes.
+  Eigen::MatrixXd FunctionsOf(const EffectSpec& spec) const {
+    const std::vector<ShotInput>& shots = problem_.shot_inputs();
+    const auto motions =
+        SingleMotionsOf(problem_.model().robot(), problem_.data().markers, spec, shots, OrderOfTime(shots));
+    if (!motions) return Eigen::MatrixXd(static_cast<long>(shots.size()), 0);
+    Eigen::MatrixXd functions(static_cast<long>(shots.size()), static_cast<long>(motions->size()));
+    for (size_t k = 0; k < motions->size(); ++k) functions.col(static_cast<long>(k)) = (*motions)[k].per_unit;
+    return functions;
+  }
+
+  // The effect in units of the largest that the fitted shots have, with its function; null where all are zero.
+  std::optional<std::pair<EffectSpec, GroupedFunctions>> Lagging(int j, const std::string& by,
+                                                                 Settings settings) const {
+    settings["by"] = by;
+    settings["unit"] = "1";
+    EffectSpec spec{"learnt_lag", JointName(j), settings, {}};
+    const Eigen::MatrixXd own = FunctionsOf(spec);
+    const double most = own.cols() > 0 ? OnFitted(own).cwiseAbs().maxCoeff() : 0.0;
+    if (!(most > 0.0)) return std::nullopt;
+    spec.settings["unit"] = Significant(most, kDigits);
+    GroupedFunctions functions;
+    functions.Append(own / std::stod(spec.settings["unit"]), "time", {});
+    return std::make_pair(spec, functions);
+  }
+
+  // Creep under what hangs on the arm, and the heat of the drives.
+  void AddLags() {
+    if (OrderOf(problem_).kind != DriverKind::kTime || !Varies(TimeOf(problem_).of_shot)) return;
+    const Settings down = DownSettings(DownInBase(problem_, parameters_));
+    const bool loaded = std::any_of(problem_.shot_inputs().begin(), problem_.shot_inputs().end(),
+                                    [](const ShotInput& shot) { return !shot.conditions.load_wrenches.empty(); });
+    for (const char* lag : kLags) {
+      Settings settings = down;
+      settings["lag_s"] = lag;
+      AddLag(loaded ? "load" : "weight", TorqueOnIt(), settings);
+      AddLag("motion", HeatOfItsMotion(), {{"lag_s", lag}});
+    }
+  }
+
+  // One joint follows late; all of them, each in its own way.
+  void AddLag(const std::string& by, const std::string& what, const Settings& settings) {
+    UnnamedFunction each{"", "joints", {"time"}, EachJointFollowsLate(what), {}, {}, {}};
+    std::vector<GroupedFunctions> of_joints;
+    for (int j = 0; j < joints(); ++j) {
+      const auto own = Lagging(j, by, settings);
+      if (!own) continue;
+      const Source source{Source::Kind::kJoint, j, 0};
+      AddFunctions(own->second,
+                   {"", JointName(j), {"time"}, FollowsLate(JointName(j), what), {source}, {}, {own->first}}, "lag");
+      each.sources.push_back(source);
+      each.effects.push_back(own->first);
+      of_joints.push_back(own->second);
+    }
+    AddEach(of_joints, each, "joints in time");
+  }
+
+  // exp(i n q): of n = 1 here, of others by products, which round a hundred times at most.
+  static Eigen::ArrayXcd TurnOf(const Eigen::ArrayXd& q) {
+    Eigen::ArrayXcd turn(q.size());
+    turn.real() = q.cos();
+    turn.imag() = q.sin();
+    return turn;
+  }
+
+  // Orders d of which d q is the same at all poses, as on a lattice; up to `most`. Where phases scatter by v,
+  // |mean exp(i phase)| = 1 - v / 2.
+  static std::vector<bool> SameEverywhere(const Eigen::ArrayXd& q, int most) {
+    std::vector<bool> same;
+    const Eigen::ArrayXcd turn = TurnOf(q);
+    Eigen::ArrayXcd wave = Eigen::ArrayXcd::Ones(q.size());
+    for (int d = 0; d <= most; ++d, wave *= turn) same.push_back(std::abs(wave.mean()) > kSame);
+    return same;
+  }
+
+  // Teeth beyond the orders of the catalogue: of many, those that the rows say most of, each joint by itself and
+  // nothing else considered (they are as good as orthogonal to whatever is smooth); and for each order of the catalogue
+  // one that these poses cannot distinguish from it, for all of them. The prior counts them all.
+  void AddRipple() {
+    const int first = ResolvedOrders(problem_) + 1, orders = kMostHarmonicOrders + 1 - first;
+    for (int j = 0; j < joints(); ++j) {
+      if (!IsRevolute(problem_, j) || orders < kRipples) continue;
+      const Eigen::ArrayXd q = OfShots(problem_, [j](const ShotConditions& shot) { return shot.q[j]; });
+      // Waves of orders n and k are the same functions on these angles where (n - k) q or (n + k) q is the same.
+      const std::vector<bool> same = SameEverywhere(OnFitted(q.matrix()).array(), kMostHarmonicOrders + first);
+      const auto is_same = [&same](int order) { return same[static_cast<size_t>(order)]; };
+      std::map<int, std::pair<int, int>> aliases;  // by order of the catalogue: the lowest, and how many
+      Scan<int> scan;
+      const Eigen::ArrayXcd turn = TurnOf(q);
+      Eigen::ArrayXcd wave = TurnOf(first * q);
+      for (int n = first; n <= kMostHarmonicOrders; ++n, wave *= turn) {
+        int k = 1;
+        while (k < first && !is_same(n - k) && !is_same(n + k)) ++k;
+        if (k < first) {
+          ++aliases.emplace(k, std::make_pair(n, 0)).first->second.second;
+        } else {
+          scan.Try(along_.Reduction(wave.real(), j) + along_.Reduction(wave.imag(), j), n);
+        }
+      }
+      const std::vector<int> best = scan.Best(kRipples);
+      const double each = static_cast<double>(aliases.size() + best.size()) / orders;
+      for (const int n : best) AddWave(j, n, q, each);
+      for (const auto& [k, alias] : aliases) AddWave(j, alias.first, q, each * alias.second);
+    }
+  }
+
+  void AddWave(int j, int order, const Eigen::ArrayXd& q, double listed) {
+    GroupedFunctions functions;
+    functions.Append(Waves(order * q, 1), "periodic", {}, "", listed);
+    const std::string& name = JointName(j);
+    const EffectSpec effect{"joint_harmonic", name, {{"order", std::to_string(order)}}, {}};
+    AddFunctions(functions,
+                 {"", name, {name}, RepeatsPerTurn(name, order), {{Source::Kind::kJoint, j, 0}}, {}, {effect}},
+                 "ripple");
+  }
+
+  // The effect; its knots go by the group of functions.
+  EffectSpec OverBoth(const std::string& name, int j, int a, int b) const {
+    const EffectSpec with = Over(AngleOf(problem_, b), name, JointName(j));
+    EffectSpec effect = Over(AngleOf(problem_, a), name, JointName(j));
+    effect.settings.erase("by");
+    effect.settings["with"] = JointName(b);
+    effect.settings["from_with"] = with.settings.at("from");
+    effect.settings["to_with"] = with.settings.at("to");
+    return effect;
+  }
+
+  // A joint deviates over its own angle and a neighbour's.
+  void AddSurfaces() {
+    for (int a = 0; a < joints(); ++a) {
+      for (int b = a + 1; b <= std::min(a + kNeighbours, joints() - 1); ++b) {
+        const Driver one = AngleOf(problem_, a), other = AngleOf(problem_, b);
+        GroupedFunctions along, across;
+        if (!Smooth(one.of_shot, "other", &along) || !Smooth(other.of_shot, "other", &across)) continue;
+        GroupedFunctions surface;
+        surface.Append(Products(along.columns.leftCols(kUnnamedBumps[0]), across.columns.leftCols(kUnnamedBumps[0])),
+                       "other", {{"knots", std::to_string(kUnnamedBumps[0])}});
+        for (const int j : {a, b}) {
+          AddFunctions(surface,
+                       {"",
+                        JointName(j),
+                        {JointName(a), JointName(b)},
+                        DeviatesOver(JointName(j), JointName(a), JointName(b)),
+                        {{Source::Kind::kJoint, j, 0}},
+                        {},
+                        {OverBoth("learnt_surface_deviation", j, a, b)}},
+                       "surface");
+        }
+      }
+    }
+  }
+
+  bool Varies(const Eigen::VectorXd& x) const { return OnFitted(x).maxCoeff() > OnFitted(x).minCoeff(); }
+
+  // -1 to 1 over the range of the fitted shots.
+  Eigen::VectorXd OverItsRange(const Eigen::VectorXd& x) const {
+    const Eigen::VectorXd seen = OnFitted(x);
+    const double low = seen.minCoeff(), high = seen.maxCoeff();
+    return (2.0 * x.array() - low - high) / (high - low);
+  }
+
+  // A joint deviates with two joints' angles together.
+  void AddPairs() {
+    for (int a = 0; a < joints(); ++a) {
+      for (int b = a + 1; b < joints(); ++b) {
+        const Eigen::VectorXd p = OfShots(problem_, [a](const ShotConditions& shot) { return shot.q[a]; });
+        const Eigen::VectorXd q = OfShots(problem_, [b](const ShotConditions& shot) { return shot.q[b]; });
+        if (!Varies(p) || !Varies(q)) continue;
+        const Eigen::VectorXd u = OverItsRange(p), v = OverItsRange(q);
+        GroupedFunctions product, waves;
+        Eigen::MatrixXd bilinear(p.size(), 3);
+        bilinear << u, v, u.cwiseProduct(v);
+        product.Append(bilinear, "other", {});
+        Eigen::MatrixXd turning(p.size(), 4);
+        turning << (p + q).array().cos().matrix(), (p + q).array().sin().matrix(), (p - q).array().cos().matrix(),
+            (p - q).array().sin().matrix();
+        waves.Append(turning, "other", {});
+        for (int j = 0; j < joints(); ++j) {
+          UnnamedFunction what{"",
+                               JointName(j),
+                               {JointName(a), JointName(b)},
+                               DeviatesWithBoth(JointName(j), JointName(a), JointName(b)),
+                               {{Source::Kind::kJoint, j, 0}},
+                               {},
+                               {OverBoth("learnt_product_deviation", j, a, b)}};
+          AddFunctions(product, what, "two angles");
+          what.effects = {
+              {"learnt_pair_deviation", JointName(j), {{"driver", JointName(a)}, {"with", JointName(b)}}, {}}};
+          if (IsRevolute(problem_, a) && IsRevolute(problem_, b)) AddFunctions(waves, what, "two angles");
+        }
+      }
+    }
+  }
+
+  const ParameterSet& parameters_;
+  const AlongSources along_;
+};
+
+}  // namespace
+
+std::vector<UnnamedGroup> ListUnnamedJoints(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                            EvidenceColumns* columns) {
+  JointFunctions functions(problem, parameters, columns);
+  functions.Add();
+  return functions.Take();
+}
+
+}  // namespace sagitta

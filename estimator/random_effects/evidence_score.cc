@@ -1,0 +1,120 @@
+#include "estimator/random_effects/evidence_score.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "estimator/statistics/distributions.h"
+
+namespace sagitta {
+
+namespace {
+
+constexpr int kFew = 16;  // columns of most groups: their root stays on the stack
+using FewColumns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kFew, kFew>;
+
+template <typename Matrix>
+GroupGain GainBy(const Eigen::Ref<const Eigen::MatrixXd>& information,
+                 const Eigen::Ref<const Eigen::VectorXd>& gradient, double variance) {
+  Matrix posterior = variance * information;
+  posterior.diagonal().array() += 1.0;
+  const Eigen::LLT<Matrix> root(posterior);
+  if (root.info() != Eigen::Success) return {};
+  const Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, Matrix::MaxRowsAtCompileTime> rotated =
+      root.matrixL().solve(gradient);
+  return {variance * rotated.squaredNorm(), 2.0 * root.matrixLLT().diagonal().array().log().sum()};
+}
+
+}  // namespace
+
+// L L' = I + s^2 G:  quad = s^2 |L^-1 g|^2,  log det = 2 sum log L_ii; of one column  s^2 g^2 / t,  log t,  t = 1 + s^2
+// G.
+GroupGain GainOf(const Eigen::Ref<const Eigen::MatrixXd>& information,
+                 const Eigen::Ref<const Eigen::VectorXd>& gradient, double scale) {
+  const double variance = scale * scale;
+  if (gradient.size() == 1) {
+    const double t = 1.0 + variance * std::max(0.0, information(0, 0));
+    return {variance * gradient[0] * gradient[0] / t, std::log(t)};
+  }
+  if (gradient.size() <= kFew) return GainBy<FewColumns>(information, gradient, variance);
+  return GainBy<Eigen::MatrixXd>(information, gradient, variance);
+}
+
+Eigen::VectorXd MostQuads(const Eigen::MatrixXd& least_information, const Eigen::MatrixXd& gradients) {
+  const double variance = kScales[kNumScales - 1] * kScales[kNumScales - 1];
+  Eigen::MatrixXd posterior = variance * least_information;
+  posterior.diagonal().array() += 1.0;
+  const Eigen::LLT<Eigen::MatrixXd> root(posterior);
+  if (root.info() != Eigen::Success) {
+    return Eigen::VectorXd::Constant(gradients.cols(), std::numeric_limits<double>::infinity());
+  }
+  return variance * root.matrixL().solve(gradients).colwise().squaredNorm().transpose();
+}
+
+// log sum exp(x) = m + log sum exp(x - m), m the largest.
+double LogSumExp(const std::vector<double>& logs) {
+  const double largest = *std::max_element(logs.begin(), logs.end());
+  if (!std::isfinite(largest)) return largest;
+  double sum = 0.0;
+  for (const double value : logs) sum += std::exp(value - largest);
+  return largest + std::log(sum);
+}
+
+ResidualLikelihood::ResidualLikelihood(double dof, double sigma_dof, double wrong)
+    : dof_(std::max(1.0, dof)), sigma_dof_(sigma_dof), wrong_(sigma_dof > 0.0 ? wrong : 1.0) {
+  const double nu = sigma_dof_;
+  open_constant_ = std::lgamma(0.5 * dof_) - std::log(2.0);
+  stated_constant_ = std::isinf(nu) || !(nu > 0.0)
+                         ? 0.0
+                         : std::lgamma(0.5 * (nu + dof_)) - std::lgamma(0.5 * nu) + 0.5 * nu * std::log(0.5 * nu);
+}
+
+// Known, or 1/f^2 ~ Gamma(nu/2, nu/2): Student.
+double ResidualLikelihood::LogStated(double residual) const {
+  if (std::isinf(sigma_dof_)) return -0.5 * residual;
+  return stated_constant_ - 0.5 * (sigma_dof_ + dof_) * std::log(0.5 * (sigma_dof_ + residual));
+}
+
+// log f even between -log F and log F:  1 / (2 log F) times the integral of f^-n exp(-R / 2 f^2) dlog f, with
+// u = R / 2 f^2 an incomplete gamma function. Nothing stated: the limit of large F without its constant.
+double ResidualLikelihood::LogOpen(double residual) const {
+  const double whole = open_constant_ - 0.5 * dof_ * std::log(0.5 * residual);
+  if (!(sigma_dof_ > 0.0)) return whole;
+  const double widest = kWidestFactor * kWidestFactor;
+  const double within = ChiSquareSurvival(residual / widest, dof_) - ChiSquareSurvival(residual * widest, dof_);
+  return whole + std::log(std::max(1e-300, within)) - std::log(2.0 * std::log(kWidestFactor));
+}
+
+// f(R) = (1 - wrong) f_stated(R) + wrong f_open(R).
+double ResidualLikelihood::Log(double residual) const {
+  const double positive = std::max(1e-12, residual);
+  if (wrong_ >= 1.0) return LogOpen(positive);
+  return LogSumExp({std::log(1.0 - wrong_) + LogStated(positive), std::log(wrong_) + LogOpen(positive)});
+}
+
+// Bayes: wrong f_open(R) / f(R).
+double ResidualLikelihood::ProbabilityWrong(double residual) const {
+  if (wrong_ >= 1.0) return 0.0;
+  return std::exp(std::log(wrong_) + LogOpen(std::max(1e-12, residual)) - Log(residual));
+}
+
+// Known or not stated: R / n. Stated with nu degrees of freedom: pooled, (nu + R) / (nu + n).
+double ResidualLikelihood::Factor(double residual) const {
+  if (std::isinf(sigma_dof_) || !(sigma_dof_ > 0.0)) return std::sqrt(residual / dof_);
+  return std::sqrt((sigma_dof_ + residual) / (sigma_dof_ + dof_));
+}
+
+// log B = log mean_s B(s).
+double AverageGain(const ResidualLikelihood& likelihood, double residual, const Eigen::MatrixXd& information,
+                   const Eigen::VectorXd& gradient, double* scale) {
+  const double nothing = likelihood.Log(residual);
+  std::vector<double> logs(kNumScales);
+  for (int s = 0; s < kNumScales; ++s) {
+    const GroupGain gain = GainOf(information, gradient, kScales[s]);
+    logs[s] = likelihood.Log(residual - gain.quad) - nothing - 0.5 * gain.log_det;
+  }
+  if (scale != nullptr) *scale = kScales[std::max_element(logs.begin(), logs.end()) - logs.begin()];
+  return LogSumExp(logs) - std::log(kNumScales);
+}
+
+}  // namespace sagitta

@@ -1,0 +1,84 @@
+// How well a group of columns explains a residual: the log marginal likelihood over that of nothing.
+//
+// Whitened, at the optimum of what is believed:  r = J b + A a + e,  e ~ N(0, I),  a ~ N(0, s^2 I), b flat. With P the
+// projection off J, G = A'PA, g = A'Pr, R = r'Pr and n = rows - rank(J), the marginal likelihood depends on the group
+// through
+//
+//   log det = log |I + s^2 G|,   quad = g' (G + I / s^2)^-1 g,
+//   log B(s) = log f(R - quad) - log f(R) - 1/2 log det
+//
+// f is the density of a residual of that square: exp(-R/2) where sigma is known, Student's where it is open. The
+// columns are in units of their typical size; s is not known and has the values of kScales with equal probability,
+// which contains the Occam factor: there is no other penalty. (MacKay 1992, "Bayesian interpolation"; Kass and Raftery
+// 1995.)
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <limits>
+#include <vector>
+
+#include "estimator/random_effects/column_products.h"
+
+namespace sagitta {
+
+// Half decades around the typical size: wide enough that the exact size does not matter.
+constexpr double kScales[] = {0.03, 0.1, 0.3, 1.0, 3.0};
+constexpr int kNumScales = 5;
+
+// Normal equations of a list of columns with what is believed eliminated.
+struct ProjectedNormal {
+  ColumnProducts information;  // G
+  Eigen::VectorXd gradient;    // g
+  double residual = 0.0;       // R
+  double dof = 0.0;            // n
+};
+
+// What a group does to the evidence at one scale.
+struct GroupGain {
+  double quad = 0.0;
+  double log_det = 0.0;
+};
+
+// Of a group with prior standard deviation `scale`, in typical sizes, from its information and gradient.
+GroupGain GainOf(const Eigen::Ref<const Eigen::MatrixXd>& information,
+                 const Eigen::Ref<const Eigen::VectorXd>& gradient, double scale);
+
+// The most that columns with at least this information can explain: quad grows with s and falls with G, and what a
+// scale costs, log det, is no gain. Of each column of gradients.
+Eigen::VectorXd MostQuads(const Eigen::MatrixXd& least_information, const Eigen::MatrixXd& gradients);
+
+// log of the sum of exponentials, without overflow.
+double LogSumExp(const std::vector<double>& logs);
+
+// A wrong unit's decades: mm for 10 um, or a sigma of the last digit. Where the true factor lay beyond, what no factor
+// absorbs would be given to explanations with certainty.
+constexpr double kWidestFactor = 100.0;
+
+// f: what is known of sigma. `sigma_dof`: degrees of freedom that state it (infinity: known; 0: nothing states it).
+// A stated sigma is wrong with probability `wrong`: then its factor lies anywhere within kWidestFactor, evenly in the
+// logarithm.
+class ResidualLikelihood {
+ public:
+  ResidualLikelihood(double dof, double sigma_dof, double wrong);
+
+  // Of a residual of this square; the constant is that of known sigma, exp(-R/2).
+  double Log(double residual) const;
+  // That the stated sigma is wrong, given the square; 0 where nothing states it.
+  double ProbabilityWrong(double residual) const;
+  // Factor on sigma that the square asks for: root of R / n where it is open.
+  double Factor(double residual) const;
+
+ private:
+  double LogStated(double residual) const;
+  double LogOpen(double residual) const;
+
+  double dof_, sigma_dof_, wrong_;
+  double open_constant_, stated_constant_;
+};
+
+// Log evidence that a group adds to a residual of this square, averaged over the scales; scale: the best of them, or
+// null.
+double AverageGain(const ResidualLikelihood& likelihood, double residual, const Eigen::MatrixXd& information,
+                   const Eigen::VectorXd& gradient, double* scale = nullptr);
+
+}  // namespace sagitta

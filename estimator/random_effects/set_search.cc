@@ -1,0 +1,471 @@
+#include "estimator/random_effects/set_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "models/constants.h"
+
+namespace sagitta {
+namespace {
+
+// Sets that share the probability with the best are explored like it: e^-4 = 2 %, which 50 of them can have at most.
+constexpr double kWorthExploring = 4.0;
+constexpr int kMostExplored = 12;
+constexpr int kScaleRounds = 3;
+// Explanations at once: the prior has 0.3^20 = 3e-11 for more. Data that ask for more of them, which those of a large
+// enough campaign always do, show what the catalogue does not hold, and a sum of so many is no explanation.
+constexpr size_t kMostMembers = 20;
+constexpr size_t kAveragedTogether = 3;  // members: 5^3 combinations; of more, each with the best of the others
+constexpr double kUnsettled = 1e-3;      // of the probability: a tenth of what is reported
+constexpr size_t kMostSwaps = 1000;   // of one set: where a thousand sets share the probability they differ in details
+constexpr size_t kMostSettled = 100;  // where a hundred sets share it, each has about a hundredth
+
+// What turns one set into another: places among the members.
+struct Difference {
+  std::vector<size_t> gone;  // of the one, last first
+  std::vector<size_t> come;  // of the other, ascending
+};
+
+// A member with another scale goes and comes.
+Difference DifferenceOf(const WeightedSet& one, const WeightedSet& other) {
+  const auto holds = [](const WeightedSet& set, int member, double scale) {
+    const auto at = std::lower_bound(set.members.begin(), set.members.end(), member) - set.members.begin();
+    const auto place = static_cast<size_t>(at);
+    return place < set.members.size() && set.members[place] == member && set.scales[place] == scale;
+  };
+  Difference difference;
+  for (size_t k = one.members.size(); k-- > 0;) {
+    if (!holds(other, one.members[k], one.scales[k])) difference.gone.push_back(k);
+  }
+  for (size_t k = 0; k < other.members.size(); ++k) {
+    if (!holds(one, other.members[k], other.scales[k])) difference.come.push_back(k);
+  }
+  return difference;
+}
+
+// A set with one more, or one fewer; its weights are to be found.
+WeightedSet Grown(WeightedSet set, int candidate, double scale) {
+  const auto at = std::lower_bound(set.members.begin(), set.members.end(), candidate) - set.members.begin();
+  set.members.insert(set.members.begin() + at, candidate);
+  set.scales.insert(set.scales.begin() + at, scale);
+  return set;
+}
+
+WeightedSet Shrunk(WeightedSet set, size_t at) {
+  set.members.erase(set.members.begin() + static_cast<long>(at));
+  set.scales.erase(set.scales.begin() + static_cast<long>(at));
+  return set;
+}
+
+}  // namespace
+
+void FoundSets::Put(WeightedSet set) {
+  const std::vector<int> members = set.members;
+  const auto known = by_members_.find(members);
+  if (known != by_members_.end()) {
+    by_weight_.erase({&known->second});
+    known->second = std::move(set);
+    by_weight_.insert({&known->second});
+    return;
+  }
+  by_weight_.insert({&by_members_.emplace(members, std::move(set)).first->second});
+}
+
+const WeightedSet* FoundSets::Find(const std::vector<int>& members) const {
+  const auto known = by_members_.find(members);
+  return known == by_members_.end() ? nullptr : &known->second;
+}
+
+FewExplanations WithTheirColumns(const std::vector<Explanation>& list, const std::vector<int>& chosen) {
+  FewExplanations few;
+  for (const int k : chosen) {
+    const std::vector<int>& own = list[k].group.columns;
+    few.columns.insert(few.columns.end(), own.begin(), own.end());
+  }
+  std::sort(few.columns.begin(), few.columns.end());
+  few.columns.erase(std::unique(few.columns.begin(), few.columns.end()), few.columns.end());
+  for (const int k : chosen) {
+    few.explanations.push_back(list[k]);
+    for (int& column : few.explanations.back().group.columns) {
+      const auto at = std::lower_bound(few.columns.begin(), few.columns.end(), column);
+      column = static_cast<int>(at - few.columns.begin());
+    }
+  }
+  return few;
+}
+
+std::vector<const ColumnGroup*> GroupsOf(const std::vector<Explanation>& list, const std::vector<int>& members) {
+  std::vector<const ColumnGroup*> groups;
+  for (const int m : members) groups.push_back(&list[m].group);
+  return groups;
+}
+
+double SetPrior::Log(const std::vector<double>& shares) const {
+  if (shares.empty()) return std::log(nothing);
+  const double m = static_cast<double>(shares.size());
+  double log = std::log(1.0 - nothing) + (m - 1.0) * std::log(further) + std::lgamma(m + 1.0);
+  for (const double share : shares) log += std::log(share);
+  return log;
+}
+
+SetSearch::SetSearch(const ProjectedNormal& normal, const std::vector<Explanation>& explanations, const SetPrior& prior,
+                     const ResidualLikelihood& likelihood)
+    : normal_(normal), explanations_(explanations), prior_(prior), likelihood_(likelihood) {}
+
+bool SetSearch::IsExcluded(const Key& members, int candidate) const {
+  return std::any_of(members.begin(), members.end(),
+                     [&](int m) { return explanations_[m].excludes == explanations_[candidate].excludes; });
+}
+
+std::vector<double> SetSearch::SharesOf(const Key& members) const {
+  std::vector<double> shares;
+  for (const int m : members) shares.push_back(explanations_[m].share);
+  return shares;
+}
+
+// Coordinate ascent over the scales, each member's given the others at theirs; then the average over each.
+WeightedSet SetSearch::Evaluate(const std::vector<int>& given_members, const std::vector<double>& scales) const {
+  const std::vector<double> ones(given_members.size(), 1.0);
+  return EvaluateFrom(given_members, Members(normal_, GroupsOf(explanations_, given_members),
+                                             scales.size() == given_members.size() ? scales : ones));
+}
+
+const Sweep& SetSearch::SweepOf(const WeightedSet& set) {
+  const Difference difference = place_ ? DifferenceOf(place_->set, set) : Difference();
+  // A move costs a pass over the matrix, and so does a member of the first sweep.
+  if (!place_ || difference.gone.size() + difference.come.size() > set.members.size() + 1) {
+    place_ = std::make_unique<Place>(Place{set, Sweep(normal_, GroupsOf(explanations_, set.members), set.scales)});
+    return place_->sweep;
+  }
+  for (const size_t k : difference.gone) place_->sweep.Remove(k);
+  for (const size_t k : difference.come) {
+    place_->sweep.Insert(k, explanations_[set.members[k]].group, set.scales[k]);
+  }
+  place_->set = set;
+  return place_->sweep;
+}
+
+Members SetSearch::MembersOf(const WeightedSet& set) const {
+  const Difference difference = place_ ? DifferenceOf(place_->set, set) : Difference();
+  // Moves of all members cost what the inverse does anew.
+  if (!place_ || difference.gone.size() + difference.come.size() > set.members.size()) {
+    return Members(normal_, GroupsOf(explanations_, set.members), set.scales);
+  }
+  Members members = place_->sweep.members();
+  for (const size_t k : difference.gone) members.Remove(k);
+  for (const size_t k : difference.come) members.Insert(k, explanations_[set.members[k]].group, set.scales[k]);
+  return members;
+}
+
+// Of m <= kAveragedTogether members  log mean over all s of L(s); of more, at the best scales s^,
+//   log L(s^) + sum_k (log mean_s L(s_k = s) - log L(s^)).
+// The weight is that times the prior: log w = log L + log P(set).
+WeightedSet SetSearch::EvaluateFrom(const std::vector<int>& given_members, Members members) const {
+  WeightedSet set{given_members, members.scales(), likelihood_.Log(normal_.residual), 0.0};
+  // A pass that moves no scale has seen each member given the others at their best.
+  bool moved = !set.members.empty();
+  for (int round = 0; moved && round <= kScaleRounds; ++round) {
+    moved = false;
+    double averages = 0.0;  // of each member's scales, over its best
+    for (size_t k = 0; k < set.members.size(); ++k) {
+      const std::vector<double> logs = LogsOfScales(likelihood_, members.Of(k));
+      const auto most = std::max_element(logs.begin(), logs.end());
+      const double best = kScales[most - logs.begin()];
+      set.log_likelihood = *most;
+      averages += LogSumExp(logs) - std::log(kNumScales) - *most;
+      if (best == set.scales[k] || round == kScaleRounds) continue;
+      set.scales[k] = best;
+      members.Rescale(k, best);
+      moved = true;
+    }
+    set.log_likelihood += averages;
+  }
+  if (!set.members.empty() && set.members.size() <= kAveragedTogether) set.log_likelihood = AverageOverScales(members);
+  set.log_weight = set.log_likelihood + prior_.Log(SharesOf(set.members));
+  return set;
+}
+
+// Over all combinations: conditioned on the scales of all but the last, each of the last. Each combination begins with
+// the members as they are given: what rounding leaves grows with every scale that is raised.
+double SetSearch::AverageOverScales(const Members& members) const {
+  const size_t last = members.size() - 1;
+  std::vector<double> logs;
+  const std::function<void(const Members&, size_t)> add = [&](const Members& here, size_t next) {
+    if (next == last) {
+      for (const double log : LogsOfScales(likelihood_, here.Of(last))) logs.push_back(log);
+      return;
+    }
+    for (const double scale : kScales) {
+      Members rescaled = here;
+      if (scale != here.scales()[next]) rescaled.Rescale(next, scale);
+      add(rescaled, next + 1);
+    }
+  };
+  add(members, 0);
+  return LogSumExp(logs) - std::log(static_cast<double>(logs.size()));
+}
+
+const Eigen::MatrixXd& SetSearch::OwnOf(size_t candidate) const {
+  if (own_.empty()) own_.resize(explanations_.size());
+  Eigen::MatrixXd& own = own_[candidate];
+  if (own.size() == 0) own = OwnInformation(normal_, explanations_[candidate].group);
+  return own;
+}
+
+std::vector<double> SetSearch::Additions(const WeightedSet& given, std::vector<double>* scales) const {
+  return AdditionsTo(given, Sweep(normal_, GroupsOf(explanations_, given.members), given.scales), scales);
+}
+
+// log w(set + k) = log L(set) + log B_k + log P(set + k), B_k by what the sweep leaves of G_kk and g_k.
+std::vector<double> SetSearch::AdditionsTo(const WeightedSet& set, const Sweep& sweep,
+                                           std::vector<double>* scales) const {
+  std::vector<double> shares = SharesOf(set.members);
+  shares.push_back(1.0);
+  const double base = set.log_likelihood + prior_.Log(shares);
+  std::vector<double> weights(explanations_.size(), -kInfinity);
+  if (scales != nullptr) scales->assign(explanations_.size(), 1.0);
+  for (size_t k = 0; k < explanations_.size(); ++k) {
+    const Explanation& candidate = explanations_[k];
+    if (IsExcluded(set.members, static_cast<int>(k)) || !(candidate.share > 0.0)) continue;
+    double scale = 1.0;
+    const Eigen::MatrixXd information = OwnOf(k) - sweep.Taken(candidate.group);
+    weights[k] = base +
+                 AverageGain(likelihood_, sweep.residual(), information, sweep.Gradient(candidate.group), &scale) +
+                 std::log(candidate.share);
+    if (scales != nullptr) (*scales)[k] = scale;
+  }
+  return weights;
+}
+
+void SetSearch::Record(WeightedSet set, bool replaces) {
+  const WeightedSet* known = found_.Find(set.members);
+  const bool is_better =
+      known == nullptr || replaces || (settled_.count(set.members) == 0 && set.log_weight > known->log_weight);
+  if (is_better) found_.Put(std::move(set));
+}
+
+WeightedSet SetSearch::Settled(const WeightedSet& set, const Members* conditioned) {
+  if (settled_.insert(set.members).second) {
+    Record(EvaluateFrom(set.members, conditioned == nullptr ? MembersOf(set) : *conditioned), true);
+  }
+  return *found_.Find(set.members);
+}
+
+void SetSearch::Expand(const WeightedSet& given) {
+  if (!expanded_.insert(given.members).second || given.members.size() >= kMostMembers) return;
+  std::vector<double> scales;
+  const std::vector<double> weights = AdditionsTo(given, SweepOf(given), &scales);
+  const double most = std::max(BestWeight(), *std::max_element(weights.begin(), weights.end()));
+  for (size_t k = 0; k < weights.size(); ++k) {
+    if (weights[k] >= most - kWorthKeeping) RecordGrown(given, static_cast<int>(k), scales[k], weights[k]);
+  }
+}
+
+void SetSearch::RecordGrown(WeightedSet set, int candidate, double scale, double log_weight) {
+  set = Grown(std::move(set), candidate, scale);
+  set.log_weight = log_weight;
+  set.log_likelihood = log_weight - prior_.Log(SharesOf(set.members));
+  Record(std::move(set));
+}
+
+std::vector<WeightedSet> SetSearch::WithoutEach(const WeightedSet& set, const Members& all) const {
+  std::vector<WeightedSet> without;
+  double averages = 0.0;  // of each member's scales, over its best
+  std::vector<double> own_averages;
+  for (size_t m = 0; m < set.members.size(); ++m) {
+    WeightedSet others = Shrunk(set, m);
+    const GivenOthers given = all.Of(m);
+    others.log_likelihood = likelihood_.Log(given.residual) - 0.5 * given.log_det;
+    without.push_back(std::move(others));
+    own_averages.push_back(LossOfScale(likelihood_, given));
+    averages += own_averages.back();
+  }
+  for (size_t m = 0; m < without.size(); ++m) {
+    WeightedSet& others = without[m];
+    const WeightedSet* known = found_.Find(others.members);
+    if (known != nullptr) {
+      others = *known;
+    } else if (others.members.size() <= kAveragedTogether) {
+      Members left = all;
+      left.Remove(m);
+      others = EvaluateFrom(others.members, std::move(left));
+    } else {
+      others.log_likelihood += averages - own_averages[m];
+      others.log_weight = others.log_likelihood + prior_.Log(SharesOf(others.members));
+    }
+  }
+  return without;
+}
+
+std::vector<double> SetSearch::LossesOf(const WeightedSet& set) const {
+  const Members all(normal_, GroupsOf(explanations_, set.members), set.scales);
+  const double whole = EvaluateFrom(set.members, all).log_weight;
+  std::vector<double> losses;
+  for (size_t m = 0; m < set.members.size(); ++m) {
+    Members left = all;
+    left.Remove(m);
+    losses.push_back(whole - EvaluateFrom(Shrunk(set, m).members, std::move(left)).log_weight);
+  }
+  return losses;
+}
+
+// Every member's place for every candidate: each is removed from what is left of the candidates given all, at the
+// others' scales. Without a member G is no less than given all: what a candidate can add at most is first asked with
+// that of all, which a factor for all places says.
+std::vector<SetSearch::Swap> SetSearch::SwapsOf(const WeightedSet& set, const Sweep& sweep,
+                                                const std::vector<WeightedSet>& without) {
+  std::vector<Sweep::WithoutOne> sweeps;
+  std::vector<double> bases;  // without the likelihood of what is left
+  for (size_t m = 0; m < set.members.size(); ++m) {
+    sweeps.push_back(sweep.Without(m));
+    std::vector<double> shares = SharesOf(without[m].members);
+    shares.push_back(1.0);
+    bases.push_back(without[m].log_likelihood + prior_.Log(shares) - likelihood_.Log(sweeps[m].residual));
+  }
+  const Eigen::MatrixXd of_all = sweep.Gradients(sweeps);
+  std::vector<Swap> swaps;
+  double most = BestWeight();
+  for (size_t k = 0; k < explanations_.size(); ++k) {
+    if (!(explanations_[k].share > 0.0)) continue;
+    const Eigen::MatrixXd given_all = OwnOf(k) - sweep.Taken(explanations_[k].group);
+    const Eigen::MatrixXd gradients = ColumnsOf(explanations_[k].group, of_all).transpose();
+    const Eigen::VectorXd most_quads = MostQuads(given_all, gradients);
+    const double log_share = std::log(explanations_[k].share);
+    Eigen::MatrixXd solved;  // where it is asked for
+    for (size_t m = 0; m < set.members.size(); ++m) {
+      if (set.members[m] == static_cast<int>(k) || IsExcluded(without[m].members, static_cast<int>(k))) continue;
+      const double base = bases[m] + log_share, residual = sweeps[m].residual;
+      const auto place = static_cast<long>(m);
+      if (base + likelihood_.Log(residual - most_quads[place]) < most - kWorthKeeping) continue;
+      if (solved.size() == 0) solved = sweep.Solved(explanations_[k].group);
+      double scale = 1.0;
+      const double gain =
+          AverageGain(likelihood_, residual, given_all + sweeps[m].Information(solved), gradients.col(place), &scale);
+      const double weight = base + likelihood_.Log(residual) + gain;
+      if (weight < most - kWorthKeeping) continue;
+      most = std::max(most, weight);
+      swaps.push_back({m, static_cast<int>(k), scale, weight});
+    }
+  }
+  std::stable_sort(swaps.begin(), swaps.end(),
+                   [](const Swap& a, const Swap& b) { return a.log_weight > b.log_weight; });
+  if (swaps.size() > kMostSwaps) swaps.resize(kMostSwaps);
+  return swaps;
+}
+
+bool SetSearch::Exchange(const WeightedSet& set) {
+  if (set.members.empty() || !exchanged_.insert(set.members).second) return false;
+  const Sweep& sweep = SweepOf(set);
+  const std::vector<WeightedSet> without = WithoutEach(set, sweep.members());
+  for (const WeightedSet& others : without) Record(others);
+  std::vector<Swap> swaps = SwapsOf(set, sweep, without);
+  const double most = swaps.empty() ? BestWeight() : std::max(BestWeight(), swaps.front().log_weight);
+  for (const Swap& swap : swaps) {
+    if (swap.log_weight < most - kWorthKeeping) break;
+    RecordGrown(without[swap.member], swap.candidate, swap.scale, swap.log_weight);
+  }
+  for (size_t m = 0; m < without.size(); ++m) swaps.push_back({m, -1, 1.0, without[m].log_weight});
+  std::stable_sort(swaps.begin(), swaps.end(),
+                   [](const Swap& a, const Swap& b) { return a.log_weight > b.log_weight; });
+  SwapTogether(set, sweep.members(), swaps);
+  return Best().members != set.members;
+}
+
+// The swaps and drops that make the set better by themselves, best first, one for each place: each is kept if the set
+// is better still with it.
+void SetSearch::SwapTogether(const WeightedSet& set, const Members& all, const std::vector<Swap>& swaps) {
+  WeightedSet now = set;
+  Members members = all;
+  std::set<int> done;
+  for (const Swap& swap : swaps) {
+    if (swap.log_weight <= set.log_weight) return;
+    const int out = set.members[swap.member];
+    if (!done.insert(out).second) continue;
+    const auto at = std::find(now.members.begin(), now.members.end(), out) - now.members.begin();
+    WeightedSet swapped = Shrunk(now, static_cast<size_t>(at));
+    Members theirs = members;
+    theirs.Remove(static_cast<size_t>(at));
+    if (swap.candidate >= 0) {
+      const auto& others = swapped.members;
+      const auto place = std::lower_bound(others.begin(), others.end(), swap.candidate);
+      if ((place != others.end() && *place == swap.candidate) || IsExcluded(others, swap.candidate)) continue;
+      theirs.Insert(static_cast<size_t>(place - others.begin()), explanations_[swap.candidate].group, swap.scale);
+      swapped = Grown(std::move(swapped), swap.candidate, swap.scale);
+    }
+    const WeightedSet settled = Settled(swapped, &theirs);
+    if (!(settled.log_weight > now.log_weight)) continue;
+    now = settled;
+    members = MembersOf(now);
+  }
+}
+
+// To the nearest set that no addition, drop or swap improves: each move is up, by evaluations that are kept.
+bool SetSearch::Climb(WeightedSet from, int most_moves) {
+  from = Settled(from);
+  for (int move = 0; move < most_moves; ++move) {
+    Expand(from);
+    if (Best().members == from.members && !Exchange(from)) return true;
+    do {
+      from = Settled(Best());
+    } while (Best().members != from.members);
+  }
+  return false;
+}
+
+// What an addition says of a set keeps the others' scales: the most probable sets are evaluated by themselves, all but
+// kUnsettled of the probability, and no more than kMostSettled.
+void SetSearch::SettleAll() {
+  const double best = BestWeight();
+  const auto weight = [best](const WeightedSet& set) { return std::exp(set.log_weight - best); };
+  std::vector<const WeightedSet*> unsettled;  // best first: their weights stay until it is their turn
+  double all = 0.0, open = 0.0;
+  found_.BestFirst(kWorthKeeping, [&](const WeightedSet& set) {
+    all += weight(set);
+    if (settled_.count(set.members) > 0) return true;
+    open += weight(set);
+    unsettled.push_back(&set);
+    return true;
+  });
+  for (size_t k = 0; k < unsettled.size() && k < kMostSettled && open > kUnsettled * all; ++k) {
+    open -= weight(*unsettled[k]);
+    all -= weight(*unsettled[k]);
+    all += weight(Settled(WeightedSet(*unsettled[k])));
+  }
+}
+
+bool SetSearch::ClimbFrom(const WeightedSet& start, int most_moves) {
+  Record(Evaluate({}), true);
+  if (explanations_.empty()) return true;
+  if (!start.members.empty()) Record(Evaluate(start.members, start.scales));
+  Expand(*found_.Find({}));
+  return Climb(*found_.Find(start.members), most_moves);
+}
+
+std::vector<WeightedSet> SetSearch::Explore() {
+  for (int explored = 0; explored < kMostExplored && !explanations_.empty(); ++explored) {
+    const WeightedSet* next = nullptr;
+    found_.BestFirst(kWorthExploring, [&](const WeightedSet& set) {
+      if (expanded_.count(set.members) == 0) next = &set;
+      return next == nullptr;
+    });
+    if (next == nullptr) break;
+    const WeightedSet from = Settled(*next);
+    Expand(from);
+    Exchange(from);
+  }
+  if (!explanations_.empty()) Climb(Best());
+  SettleAll();
+  place_.reset();
+  std::vector<WeightedSet> sets;
+  bool holds_nothing = false;
+  found_.BestFirst(kWorthKeeping, [&](const WeightedSet& set) {
+    sets.push_back(set);
+    holds_nothing |= set.members.empty();
+    return true;
+  });
+  if (!holds_nothing) sets.push_back(Empty());
+  return sets;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,149 @@
+// One search over sets of explanations. A set's weight is its prior times its marginal likelihood; the moves are add,
+// drop and swap, each the conditioning of the same normal equations (sweep.h).
+#pragma once
+
+#include <limits>
+#include <map>
+#include <memory>
+#include <set>
+#include <vector>
+
+#include "estimator/random_effects/sweep.h"
+
+namespace sagitta {
+
+struct Explanation {
+  ColumnGroup group;
+  double share = 0.0;  // of the probability that something is missing; all of a list sum to 1
+  int excludes = 0;    // explanations of one number exclude each other: settings of one effect on one target
+};
+
+// Some of a list, and the columns they need, ascending: their groups count within those.
+struct FewExplanations {
+  std::vector<int> columns;
+  std::vector<Explanation> explanations;
+};
+// Of a list, those at the places `chosen`.
+FewExplanations WithTheirColumns(const std::vector<Explanation>& list, const std::vector<int>& chosen);
+
+// Of a list, the groups of those at the places `members`.
+std::vector<const ColumnGroup*> GroupsOf(const std::vector<Explanation>& list, const std::vector<int>& members);
+
+// nothing: no explanation holds. further: each one in addition to the first. P(set of m) = (1 - nothing) further^(m-1)
+// m! times the product of the shares: m draws in any order.
+struct SetPrior {
+  double nothing = 0.5;
+  double further = 0.3;
+
+  double Log(const std::vector<double>& shares) const;
+};
+
+// A set of explanations and how probable it is.
+struct WeightedSet {
+  std::vector<int> members;     // ascending
+  std::vector<double> scales;   // the best of each
+  double log_likelihood = 0.0;  // averaged over the scales (of more than three members: each with the best)
+  double log_weight = 0.0;      // prior included
+};
+
+// Sets that were met: by members, and by weight.
+class FoundSets {
+ public:
+  // In place of what was known of its members.
+  void Put(WeightedSet set);
+  const WeightedSet* Find(const std::vector<int>& members) const;
+  const WeightedSet& Best() const { return *by_weight_.begin()->set; }
+  // Best first, down to so many log units below the best; calls until `see` is false.
+  template <typename See>
+  void BestFirst(double within, const See& see) const {
+    for (const Place& place : by_weight_) {
+      if (place.set->log_weight < Best().log_weight - within || !see(*place.set)) return;
+    }
+  }
+
+ private:
+  struct Place {
+    const WeightedSet* set;
+    bool operator<(const Place& other) const {
+      if (set->log_weight != other.set->log_weight) return set->log_weight > other.set->log_weight;
+      return set->members < other.set->members;
+    }
+  };
+  std::map<std::vector<int>, WeightedSet> by_members_;
+  std::set<Place> by_weight_;
+};
+
+// Climbs and grows sets of explanations by their marginal likelihood.
+class SetSearch {
+ public:
+  SetSearch(const ProjectedNormal& normal, const std::vector<Explanation>& explanations, const SetPrior& prior,
+            const ResidualLikelihood& likelihood);
+
+  // To a set that no addition, drop or swap improves; false: not within so many moves. start: a set to climb from.
+  bool ClimbFrom(const WeightedSet& start = {}, int most_moves = std::numeric_limits<int>::max());
+  // After a climb: the neighbours of the sets that share the probability. Sets within kWorthKeeping of the best, best
+  // first; the empty one is always among them.
+  std::vector<WeightedSet> Explore();
+  const WeightedSet& Best() const { return found_.Best(); }
+  const WeightedSet& Empty() const { return *found_.Find({}); }
+  // One set; scales start where they are given.
+  WeightedSet Evaluate(const std::vector<int>& members, const std::vector<double>& scales = {}) const;
+  // What the log weight of a set loses without each of its members.
+  std::vector<double> LossesOf(const WeightedSet& set) const;
+  // Log weights of this set with each further explanation, averaged over its scale given the best of the others;
+  // -infinity where it is excluded. scales: the best of each.
+  std::vector<double> Additions(const WeightedSet& given, std::vector<double>* scales = nullptr) const;
+
+ private:
+  using Key = std::vector<int>;
+
+  bool IsExcluded(const Key& members, int candidate) const;
+  std::vector<double> SharesOf(const Key& members) const;
+  // conditioned: the members, at scales to begin with.
+  WeightedSet EvaluateFrom(const std::vector<int>& given_members, Members conditioned) const;
+  double AverageOverScales(const Members& members) const;
+  const Eigen::MatrixXd& OwnOf(size_t candidate) const;  // information, in units of its typical sizes
+  std::vector<double> AdditionsTo(const WeightedSet& set, const Sweep& sweep, std::vector<double>* scales) const;
+  // Given a set: by what comes to the set before, and goes from it.
+  const Sweep& SweepOf(const WeightedSet& set);
+  // Conditioned; by what comes to those of the sweep, and goes from them.
+  Members MembersOf(const WeightedSet& set) const;
+  void Expand(const WeightedSet& given);
+  void RecordGrown(WeightedSet set, int candidate, double scale, double log_weight);
+  // replaces: an evaluation, which is better than what an addition says.
+  void Record(WeightedSet set, bool replaces = false);
+  // conditioned: its members, at its scales, where they are at hand.
+  WeightedSet Settled(const WeightedSet& set, const Members* conditioned = nullptr);
+  // A set without each of its members, the others' scales and averages kept unless the set is small. all: its members,
+  // at its scales.
+  std::vector<WeightedSet> WithoutEach(const WeightedSet& set, const Members& all) const;
+  struct Swap {
+    size_t member;       // place in the set
+    int candidate = -1;  // none: the member is dropped
+    double scale = 1.0, log_weight = 0.0;
+  };
+  // Sweeps that swap or drop a member. True: a better set was found.
+  bool Exchange(const WeightedSet& set);
+  std::vector<Swap> SwapsOf(const WeightedSet& set, const Sweep& sweep, const std::vector<WeightedSet>& without);
+  void SwapTogether(const WeightedSet& set, const Members& all, const std::vector<Swap>& swaps);
+  bool Climb(WeightedSet from, int most_moves = std::numeric_limits<int>::max());
+  void SettleAll();
+  double BestWeight() const { return Best().log_weight; }
+
+  const ProjectedNormal& normal_;
+  const std::vector<Explanation>& explanations_;
+  SetPrior prior_;
+  ResidualLikelihood likelihood_;
+  FoundSets found_;
+  std::set<Key> expanded_, settled_, exchanged_;
+  mutable std::vector<Eigen::MatrixXd> own_;  // of candidates, as they are asked for
+  struct Place {
+    WeightedSet set;
+    Sweep sweep;
+  };
+  std::unique_ptr<Place> place_;  // where a climb is, and from where the sets next to it are explored
+};
+
+constexpr double kWorthKeeping = 12.0;  // log units: e^-12 = 6e-6 of the best
+
+}  // namespace sagitta

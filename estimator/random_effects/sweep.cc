@@ -1,0 +1,378 @@
+#include "estimator/random_effects/sweep.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "estimator/least_squares/normal_algebra.h"
+#include "estimator/least_squares/row_sums.h"
+
+namespace sagitta {
+namespace {
+
+constexpr long kSpareRows = 32;  // of a smooth function without a name, the widest groups: one more has room
+
+// s M'G of one group.
+Eigen::MatrixXd ScaledRowsOf(const ProjectedNormal& normal, const ColumnGroup& group, double scale) {
+  return scale * group.Mixed(normal.information.Rows(group.columns));
+}
+
+Eigen::MatrixXd Cross(const ProjectedNormal& normal, const ColumnGroup& a, const ColumnGroup& b) {
+  return a.Mixed(b.Mixed(normal.information.Between(a.columns, b.columns).transpose()).transpose());
+}
+
+// Of no columns none: a solver would ask where the first one lies.
+Eigen::MatrixXd Solved(const Eigen::LLT<Eigen::MatrixXd>& root, const Eigen::MatrixXd& right) {
+  if (right.cols() == 0) return right;
+  return root.solve(right);
+}
+
+// Square, without the rows and columns of one group.
+Eigen::MatrixXd WithoutGroup(long first, long size, const Eigen::MatrixXd& all) {
+  const long left = all.rows() - size, last = left - first;
+  Eigen::MatrixXd others(left, left);
+  others.topLeftCorner(first, first) = all.topLeftCorner(first, first);
+  others.topRightCorner(first, last) = all.topRightCorner(first, last);
+  others.bottomLeftCorner(last, first) = all.bottomLeftCorner(last, first);
+  others.bottomRightCorner(last, last) = all.bottomRightCorner(last, last);
+  return others;
+}
+
+// Symmetric, with a group's corner and its rows next to the others.
+Eigen::MatrixXd WithGroup(long first, const Eigen::MatrixXd& corner, const Eigen::MatrixXd& rows,
+                          const Eigen::MatrixXd& others) {
+  const long size = corner.rows(), last = others.rows() - first;
+  Eigen::MatrixXd all(others.rows() + size, others.rows() + size);
+  all.topLeftCorner(first, first) = others.topLeftCorner(first, first);
+  all.topRightCorner(first, last) = others.topRightCorner(first, last);
+  all.bottomLeftCorner(last, first) = others.bottomLeftCorner(last, first);
+  all.bottomRightCorner(last, last) = others.bottomRightCorner(last, last);
+  all.block(first, first, size, size) = corner;
+  all.block(first, 0, size, first) = rows.leftCols(first);
+  all.block(first, first + size, size, last) = rows.rightCols(last);
+  all.block(0, first, first, size) = rows.leftCols(first).transpose();
+  all.block(first + size, first, last, size) = rows.rightCols(last).transpose();
+  return all;
+}
+
+Eigen::VectorXd WithoutPart(long first, long size, const Eigen::VectorXd& all) {
+  Eigen::VectorXd others(all.size() - size);
+  others << all.head(first), all.tail(others.size() - first);
+  return others;
+}
+
+Eigen::VectorXd WithPart(long first, const Eigen::VectorXd& part, const Eigen::VectorXd& others) {
+  Eigen::VectorXd all(others.size() + part.size());
+  all << others.head(first), part, others.tail(others.size() - first);
+  return all;
+}
+
+}  // namespace
+
+Eigen::MatrixXd ColumnGroup::Mixed(Eigen::MatrixXd rows) const {
+  if (mixing.size() == 0) return rows;
+  return mixing.transpose() * rows;
+}
+
+Eigen::MatrixXd ColumnGroup::MixedBlock(Eigen::MatrixXd block) const {
+  if (mixing.size() == 0) return block;
+  return mixing.transpose() * block * mixing;
+}
+
+Eigen::MatrixXd ColumnsOf(const ColumnGroup& group, const Eigen::MatrixXd& matrix) {
+  Eigen::MatrixXd own(matrix.rows(), static_cast<long>(group.columns.size()));
+  for (long c = 0; c < own.cols(); ++c) own.col(c) = matrix.col(group.columns[static_cast<size_t>(c)]);
+  if (group.mixing.size() == 0) return own;
+  return own * group.mixing;
+}
+
+Eigen::MatrixXd OwnInformation(const ProjectedNormal& normal, const ColumnGroup& group) {
+  return group.MixedBlock(normal.information.Own(group.columns));
+}
+
+Eigen::VectorXd OwnGradient(const ProjectedNormal& normal, const ColumnGroup& group) {
+  return group.Mixed(normal.gradient(group.columns));
+}
+
+// log L(s_k) = log f(R - quad(s_k)) - 1/2 (log |Q| + log |I + s_k^2 G_k|), R, Q, G_k given the others.
+std::vector<double> LogsOfScales(const ResidualLikelihood& likelihood, const GivenOthers& given) {
+  std::vector<double> logs;
+  for (const double scale : kScales) {
+    const GroupGain gain = GainOf(given.information, given.gradient, scale);
+    logs.push_back(likelihood.Log(given.residual - gain.quad) - 0.5 * (given.log_det + gain.log_det));
+  }
+  return logs;
+}
+
+double LossOfScale(const ResidualLikelihood& likelihood, const GivenOthers& given) {
+  const std::vector<double> logs = LogsOfScales(likelihood, given);
+  return LogSumExp(logs) - std::log(kNumScales) - *std::max_element(logs.begin(), logs.end());
+}
+
+Members::Members(const ProjectedNormal& normal, std::vector<const ColumnGroup*> groups, std::vector<double> scales)
+    : normal_(&normal), groups_(std::move(groups)), scales_(std::move(scales)) {
+  SetFirst();
+  gradient_.resize(first_.back());
+  for (size_t k = 0; k < size(); ++k) gradient_.segment(first_[k], SizeOf(k)) = OwnGradient(normal, *groups_[k]);
+  Condition();
+}
+
+void Members::SetFirst() {
+  first_.assign(1, 0);
+  for (const ColumnGroup* group : groups_) first_.push_back(first_.back() + group->size());
+}
+
+Eigen::VectorXd Members::Scales() const {
+  Eigen::VectorXd scales(num_columns());
+  for (size_t k = 0; k < size(); ++k) scales.segment(first_[k], SizeOf(k)).setConstant(scales_[k]);
+  return scales;
+}
+
+Eigen::MatrixXd Members::Information() const {
+  std::vector<const std::vector<int>*> lists;
+  for (const ColumnGroup* group : groups_) lists.push_back(&group->columns);
+  normal_->information.AskTogether(lists);
+  Eigen::MatrixXd information(num_columns(), num_columns());
+  for (size_t i = 0; i < size(); ++i) {
+    information.block(first_[i], first_[i], SizeOf(i), SizeOf(i)) = OwnInformation(*normal_, *groups_[i]);
+    for (size_t j = 0; j < i; ++j) {
+      const Eigen::MatrixXd block = Cross(*normal_, *groups_[i], *groups_[j]);
+      information.block(first_[i], first_[j], block.rows(), block.cols()) = block;
+      information.block(first_[j], first_[i], block.cols(), block.rows()) = block.transpose();
+    }
+  }
+  return information;
+}
+
+Eigen::MatrixXd Members::ScaledRows() const {
+  Eigen::MatrixXd rows(num_columns(), normal_->gradient.size());
+  for (size_t k = 0; k < size(); ++k) {
+    rows.middleRows(first_[k], SizeOf(k)) = ScaledRowsOf(*normal_, *groups_[k], scales_[k]);
+  }
+  return rows;
+}
+
+// Q = I + D M'GM D,  W W' = Q^-1,  t = Q^-1 D M'g,  log |Q| = -2 sum log W_ii.
+void Members::Condition() {
+  const Eigen::VectorXd diagonal = Scales();
+  Eigen::MatrixXd inner = diagonal.asDiagonal() * Information() * diagonal.asDiagonal();
+  inner.diagonal().array() += 1.0;
+  const Eigen::MatrixXd root = InverseRoot(inner);
+  inverse_ = SquareOfRoot(root);
+  solved_ = inverse_ * diagonal.cwiseProduct(gradient_);
+  log_det_ = -2.0 * root.diagonal().array().log().sum();
+  SetResidual();
+}
+
+// `extra`: e;  `beside`: A_k;  `left`: (I + e A_kk)^-1 A_k';  `own`: (I + e A_kk)^-1 t_k.
+void Members::Rescale(size_t group, double scale) {
+  const long first = first_[group], size = first_[group + 1] - first;
+  const double ratio = scale / scales_[group], extra = 1.0 / (ratio * ratio) - 1.0;
+  Eigen::MatrixXd inner = extra * inverse_.block(first, first, size, size);
+  inner.diagonal().array() += 1.0;
+  const Eigen::LLT<Eigen::MatrixXd> root(inner);
+  const Eigen::MatrixXd beside = inverse_.middleCols(first, size), left = root.solve(beside.transpose());
+  const Eigen::VectorXd own = root.solve(solved_.segment(first, size));
+  solved_.noalias() -= extra * (beside * own);
+  inverse_.noalias() -= extra * (beside * left);
+  // A_k - A_kk e (I + e A_kk)^-1 A_k = (I + e A_kk)^-1 A_k, without a difference of what is nearly equal.
+  inverse_.middleRows(first, size) = left / ratio;
+  inverse_.middleCols(first, size) = left.transpose() / ratio;
+  inverse_.block(first, first, size, size) /= ratio;
+  solved_.segment(first, size) = own / ratio;
+  log_det_ += 2.0 * (root.matrixLLT().diagonal().array().log().sum() + static_cast<double>(size) * std::log(ratio));
+  scales_[group] = scale;
+  SetResidual();
+}
+
+// `beside`: A_k;  t <- t - A_k A_kk^-1 t_k. Of the group itself nothing is left.
+void Members::Remove(size_t group) {
+  const long first = first_[group], size = SizeOf(group);
+  const Eigen::LLT<Eigen::MatrixXd> root(Eigen::MatrixXd(inverse_.block(first, first, size, size)));
+  const Eigen::MatrixXd beside = inverse_.middleCols(first, size), left = root.solve(beside.transpose());
+  inverse_.noalias() -= beside * left;
+  inverse_ = WithoutGroup(first, size, inverse_);
+  const Eigen::VectorXd own = root.solve(solved_.segment(first, size));
+  solved_ = WithoutPart(first, size, solved_ - beside * own);
+  gradient_ = WithoutPart(first, size, gradient_);
+  log_det_ += 2.0 * root.matrixLLT().diagonal().array().log().sum();
+  groups_.erase(groups_.begin() + static_cast<long>(group));
+  scales_.erase(scales_.begin() + static_cast<long>(group));
+  SetFirst();
+  SetResidual();
+}
+
+// `column`: q;  `beside`: U = A q;  `corner`: c - q'U = i^-1.
+void Members::Insert(size_t place, const ColumnGroup& group, double scale) {
+  const long count = num_columns(), more = group.size(), first = first_[place];
+  Eigen::MatrixXd column(count, more);
+  for (size_t k = 0; k < size(); ++k) {
+    column.middleRows(first_[k], SizeOf(k)) = scale * scales_[k] * Cross(*normal_, *groups_[k], group);
+  }
+  const Eigen::MatrixXd beside = inverse_ * column;
+  Eigen::MatrixXd corner = scale * scale * OwnInformation(*normal_, group) - column.transpose() * beside;
+  corner.diagonal().array() += 1.0;
+  const Eigen::LLT<Eigen::MatrixXd> root(corner);
+  const Eigen::VectorXd gradient = OwnGradient(*normal_, group);
+  const Eigen::MatrixXd left = Solved(root, beside.transpose());  // i U'
+  const Eigen::VectorXd own = root.solve(scale * gradient - column.transpose() * solved_);
+  const Eigen::MatrixXd of_group = root.solve(Eigen::MatrixXd::Identity(more, more));
+  inverse_.noalias() += beside * left;
+  inverse_ = WithGroup(first, of_group, -left, inverse_);
+  solved_ = WithPart(first, own, solved_ - beside * own);
+  gradient_ = WithPart(first, gradient, gradient_);
+  log_det_ += 2.0 * root.matrixLLT().diagonal().array().log().sum();
+  groups_.insert(groups_.begin() + static_cast<long>(place), &group);
+  scales_.insert(scales_.begin() + static_cast<long>(place), scale);
+  SetFirst();
+  SetResidual();
+}
+
+// R - g'M D t = R - g'M D Q^-1 D M'g.
+void Members::SetResidual() { residual_ = normal_->residual - Scales().cwiseProduct(gradient_).dot(solved_); }
+
+// s_k^2 G_k = A_kk^-1 - I,  s_k g_k = A_kk^-1 t_k;  without k: R + t_k'A_kk^-1 t_k,  log |Q| + log |A_kk|.
+GivenOthers Members::Of(size_t group) const {
+  const long first = first_[group], size = first_[group + 1] - first;
+  const Eigen::LLT<Eigen::MatrixXd> root(Eigen::MatrixXd(inverse_.block(first, first, size, size)));
+  const Eigen::VectorXd own = solved_.segment(first, size);
+  const double scale = scales_[group];
+  GivenOthers given;
+  given.information = root.solve(Eigen::MatrixXd::Identity(size, size));
+  given.information.diagonal().array() -= 1.0;
+  given.information /= scale * scale;
+  given.gradient = root.solve(own) / scale;
+  given.residual = residual_ + own.dot(root.solve(own));
+  given.log_det = log_det_ + 2.0 * root.matrixLLT().diagonal().array().log().sum();
+  return given;
+}
+
+Sweep::Sweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given,
+             const std::vector<double>& scales)
+    : members_(normal, given, scales), gradient_(normal.gradient) {
+  tops_.assign(members_.first_.begin(), members_.first_.end() - 1);
+  rows_ = members_.ScaledRows();
+  solved_ = TallProduct(rows_.transpose(), members_.inverse_).transpose();
+  gradient_ -= rows_.transpose() * members_.solved_;
+}
+
+// `rows`: W = L^-1 s M'G, then T_k = L^-T W;  `along`: w;  `beside`: U = s T M, M of the new group.
+void Sweep::Insert(size_t place, const ColumnGroup& group, double scale) {
+  const Eigen::MatrixXd own = ScaledRowsOf(*members_.normal_, group, scale);
+  Eigen::MatrixXd rows = own;  // s M'G of what is left
+  rows -= scale * TallProduct(ColumnsOf(group, rows_).transpose(), solved_);
+  Eigen::MatrixXd inner = scale * ColumnsOf(group, rows);
+  inner.diagonal().array() += 1.0;
+  const Eigen::LLT<Eigen::MatrixXd> factor(inner);
+  const Eigen::VectorXd along = factor.matrixL().solve(scale * Gradient(group));
+  const Eigen::MatrixXd beside = scale * ColumnsOf(group, solved_);
+  factor.matrixL().solveInPlace(rows);  // W
+  gradient_.noalias() -= rows.transpose() * along;
+  factor.matrixU().solveInPlace(rows);  // T of the group
+  solved_.noalias() -= beside * rows;
+  const long top = FreeRows(group.size());
+  latest_ = {};
+  members_.Insert(place, group, scale);
+  tops_.insert(tops_.begin() + static_cast<long>(place), top);
+  solved_.middleRows(top, rows.rows()) = rows;
+  rows_.middleRows(top, rows.rows()) = own;
+}
+
+// The first gap that is large enough, or below all others: then there is room for some more.
+long Sweep::FreeRows(long size) {
+  std::map<long, long> taken;  // end of each, by its top
+  for (size_t k = 0; k < tops_.size(); ++k) taken[tops_[k]] = tops_[k] + members_.SizeOf(k);
+  long top = 0;
+  for (const auto& [own, end] : taken) {
+    if (own - top >= size) return top;
+    top = end;
+  }
+  const long before = solved_.rows();
+  if (top + size <= before) return top;
+  const long more = top + size + kSpareRows - before;
+  for (Eigen::MatrixXd* matrix : {&rows_, &solved_}) {
+    matrix->conservativeResize(before + more, gradient_.size());
+    matrix->bottomRows(more).setZero();
+  }
+  return top;
+}
+
+void Sweep::Remove(size_t group) {
+  const long size = members_.SizeOf(group), top = tops_[group];
+  const WithoutOne without = Without(group);
+  gradient_ += without.Gradient(solved_);
+  Eigen::MatrixXd beside = Eigen::MatrixXd::Zero(solved_.rows(), size);  // A_k, by rows of T
+  for (size_t k = 0; k < tops_.size(); ++k) {
+    beside.middleRows(tops_[k], members_.SizeOf(k)) =
+        members_.inverse_.block(members_.First(k), members_.First(group), members_.SizeOf(k), size);
+  }
+  const Eigen::MatrixXd of_group = without.root.solve(Eigen::MatrixXd(solved_.middleRows(top, size)));
+  solved_.noalias() -= beside * of_group;
+  solved_.middleRows(top, size).setZero();
+  rows_.middleRows(top, size).setZero();
+  latest_ = {};
+  members_.Remove(group);
+  tops_.erase(tops_.begin() + static_cast<long>(group));
+}
+
+Eigen::MatrixXd Sweep::Taken(const ColumnGroup& group) const {
+  if (latest_.columns != group.columns) {
+    const ColumnGroup plain{group.columns, {}};
+    latest_ = {group.columns, ColumnsOf(plain, rows_).transpose() * ColumnsOf(plain, solved_)};
+  }
+  return group.MixedBlock(latest_.taken);
+}
+
+Eigen::MatrixXd Sweep::Information(const ColumnGroup& group) const {
+  return OwnInformation(*members_.normal_, group) - Taken(group);
+}
+
+Eigen::VectorXd Sweep::Gradient(const ColumnGroup& group) const { return group.Mixed(gradient_(group.columns)); }
+
+Sweep::WithoutOne Sweep::Without(size_t group) const {
+  const long first = members_.First(group), size = members_.SizeOf(group);
+  const Eigen::VectorXd solved = members_.solved_.segment(first, size);
+  WithoutOne without;
+  without.top = tops_[group];
+  without.root.compute(members_.inverse_.block(first, first, size, size));
+  without.own = without.root.solve(solved);
+  without.residual = members_.residual() + solved.dot(without.own);
+  without.log_det = members_.log_det() + 2.0 * without.root.matrixLLT().diagonal().array().log().sum();
+  return without;
+}
+
+// X'X,  X = C^(-1/2) T_k.
+Eigen::MatrixXd Sweep::WithoutOne::Information(const Eigen::MatrixXd& solved) const {
+  const Eigen::MatrixXd x = root.matrixL().solve(solved.middleRows(top, own.size()));
+  return x.transpose() * x;
+}
+
+Eigen::VectorXd Sweep::WithoutOne::Gradient(const Eigen::MatrixXd& solved) const {
+  return solved.middleRows(top, own.size()).transpose() * own;
+}
+
+Eigen::MatrixXd Sweep::Gradients(const std::vector<WithoutOne>& without) const {
+  Eigen::MatrixXd gradients(static_cast<long>(without.size()), gradient_.size());
+  for (size_t m = 0; m < without.size(); ++m) {
+    gradients.row(static_cast<long>(m)) = (gradient_ + without[m].Gradient(solved_)).transpose();
+  }
+  return gradients;
+}
+
+// (M'GM + D^-2)^-1 = D Q^-1 D:  values -D t,  covariance D A D.
+GroupValues ValuesOf(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& groups,
+                     const std::vector<double>& scales) {
+  const Members members(normal, groups, scales);
+  const Eigen::VectorXd scale = members.Scales();
+  return {-scale.cwiseProduct(members.solved_), scale.asDiagonal() * members.inverse_ * scale.asDiagonal()};
+}
+
+GroupValues GroupValues::Of(size_t group, const std::vector<const ColumnGroup*>& groups) const {
+  long first = 0;
+  for (size_t k = 0; k < group; ++k) first += groups[k]->size();
+  const long size = groups[group]->size();
+  return {values.segment(first, size), covariance.block(first, first, size, size)};
+}
+
+}  // namespace sagitta
