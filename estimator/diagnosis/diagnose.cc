@@ -24,7 +24,6 @@ namespace sagitta {
 namespace {
 
 constexpr double kShareOfLackOfFit = 0.15;  // of the significance: lack of fit is asked in addition to the posterior
-constexpr double kMostOfTheSets = 0.99;     // of the probability: FORMATS section 6
 constexpr unsigned long long kSeedOfPoses = 1;
 constexpr double kIntervalMisses = 0.05;  // of the intervals of 95 %: one that holds no effect at all names none
 constexpr int kMostScatterRounds = 6;
@@ -42,51 +41,6 @@ CalibrationProblem WithWorkingSigma(const DiagnosedModel& baseline, bool is_stat
   }
   working.mutable_experiment()->noise.sigma = estimate.sigma.estimated;
   return working;
-}
-
-// By name; a deviation that follows the pose has no member.
-ReportedSet ReportSet(const ExplanationList& list, const std::vector<int>& members, double probability,
-                      const std::vector<int>& pieces = {}) {
-  ReportedSet reported{probability, {}, {}};
-  for (const int m : members) {
-    if (list.IsUnnamed(m)) {
-      reported.unnamed.push_back(list.functions[list.unnamed[m]].words);
-    } else if (std::binary_search(pieces.begin(), pieces.end(), m)) {
-      reported.unnamed.push_back(PartlyLike(list.SpecOf(m).effect, list.SpecOf(m).target));
-    } else {
-      reported.specs.push_back(list.start[m]);
-    }
-  }
-  return reported;
-}
-
-// posterior: of the evidence's models; effects with the probabilities of `bagged`.
-ReportedPosterior Report(const Evidence& evidence, const Posterior& posterior, const Posterior& bagged,
-                         const PriorMasses& prior, double gate) {
-  const ExplanationList& list = evidence.list();
-  ReportedPosterior report;
-  report.nothing = posterior.nothing;
-  report.noise = posterior.noise;
-  report.unnamed = posterior.unnamed;
-  report.prior = prior;
-  for (const NamedProbability& entry : bagged.explanations) {
-    report.explanations.push_back({list.start[entry.explanation], entry.probability});
-  }
-  double sum = posterior.nothing + posterior.noise;
-  for (const NameSet& set : posterior.sets) {
-    if (sum >= kMostOfTheSets) break;
-    sum += set.probability;
-    const WeightedModel& best = evidence.models()[set.best];
-    report.sets.push_back(ReportSet(list, best.set.members, set.probability, best.pieces));
-    if (evidence.views()[best.view].view.kind == NoiseView::Kind::kPose) {
-      report.sets.back().unnamed.push_back(JointsFollowPose());
-    }
-  }
-  for (const Flip& flip : WhatFlips(evidence, posterior, gate)) {
-    report.flips.push_back({flip.mass, flip.is_larger, flip.is_something, ReportSet(list, flip.more, 0.0),
-                            ReportSet(list, flip.fewer, 0.0)});
-  }
-  return report;
 }
 
 class Session {
@@ -179,7 +133,8 @@ class Session {
     selected_ = leading.effects;
     SayFound();
     d_.final = leading.with_effects;
-    d_.has_unexplained = named_ && (posterior_.sets[0].has_unnamed || posterior_.unnamed > kEvenOdds);
+    d_.has_unexplained =
+        named_ && (posterior_.sets[posterior_.Leading()].has_unnamed || posterior_.unnamed > kEvenOdds);
     while (!selected_.empty() && !IsUsable(d_.final.estimate.status)) {
       selected_.pop_back();  // the weakest
       d_.has_unexplained = true;
@@ -213,18 +168,21 @@ class Session {
   // The full estimator has the last word: an effect with which it finds no optimum is not named, nor one whose values
   // it finds to be chance (all held: certainly), nor one that makes untouched rows worse beyond chance, nor, given a
   // rest without a name, one that does not make them better beyond chance: the likelihood is known to be wrong then.
+  // Nor is one named that the posterior does not name. What more is missing then, with that probability, is a rest.
   void JudgeFinal() {
     Say("fitting the extended model");
     while (true) {
       d_.final = selected_.empty() ? lacking_ : JudgedWith(selected_);
       if (selected_.empty()) break;
-      const int out = NotNamed();
+      int out = NotNamed();
+      if (out >= 0) d_.has_unexplained = true;
+      if (out < 0) out = LeastProbable();
       if (out < 0) break;
       selected_.erase(selected_.begin() + out);
       prefixes_.resize(std::min({prefixes_.size(), static_cast<size_t>(out) + 1, selected_.size()}));
       SayFound();
-      d_.has_unexplained = true;
     }
+    d_.has_unexplained |= posterior_.MoreThan(selected_.size()) > NamingGate();
     aside_.FromHeldOut(!named_, &d_.baseline, &d_.final);
     d_.has_unexplained |= Misfits();
   }
@@ -236,7 +194,20 @@ class Session {
     if (idle >= 0) return idle;
     const int worse = MeasurePrefixes();
     if (worse >= 0) return worse;
-    return CountHeldOut(d_.final) >= kFewHeldOut && MayLeaveARest() ? LeastConfirmed() : -1;
+    const bool is_asked = CountHeldOut(d_.final) >= kFewHeldOut && MayLeaveARest();
+    return is_asked ? LeastConfirmed() : -1;
+  }
+
+  // Of those that the posterior does not name.
+  int LeastProbable() {
+    Weigh();
+    const auto is_less = [this](const SelectedEffect& a, const SelectedEffect& b) {
+      return ProbabilityOf(a) < ProbabilityOf(b);
+    };
+    const auto least = std::min_element(selected_.begin(), selected_.end(), is_less);
+    if (posterior_.IsNamed(ProbabilityOf(*least))) return -1;
+    LeaveUnnamed(*least);
+    return static_cast<int>(least - selected_.begin());
   }
 
   // Of those that do not make untouched rows better beyond chance.
@@ -247,15 +218,15 @@ class Session {
     VLOG(1) << "diagnosis: " << selected_[least].candidate.spec.Path() << " makes untouched rows better by "
             << gains[least] << " of the scatter of that, the others by more";
     if (IsBeyondChance(gains[least])) return -1;
-    NotConfirm(selected_[least]);
+    LeaveUnnamed(selected_[least]);
+    unconfirmed_.push_back(selected_[least]);
     return static_cast<int>(least);
   }
 
   // It stays a piece of what has no name.
-  void NotConfirm(const SelectedEffect& effect) {
+  void LeaveUnnamed(const SelectedEffect& effect) {
     std::vector<int>& pieces = leading_.pieces;
     pieces.insert(std::lower_bound(pieces.begin(), pieces.end(), effect.explanation), effect.explanation);
-    d_.unconfirmed.emplace_back(effect.candidate.spec, posterior_.Of(evidence_->list().name[effect.explanation]));
   }
 
   // The effect whose values the full estimator finds to be chance most; -1: none.
@@ -312,18 +283,16 @@ class Session {
 
   void Describe() {
     Say("alternatives and halves");
-    in_places_ = InPlaces(*evidence_, leading_);
-    const std::vector<WeightedModel> models = Bagged();
-    const Posterior bagged = PosteriorOf(*evidence_, models);
-    d_.posterior = Report(*evidence_, posterior_, bagged, options_.prior, NamingGate());
-    posterior_ = bagged;
+    Weigh();
+    d_.posterior = ReportPosterior(*evidence_, posterior_, weighed_, options_.prior, NamingGate());
     d_.candidates = Screen(*evidence_, d_.baseline);
     PredictHoldout(&d_.candidates);
     d_.where = FindWhere(d_.baseline);
     d_.effects.resize(selected_.size());
     std::vector<int> members;
     for (const SelectedEffect& effect : selected_) members.push_back(effect.explanation);
-    const std::vector<CheckedEffect> checked = CheckEffects(*evidence_, posterior_, leading_, in_places_, members);
+    const std::vector<CheckedEffect> checked =
+        CheckEffects(*evidence_, weighed_, leading_, InPlacesOfLeading(), members);
     double before = HoldoutRms(d_.baseline);
     const std::vector<EffectView> views = ViewEffects(d_.final, SpecsOf(CandidatesOf(selected_)));
     for (size_t k = 0; k < selected_.size(); ++k) {
@@ -342,25 +311,40 @@ class Session {
     }
     d_.next = ProposeNext(*evidence_, *working_, d_.baseline.estimate.parameters, kSeedOfPoses);
     d_.gap_map = MapGap(d_.baseline, d_.final);
-    d_.gap = JudgeGap(d_.baseline, d_.final, NoiseFloor(), IsSigmaStated(problem_));
+    const DiagnosedModel& named = selected_.empty() ? d_.baseline : d_.final;  // other noise alone closes nothing
+    d_.gap = JudgeGap(d_.baseline, named, NoiseFloor(), IsSigmaStated(problem_));
     d_.groups = GroupEffects(d_.effects, lacking_, d_.baseline, d_.final, d_.gap.floor, joint_);
     for (EffectGroup& group : d_.groups) {
-      const double probability = ProbabilityOf(group.effect, *evidence_, models);
+      const double probability = sagitta::ProbabilityOf(group.effect, *evidence_, weighed_models_);
       if (probability > 0.0) group.probability = probability;  // else a group of several effects
     }
   }
 
-  // What effects are said to be: with a rest without a name, the poses as they are would make it too sure.
-  std::vector<WeightedModel> Bagged() {
-    if (!named_ || !MayLeaveARest()) return evidence_->models();
-    std::vector<WeightedModel> models = BaggedModels(*evidence_, leading_, Groups());
-    const bool is_bagged = models.size() > evidence_->models().size();  // else poses are too few
-    if (is_bagged) d_.cautions.push_back(AreBagged(kResamples));
-    return models;
+  // What effects are said to be: given a rest without a name the poses as they are would make it too sure.
+  void Weigh() {
+    if (weighed_models_.empty()) {
+      weighed_models_ = evidence_->models();
+      weighed_ = posterior_;
+    }
+    if (is_bagged_ || !named_ || !MayLeaveARest()) return;
+    is_bagged_ = true;
+    weighed_models_ = BaggedModels(*evidence_, leading_, Groups());
+    if (weighed_models_.size() == evidence_->models().size()) return;  // poses are too few
+    d_.cautions.push_back(AreBagged(kResamples));
+    weighed_ = PosteriorOf(*evidence_, weighed_models_);
+  }
+
+  double ProbabilityOf(const SelectedEffect& effect) const {
+    return weighed_.Of(evidence_->list().name[effect.explanation]);
+  }
+
+  const std::vector<std::vector<NamedProbability>>& InPlacesOfLeading() {
+    if (in_places_.empty()) in_places_ = InPlaces(*evidence_, leading_);
+    return in_places_;
   }
 
   const PoseGroups& Groups() {
-    if (!groups_) groups_ = std::make_unique<PoseGroups>(*evidence_, leading_, in_places_);
+    if (!groups_) groups_ = std::make_unique<PoseGroups>(*evidence_, leading_, InPlacesOfLeading());
     return *groups_;
   }
 
@@ -370,7 +354,7 @@ class Session {
     int count = 0;
     for (ScreenedCandidate& entry : *candidates) {
       if (count == kMostPredicted) return;
-      if (posterior_.Of(evidence_->list().name[entry.explanation]) < kWorthListing) continue;
+      if (weighed_.Of(evidence_->list().name[entry.explanation]) < kWorthListing) continue;
       ++count;
       const WeightedModel alone{leading_.view, {{entry.explanation}, {1.0}, 0.0, 0.0}, 0.0, 0.0};
       const DiagnosedModel with =
@@ -382,11 +366,11 @@ class Session {
   void DescribeEffect(const SelectedEffect& chosen, int tests, FoundEffect* described) const {
     FoundEffect& effect = *described;
     effect.candidate = chosen.candidate;
-    effect.probability = posterior_.Of(evidence_->list().name[chosen.explanation]);
+    effect.probability = ProbabilityOf(chosen);
     effect.reduction = chosen.fit.reduction;
     const Estimate& after = d_.final.estimate;
     // The reduction is in units of the evidence's rows, the refit may have other sigmas.
-    const double unit = evidence_->views()[leading_.view].given_believed.normal.residual / lacking_.estimate.chi2;
+    const double unit = UnitOfRows(*evidence_, leading_);
     effect.corrected_p =
         CorrectedP(chosen.fit.reduction, chosen.fit.parameters, unit * after.chi2 / std::max(1, after.dof), after.dof,
                    evidence_->IsSigmaStated(), tests);
@@ -448,7 +432,10 @@ class Session {
       const bool is_noise = d_.noise.is_finding || !d_.noise.outliers.empty();
       d_.verdict = is_noise ? DiagnosisVerdict::kNoise : DiagnosisVerdict::kConsistent;
     }
-    if (!d_.unconfirmed.empty()) d_.cautions.push_back(NotConfirmed(d_.unconfirmed));
+    std::vector<std::pair<EffectSpec, double>> unconfirmed;
+    for (const SelectedEffect& effect : unconfirmed_)
+      unconfirmed.emplace_back(effect.candidate.spec, ProbabilityOf(effect));
+    if (!unconfirmed.empty()) d_.cautions.push_back(NotConfirmed(unconfirmed));
     CautionOfHoldout(d_.final, d_.has_unexplained, &d_.cautions);
   }
 
@@ -459,14 +446,17 @@ class Session {
   SetAside aside_;
   std::unique_ptr<CalibrationProblem> working_;  // what the evidence is made of
   std::unique_ptr<Evidence> evidence_;
-  Posterior posterior_;
+  Posterior posterior_;                        // of the evidence's models
+  std::vector<WeightedModel> weighed_models_;  // these, or averaged over resamples
+  Posterior weighed_;
+  bool is_bagged_ = false;
   bool named_ = false;
   WeightedModel leading_;
   DiagnosedModel lacking_;  // the believed model with the noise that goes with the leading set
   std::vector<std::vector<NamedProbability>> in_places_;
   std::unique_ptr<PoseGroups> groups_;
-  std::vector<SelectedEffect> selected_;
-  std::vector<DiagnosedModel> prefixes_;  // the lacking model with none, one, two, … of them
+  std::vector<SelectedEffect> selected_, unconfirmed_;  // named; what untouched rows do not confirm
+  std::vector<DiagnosedModel> prefixes_;                // the lacking model with none, one, two, … of them
 };
 
 }  // namespace

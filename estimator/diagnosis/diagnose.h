@@ -14,6 +14,7 @@
 #include "estimator/diagnosis/gap_map.h"
 #include "estimator/diagnosis/learnt_function.h"
 #include "estimator/diagnosis/noise_finding.h"
+#include "estimator/diagnosis/reported_posterior.h"
 #include "estimator/diagnosis/thermal_lag.h"
 #include "estimator/evidence/next_poses.h"
 #include "models/constants.h"
@@ -58,30 +59,6 @@ struct EffectGroup {
   double probability = kNotKnown;
 };
 
-// One set of the posterior, by name.
-struct ReportedSet {
-  double probability = 0.0;
-  std::vector<EffectSpec> specs;
-  std::vector<std::string> unnamed;  // words
-};
-
-// What another prior would name.
-struct ReportedFlip {
-  std::string mass;
-  bool is_larger = false;  // three times, else a third
-  bool is_something = false;
-  ReportedSet more, fewer;  // than is named
-};
-
-// The probabilities by name, and what they would be under another prior.
-struct ReportedPosterior {
-  double nothing = 1.0, noise = 0.0, unnamed = 0.0;
-  std::vector<std::pair<EffectSpec, double>> explanations;
-  std::vector<ReportedSet> sets;  // all that are needed for 99 %
-  PriorMasses prior;
-  std::vector<ReportedFlip> flips;
-};
-
 struct LearntModel;  // learnt_model.h
 
 // What a diagnosis comes to: nothing is missing; only the noise is not as stated; what is missing has a name; some of
@@ -105,8 +82,6 @@ struct Diagnosis {
   std::vector<ScreenedCandidate> candidates;  // of the baseline, best first
   std::vector<NotTestable> not_testable;
   std::vector<FoundEffect> effects;
-  // Of the most probable set, not named: given a rest without a name untouched rows do not confirm them.
-  std::vector<std::pair<EffectSpec, double>> unconfirmed;  // probability
   std::vector<EffectGroup> groups;
   double baseline_p = kNotKnown, final_p = kNotKnown;  // lack of fit
   GapReport gap;

@@ -328,7 +328,7 @@ MemberFit FitOf(const Evidence& evidence, int member, const GivenOthers& given) 
   fit.reduction = given.gradient.dot(Solve(determined, given.gradient));
   fit.parameters = static_cast<int>(determined.values.size());
   if (own.mixing.size() > 0 || evidence.list().IsUnnamed(member)) return fit;
-  const double variance = kScales[kNumScales - 1] * kScales[kNumScales - 1];
+  const double variance = kLargestUsual * kLargestUsual;
   const Eigen::MatrixXd precision =
       information + Eigen::MatrixXd::Identity(information.rows(), information.cols()) / variance;
   const Eigen::VectorXd left =

@@ -64,6 +64,11 @@ CalibrationProblem WithNoiseOf(const Evidence& evidence, const WeightedModel& mo
   return with;
 }
 
+double UnitOfRows(const Evidence& evidence, const WeightedModel& model) {
+  const double factor = AppliedFactor(evidence, model);
+  return factor * factor;
+}
+
 NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& stated,
                        const DiagnosedModel& final) {
   NoiseFinding noise;

@@ -32,6 +32,9 @@ struct NoiseFinding {
 // wrong or none is stated.
 CalibrationProblem WithNoiseOf(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& problem);
 
+// What a chi-square of that problem is multiplied by, to be one in the sigmas that the evidence's rows have.
+double UnitOfRows(const Evidence& evidence, const WeightedModel& model);
+
 // `final`: the extended model with that noise. `stated`: the problem as it was stated.
 NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& stated,
                        const DiagnosedModel& final);

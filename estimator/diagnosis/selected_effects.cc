@@ -73,11 +73,11 @@ void TryOtherSprings(const Evidence& evidence, const JointOptions& joint, Refitt
   }
 }
 
-// Sets that may lead, by their best models.
+// Sets that may lead, by their best models: the one that leads first.
 std::vector<size_t> MayLead(const Posterior& posterior) {
-  std::vector<size_t> sets;
+  std::vector<size_t> sets = {posterior.Leading()};
   for (size_t s = 0; s < posterior.sets.size() && sets.size() < kMostRefitted; ++s) {
-    if (s == 0 || posterior.sets[s].probability >= kMayLead) sets.push_back(s);
+    if (s != sets[0] && posterior.sets[s].probability >= kMayLead) sets.push_back(s);
   }
   return sets;
 }
@@ -89,15 +89,28 @@ const RefittedSet* LastOfView(const std::vector<RefittedSet>& refitted, int view
   return last == refitted.rend() ? nullptr : &*last;
 }
 
+// What priors of the effects have of the refit's chi-square.
+double SquareOfPriors(const RefittedSet& refitted) {
+  const ParameterSet& parameters = refitted.with_effects.estimate.parameters;
+  double sum = 0.0;
+  for (int i = 0; i < parameters.num_coordinates(); ++i) {
+    const Coordinate& coordinate = parameters.coordinates()[i];
+    if (!(coordinate.prior_sigma > 0.0) || !coordinate.estimated()) continue;
+    const bool is_own = std::any_of(
+        refitted.effects.begin(), refitted.effects.end(),
+        [&](const SelectedEffect& effect) { return IsParameterOf(effect.candidate.spec, coordinate.name); });
+    if (is_own) sum += std::pow((parameters.Value(i) - coordinate.prior_value) / coordinate.prior_sigma, 2);
+  }
+  return sum;
+}
+
 // 0 where the set holds what has no name: the full model cannot hold it.
 double LogCorrection(const Evidence& evidence, const RefittedSet& refitted) {
   if (!refitted.IsUsable()) return -std::numeric_limits<double>::infinity();
   if (refitted.effects.size() != refitted.model.set.members.size()) return 0.0;
   const ResidualLikelihood likelihood = evidence.LikelihoodOf(refitted.model.view);
-  const double nothing = evidence.views()[refitted.model.view].given_believed.normal.residual;
-  // In units of the rows' sigma: the refit may have another.
-  const double unit = nothing / refitted.lacking.estimate.chi2;
-  return likelihood.Log(unit * refitted.with_effects.estimate.chi2) -
+  const double unit = UnitOfRows(evidence, refitted.model);
+  return likelihood.Log(unit * (refitted.with_effects.estimate.chi2 - SquareOfPriors(refitted))) -
          likelihood.Log(ResidualAtBest(evidence, refitted.model));
 }
 
@@ -121,6 +134,7 @@ std::vector<SelectedEffect> SelectedEffectsOf(const Evidence& evidence, const We
     effect.fit = FitOf(evidence, member, given[k]);
     effect.candidate.poorly_determined = effect.fit.poorly_determined;
     effect.candidate.loose = effect.fit.loose;
+    effect.candidate.prior_scale = std::max(kLargestUsual, model.set.scales[k]);
     effect.loss = losses[k];
     effects.push_back(std::move(effect));
   }
@@ -163,7 +177,7 @@ RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel
   evidence->Correct(corrections);
   *posterior = PosteriorOf(*evidence, evidence->models());
   if (posterior->sets.empty()) return refitted[0];
-  const WeightedModel& leading = evidence->models()[posterior->sets[0].best];
+  const WeightedModel& leading = evidence->models()[posterior->sets[posterior->Leading()].best];
   for (RefittedSet& each : refitted) {
     const bool is_same = each.model.set.members == leading.set.members && each.model.pieces == leading.pieces;
     if (each.model.view == leading.view && is_same) return each;

@@ -44,7 +44,7 @@ struct Leading {
 
 Leading LeadingOf(const Posterior& posterior, double gate) {
   if (posterior.Something() <= gate || posterior.sets.empty()) return {};
-  return {true, posterior.sets[0].names};
+  return {true, posterior.sets[posterior.Leading()].names};
 }
 
 // Names of a list in their order: the first explanation of each, and the place of every explanation's name.
@@ -82,6 +82,36 @@ double Posterior::Of(const std::string& name) const {
   return 0.0;
 }
 
+double Posterior::MoreThan(size_t names) const {
+  double sum = 0.0;
+  for (const NameSet& set : sets) {
+    if (set.names.size() > names) sum += set.probability;
+  }
+  return sum;
+}
+
+// With S the effects that are named, P(S + e | S) is compared with P(S alone | S), the best e first.
+size_t Posterior::Leading() const {
+  std::vector<int> chosen;
+  while (true) {
+    double alone = 0.0;
+    std::map<int, double> with;
+    for (const NameSet& set : sets) {
+      if (!std::includes(set.effects.begin(), set.effects.end(), chosen.begin(), chosen.end())) continue;
+      if (set.effects == chosen) alone += set.probability;
+      for (const int effect : set.effects) {
+        if (!std::binary_search(chosen.begin(), chosen.end(), effect)) with[effect] += set.probability;
+      }
+    }
+    const auto best =
+        std::max_element(with.begin(), with.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    if (best == with.end() || best->second < alone) break;
+    chosen.insert(std::lower_bound(chosen.begin(), chosen.end(), best->first), best->first);
+  }
+  const auto is_chosen = [&](const NameSet& set) { return set.effects == chosen; };
+  return static_cast<size_t>(std::find_if(sets.begin(), sets.end(), is_chosen) - sets.begin());
+}
+
 // With p(M) of all models M = (view, set):  P(name) = sum of p(M) over M that hold it;  P(nothing) = sum over the empty
 // set as stated of p(M) (1 - P(sigma is wrong | M)), the rest of the empty sets is noise.
 Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>& models) {
@@ -117,7 +147,11 @@ Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>
     }
     names.erase(std::unique(names.begin(), names.end()), names.end());
     // The first of a kind is the most probable.
-    const NameSet fresh{names, has_unnamed, 0.0, static_cast<int>(i), {}};
+    std::vector<int> effects;
+    for (const int name : names) {
+      if (named.count(name) > 0) effects.push_back(name);
+    }
+    const NameSet fresh{names, effects, has_unnamed, 0.0, static_cast<int>(i), {}};
     NameSet& set = sets.emplace(std::make_pair(names, IsPose(evidence, model)), fresh).first->second;
     set.probability += model.probability;
     set.models.push_back(static_cast<int>(i));

@@ -1,6 +1,7 @@
 // What the weights of all sets say, by name: one name for all change points of a jump and all shapes of a compensator.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <vector>
@@ -10,7 +11,8 @@
 namespace sagitta {
 
 struct NameSet {
-  std::vector<int> names;  // places among all names in their order, ascending
+  std::vector<int> names;    // places among all names in their order, ascending
+  std::vector<int> effects;  // of them those of the catalogue
   bool has_unnamed = false;
   double probability = 0.0;
   int best = 0;             // of the models
@@ -34,6 +36,14 @@ struct Posterior {
   std::vector<NamedProbability> functions;     // unnamed ones
 
   double Something() const { return 1.0 - nothing - noise; }
+  double MoreThan(size_t names) const;  // that so many do not suffice
+  // Place among `sets` of the one to name. The most probable set may be one of many that share the probability, of
+  // which most hold the same effect and each something else: that effect is named, and of the rest what is more
+  // probable, given what is named, than that nothing with a name is added.
+  size_t Leading() const;
+  // Of an effect of that set. It is named with even odds (as in the median probability model: Barbieri and Berger,
+  // Annals of Statistics 32 (2004) 870), or with more than what has no name: others share its place then.
+  bool IsNamed(double probability) const { return probability >= std::min(kEvenOdds, unnamed); }
   double Of(const std::string& name) const;
 };
 

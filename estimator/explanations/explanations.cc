@@ -188,11 +188,11 @@ ExplanationList ListExplanations(const CalibrationProblem& problem, const Parame
 }
 
 void DropInvisible(const ProjectedNormal& normal, const PriorMasses& prior, ExplanationList* list) {
-  const double widest = kScales[kNumScales - 1] * kScales[kNumScales - 1];
+  const double variance = kLargestUsual * kLargestUsual;
   std::vector<size_t> kept;
   std::map<std::pair<std::string, std::string>, bool> seen;  // of the catalogue, by effect and target
   for (size_t k = 0; k < list->math.size(); ++k) {
-    const bool is_visible = widest * OwnInformation(normal, list->math[k].group).trace() >= 1.0;
+    const bool is_visible = variance * OwnInformation(normal, list->math[k].group).trace() >= 1.0;
     if (is_visible) kept.push_back(k);
     if (list->IsUnnamed(static_cast<int>(k))) continue;
     const EffectSpec& spec = list->SpecOf(static_cast<int>(k));

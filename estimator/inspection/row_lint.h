@@ -15,7 +15,7 @@ namespace sagitta {
 Eigen::Matrix3Xd RobustLinearResiduals(const Linearization& linearization, const NoiseRoots& noise,
                                        Eigen::VectorXd* step = nullptr);
 
-// Observations (positions in linearization.observations) far off the rest.
+// Observations (positions in linearization.observations) far off the rest, or less far and alone so.
 std::vector<int> GrossOutliers(const Eigen::Matrix3Xd& residuals);
 
 std::vector<Finding> LintRows(const CalibrationProblem& problem, const Linearization& linearization,

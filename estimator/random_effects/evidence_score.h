@@ -21,9 +21,12 @@
 
 namespace sagitta {
 
-// Half decades around the typical size: wide enough that the exact size does not matter.
-constexpr double kScales[] = {0.03, 0.1, 0.3, 1.0, 3.0};
-constexpr int kNumScales = 5;
+// Half decades around the typical size: wide enough that the exact size does not matter. The last is for gross causes,
+// as a marker that was knocked: below it what is ten times as large as usual would be given to wrong noise, or shared out
+// among two effects that do the same.
+constexpr double kScales[] = {0.03, 0.1, 0.3, 1.0, 3.0, 10.0};
+constexpr int kNumScales = 6;
+constexpr double kLargestUsual = 3.0;  // what is looked for at all has to be visible at this size
 
 // Normal equations of a list of columns with what is believed eliminated.
 struct ProjectedNormal {

@@ -102,8 +102,8 @@ std::string NotConfirmed(const std::vector<std::pair<EffectSpec, double>>& effec
                     ")");
   }
   return Enumerate(names, kNamesListed) + (names.size() == 1 ? " is" : " are") +
-         " not named, whatever the fitted rows say: something without a name is left, and then an effect is "
-         "named only where it predicts rows that were not fitted better, beyond chance.";
+         " not named: where something without a name may be left, an effect is named only if it predicts rows "
+         "that were not fitted better, beyond chance.";
 }
 
 std::string AreBagged(int resamples) {

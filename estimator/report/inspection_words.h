@@ -53,8 +53,8 @@ std::string ErrorsThatWouldExplain(double by, bool is_length, const std::string&
 
 // `far` of `all` rows are off, half of them by more than `median` (m), the others within `near_rms` (m).
 Advice RowsAreWild(size_t far, size_t all, double median, double near_rms, const std::string& first);
-// Rows off by `least` to `most` (m), more than `factor` times the median (m) of all.
-Advice RowsAreOff(size_t rows, double least, double most, double factor, double median);
+// Rows off by `least` to `most` (m); the median is of all (m).
+Advice RowsAreOff(size_t rows, double least, double most, double median);
 Advice MarkersAreExchanged(size_t shots, size_t pairs, const std::string& first_pair);
 Advice RestsOnOneConfiguration(const std::string& names);
 

@@ -378,7 +378,7 @@ TEST(SetSearch, AveragesOverTheScalesOfThreeTogether) {
       }
     }
   }
-  const double average = LogSumExp(logs) - std::log(125.0), nothing = small.LogDensity(Scaled(5, 0.0));
+  const double average = LogSumExp(logs) - std::log(216.0), nothing = small.LogDensity(Scaled(5, 0.0));
   const WeightedSet whole = search.Evaluate({0, 1, 2});
   EXPECT_NEAR(whole.log_likelihood - search.Evaluate({}).log_likelihood, average - nothing, 1e-9);
   const std::vector<double> losses = search.LossesOf(whole);
@@ -460,7 +460,7 @@ TEST(NamelessCause, PartsOfOneCauseHaveOneSize) {
   const Eigen::MatrixXd a = small.left.transpose() * small.columns;
   const double unit = a.col(2).norm() / std::sqrt(a.col(0).squaredNorm() + a.col(1).squaredNorm());
   const auto density = [&](double size, double other) {
-    const double of_function = std::min(size * unit, 3.0);
+    const double of_function = std::min(size * unit, 10.0);
     const Eigen::Vector4d scales(of_function, of_function, size, other);
     return small.LogDensity(scales.asDiagonal());
   };

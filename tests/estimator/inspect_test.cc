@@ -5,9 +5,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <random>
 #include <set>
 
 #include "estimator/calibration/joint_estimator.h"
+#include "estimator/inspection/row_lint.h"
 #include "tests/support/arms.h"
 #include "tests/support/loaded_kr270.h"
 
@@ -214,6 +216,28 @@ TEST(Inspect, GrossOutliersAreFoundByRow) {
     if (each.code == "outliers") rows.insert(each.rows.begin(), each.rows.end());
   }
   EXPECT_THAT(rows, ElementsAre("simulated.csv:12", "simulated.csv:32"));
+}
+
+// Normal noise, of the residuals of 60 rows, m.
+Eigen::Matrix3Xd Residuals60(unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0.0, 3e-5);
+  return Eigen::Matrix3Xd::NullaryExpr(3, 60, [&] { return normal(random); });
+}
+
+TEST(RowLint, RowsThatStandAloneAreFound) {
+  for (unsigned seed = 1; seed <= 100; ++seed) {
+    Eigen::Matrix3Xd residuals = Residuals60(seed);
+    EXPECT_THAT(GrossOutliers(residuals), ElementsAre()) << seed;
+    residuals.col(18) = Eigen::Vector3d(4e-4, 0.0, 0.0);  // 13 sigma, 9 median distances
+    EXPECT_THAT(GrossOutliers(residuals), ElementsAre(18)) << seed;
+  }
+}
+
+TEST(RowLint, RowsThatHaveNeighboursDoNotStandAlone) {
+  Eigen::Matrix3Xd residuals = Residuals60(1);
+  for (int k = 0; k < 12; ++k) residuals.col(k) *= 1.0 + 0.4 * k;  // a tail
+  EXPECT_THAT(GrossOutliers(residuals), ElementsAre());
 }
 
 TEST(Inspect, CopiedPointsAndDuplicatedPoses) {

@@ -35,7 +35,7 @@ Picture Waterfall(const Diagnosis& d) {
                       1e3 * effect.holdout_after});
   }
   return WaterfallPicture("The gap, effect by effect", "hold-out RMS per coordinate, mm", stages,
-                          1e3 * d.final.estimate.noise_floor, "noise floor");
+                          1e3 * d.gap.floor, "noise floor");
 }
 
 // Before: what the measurements ask for with the effect removed from the model, and what the effect says. After: the
@@ -84,7 +84,7 @@ Section GapSection(const Diagnosis& d) {
   add("hold-out RMS distance", before.validation.distance_rms, after.validation.distance_rms);
   add("gap beyond the noise floor", d.gap.before, d.gap.after);
   section.paragraphs = {"Hold-out: configurations on which nothing was chosen or fitted. Noise floor " +
-                        Millimetres(after.noise_floor) + " mm per coordinate" +
+                        Millimetres(d.gap.floor) + " mm per coordinate" +
                         (d.effects.empty() ? "." : "; " + ClosedInWords(d.gap) + ".")};
   section.pictures = {Waterfall(d)};
   if (!d.effects.empty()) section.pictures.push_back(Probabilities(d));
