@@ -125,7 +125,7 @@ class Session {
     posterior_ = PosteriorOf(*evidence_, evidence_->models());
     RefittedSet leading;
     named_ = IsNamed();
-    if (named_) leading = RefitLeading(working, d_.baseline, joint_, evidence_.get(), &posterior_);
+    if (named_) leading = RefitLeading(working, d_.baseline, joint_, NamingGate(), evidence_.get(), &posterior_);
     named_ = IsNamed();  // the full model may leave less of it
     if (!named_) leading = RefitSet(*evidence_, evidence_->BestOfNothing(), working, d_.baseline, joint_);
     leading_ = leading.model;
@@ -134,7 +134,7 @@ class Session {
     SayFound();
     d_.final = leading.with_effects;
     d_.has_unexplained =
-        named_ && (posterior_.sets[posterior_.Leading()].has_unnamed || posterior_.unnamed > kEvenOdds);
+        named_ && (posterior_.sets[posterior_.Leading(NamingGate())].has_unnamed || posterior_.unnamed > kEvenOdds);
     while (!selected_.empty() && !IsUsable(d_.final.estimate.status)) {
       selected_.pop_back();  // the weakest
       d_.has_unexplained = true;

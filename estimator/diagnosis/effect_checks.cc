@@ -75,7 +75,7 @@ std::vector<double> Places::Weights(size_t place, const std::vector<int>& of) co
     weights.push_back(is_excluded ? -kInfinity
                                   : base + std::log(own.share) +
                                         AverageGain(likelihood_, residual, Information(own.group, place),
-                                                    Gradient(own.group, place)));
+                                                    Gradient(own.group, place), own.group.num_scales));
   }
   return weights;
 }

@@ -74,8 +74,8 @@ void TryOtherSprings(const Evidence& evidence, const JointOptions& joint, Refitt
 }
 
 // Sets that may lead, by their best models: the one that leads first.
-std::vector<size_t> MayLead(const Posterior& posterior) {
-  std::vector<size_t> sets = {posterior.Leading()};
+std::vector<size_t> MayLead(const Posterior& posterior, double gate) {
+  std::vector<size_t> sets = {posterior.Leading(gate)};
   for (size_t s = 0; s < posterior.sets.size() && sets.size() < kMostRefitted; ++s) {
     if (s != sets[0] && posterior.sets[s].probability >= kMayLead) sets.push_back(s);
   }
@@ -161,11 +161,11 @@ RefittedSet RefitSet(const Evidence& evidence, const WeightedModel& model, const
 }
 
 RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel& baseline, const JointOptions& joint,
-                         Evidence* evidence, Posterior* posterior) {
+                         double gate, Evidence* evidence, Posterior* posterior) {
   std::vector<RefittedSet> refitted;
   std::vector<double> corrections(evidence->models().size(), 0.0);
   bool any_usable = false;
-  for (const size_t s : MayLead(*posterior)) {
+  for (const size_t s : MayLead(*posterior, gate)) {
     const NameSet& set = posterior->sets[s];
     const WeightedModel& best = evidence->models()[set.best];
     refitted.push_back(RefitSet(*evidence, best, working, baseline, joint, LastOfView(refitted, best.view)));
@@ -177,7 +177,7 @@ RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel
   evidence->Correct(corrections);
   *posterior = PosteriorOf(*evidence, evidence->models());
   if (posterior->sets.empty()) return refitted[0];
-  const WeightedModel& leading = evidence->models()[posterior->sets[posterior->Leading()].best];
+  const WeightedModel& leading = evidence->models()[posterior->sets[posterior->Leading(gate)].best];
   for (RefittedSet& each : refitted) {
     const bool is_same = each.model.set.members == leading.set.members && each.model.pieces == leading.pieces;
     if (each.model.view == leading.view && is_same) return each;
@@ -203,7 +203,7 @@ std::vector<ScreenedCandidate> Screen(const Evidence& evidence, const DiagnosedM
     ++tests;
     const Eigen::MatrixXd information = OwnInformation(normal, list.math[k].group);
     const Eigen::VectorXd gradient = OwnGradient(normal, list.math[k].group);
-    const double log_evidence = AverageGain(likelihood, normal.residual, information, gradient);
+    const double log_evidence = AverageGain(likelihood, normal.residual, information, gradient, kNumScales);
     const auto entry = best.find(list.name[k]);
     if (entry != best.end() && entry->second.log_evidence >= log_evidence) continue;
     const MemberFit fit = FitOf(evidence, static_cast<int>(k), {information, gradient, normal.residual, 0.0});

@@ -43,9 +43,9 @@ RefittedSet RefitSet(const Evidence& evidence, const WeightedModel& model, const
                      const DiagnosedModel& baseline, const JointOptions& joint, const RefittedSet* near = nullptr);
 
 // The most probable sets by name, refitted; `evidence` and `posterior` follow. The leading one is returned: of those
-// with an optimum in the full model, or the first as it is where none has one.
+// with an optimum in the full model, or the first as it is where none has one. gate: of Posterior::Leading.
 RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel& baseline, const JointOptions& joint,
-                         Evidence* evidence, Posterior* posterior);
+                         double gate, Evidence* evidence, Posterior* posterior);
 
 // P of a reduction by chance, the best of so many tests: chi-square in the noise that is stated; F in units of the
 // scatter that is left (chi-square per degree of freedom, dof of them) where that is more, or where none is stated.

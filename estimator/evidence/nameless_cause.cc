@@ -115,15 +115,15 @@ WeightedSet NamelessCauses::WithOneSize(const WeightedSet& set, const Cause& cau
   }
   WeightedSet one = set;
   std::vector<double> logs;
-  for (const double scale : kScales) {
+  for (int s = 0; s < kNumUsualScales; ++s) {
     for (size_t k = 0; k < units.size(); ++k) {
-      if (units[k] > 0.0) members.Rescale(k, std::min(scale * units[k], kScales[kNumScales - 1]));
+      if (units[k] > 0.0) members.Rescale(k, std::min(kScales[s] * units[k], kLargestUsual));
     }
     const double log = likelihood.Log(members.residual()) - 0.5 * members.log_det();
     if (logs.empty() || log > *std::max_element(logs.begin(), logs.end())) one.scales = members.scales();
     logs.push_back(log);
   }
-  one.log_likelihood = LogSumExp(logs) - std::log(kNumScales) + lost;
+  one.log_likelihood = LogSumExp(logs) - std::log(kNumUsualScales) + lost;
   one.log_weight += one.log_likelihood - set.log_likelihood;
   return one;
 }

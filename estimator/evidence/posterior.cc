@@ -44,7 +44,7 @@ struct Leading {
 
 Leading LeadingOf(const Posterior& posterior, double gate) {
   if (posterior.Something() <= gate || posterior.sets.empty()) return {};
-  return {true, posterior.sets[posterior.Leading()].names};
+  return {true, posterior.sets[posterior.Leading(gate)].names};
 }
 
 // Names of a list in their order: the first explanation of each, and the place of every explanation's name.
@@ -90,14 +90,16 @@ double Posterior::MoreThan(size_t names) const {
   return sum;
 }
 
-// With S the effects that are named, P(S + e | S) is compared with P(S alone | S), the best e first.
-size_t Posterior::Leading() const {
+// From nothing on, S: the first effect e has to be more probable than that what is there has no name; a further one is
+// added where P(S alone | S) < 1 - gate.
+size_t Posterior::Leading(double gate) const {
   std::vector<int> chosen;
   while (true) {
-    double alone = 0.0;
+    double alone = 0.0, all = 0.0;
     std::map<int, double> with;
     for (const NameSet& set : sets) {
       if (!std::includes(set.effects.begin(), set.effects.end(), chosen.begin(), chosen.end())) continue;
+      all += set.probability;
       if (set.effects == chosen) alone += set.probability;
       for (const int effect : set.effects) {
         if (!std::binary_search(chosen.begin(), chosen.end(), effect)) with[effect] += set.probability;
@@ -105,7 +107,7 @@ size_t Posterior::Leading() const {
     }
     const auto best =
         std::max_element(with.begin(), with.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-    if (best == with.end() || best->second < alone) break;
+    if (best == with.end() || (chosen.empty() ? best->second < alone : alone >= (1.0 - gate) * all)) break;
     chosen.insert(std::lower_bound(chosen.begin(), chosen.end(), best->first), best->first);
   }
   const auto is_chosen = [&](const NameSet& set) { return set.effects == chosen; };

@@ -89,6 +89,7 @@ class ListBuilder {
   void Append(ColumnGroup group, int candidate, int unnamed, const EffectSpec& start, const PlaceInPrior& place,
               const std::string& excludes) {
     list_.name.push_back(IsGravityCompensator(start) ? start.effect + "/" + start.target : excludes);
+    if (unnamed >= 0) group.num_scales = kNumUsualScales;
     list_.math.push_back({std::move(group), 0.0, Number(excludes)});
     list_.candidate.push_back(candidate);
     list_.unnamed.push_back(unnamed);

@@ -53,7 +53,7 @@ std::map<std::string, Best> BestMoments(const CalibrationProblem& problem, const
     if (group.columns.empty()) continue;
     const double log_evidence =
         AverageGain(known_sigma, given_believed.normal.residual, OwnInformation(given_believed.normal, group),
-                    OwnGradient(given_believed.normal, group));
+                    OwnGradient(given_believed.normal, group), group.num_scales);
     EffectSpec others = candidates[c].spec;
     others.settings.erase(MomentOf(problem.robot(), others));
     Best& known = best[others.Path()];

@@ -106,15 +106,15 @@ double ResidualLikelihood::Factor(double residual) const {
 
 // log B = log mean_s B(s).
 double AverageGain(const ResidualLikelihood& likelihood, double residual, const Eigen::MatrixXd& information,
-                   const Eigen::VectorXd& gradient, double* scale) {
+                   const Eigen::VectorXd& gradient, int num_scales, double* scale) {
   const double nothing = likelihood.Log(residual);
-  std::vector<double> logs(kNumScales);
-  for (int s = 0; s < kNumScales; ++s) {
+  std::vector<double> logs(static_cast<size_t>(num_scales));
+  for (int s = 0; s < num_scales; ++s) {
     const GroupGain gain = GainOf(information, gradient, kScales[s]);
     logs[s] = likelihood.Log(residual - gain.quad) - nothing - 0.5 * gain.log_det;
   }
   if (scale != nullptr) *scale = kScales[std::max_element(logs.begin(), logs.end()) - logs.begin()];
-  return LogSumExp(logs) - std::log(kNumScales);
+  return LogSumExp(logs) - std::log(num_scales);
 }
 
 }  // namespace sagitta

@@ -22,11 +22,13 @@
 namespace sagitta {
 
 // Half decades around the typical size: wide enough that the exact size does not matter. The last is for gross causes,
-// as a marker that was knocked: below it what is ten times as large as usual would be given to wrong noise, or shared out
-// among two effects that do the same.
+// as a marker that was knocked: below it what is ten times as large as usual would be given to wrong noise, or shared
+// out among two effects that do the same.
 constexpr double kScales[] = {0.03, 0.1, 0.3, 1.0, 3.0, 10.0};
 constexpr int kNumScales = 6;
-constexpr double kLargestUsual = 3.0;  // what is looked for at all has to be visible at this size
+// Without the last: of functions without a name, which would absorb a named cause of the usual size as gross bends.
+constexpr int kNumUsualScales = 5;
+constexpr double kLargestUsual = kScales[kNumUsualScales - 1];  // at which all that is looked for has to be visible
 
 // Normal equations of a list of columns with what is believed eliminated.
 struct ProjectedNormal {
@@ -79,9 +81,9 @@ class ResidualLikelihood {
   double open_constant_, stated_constant_;
 };
 
-// Log evidence that a group adds to a residual of this square, averaged over the scales; scale: the best of them, or
-// null.
+// Log evidence that a group adds to a residual of this square, averaged over its scales, the first so many; scale: the
+// best of them, or null.
 double AverageGain(const ResidualLikelihood& likelihood, double residual, const Eigen::MatrixXd& information,
-                   const Eigen::VectorXd& gradient, double* scale = nullptr);
+                   const Eigen::VectorXd& gradient, int num_scales, double* scale = nullptr);
 
 }  // namespace sagitta

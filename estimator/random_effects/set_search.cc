@@ -173,7 +173,7 @@ WeightedSet SetSearch::EvaluateFrom(const std::vector<int>& given_members, Membe
       const auto most = std::max_element(logs.begin(), logs.end());
       const double best = kScales[most - logs.begin()];
       set.log_likelihood = *most;
-      averages += LogSumExp(logs) - std::log(kNumScales) - *most;
+      averages += LogSumExp(logs) - std::log(static_cast<double>(logs.size())) - *most;
       if (best == set.scales[k] || round == kScaleRounds) continue;
       set.scales[k] = best;
       members.Rescale(k, best);
@@ -196,9 +196,9 @@ double SetSearch::AverageOverScales(const Members& members) const {
       for (const double log : LogsOfScales(likelihood_, here.Of(last))) logs.push_back(log);
       return;
     }
-    for (const double scale : kScales) {
+    for (int s = 0; s < here.NumScales(next); ++s) {
       Members rescaled = here;
-      if (scale != here.scales()[next]) rescaled.Rescale(next, scale);
+      if (kScales[s] != here.scales()[next]) rescaled.Rescale(next, kScales[s]);
       add(rescaled, next + 1);
     }
   };
@@ -231,7 +231,8 @@ std::vector<double> SetSearch::AdditionsTo(const WeightedSet& set, const Sweep& 
     double scale = 1.0;
     const Eigen::MatrixXd information = OwnOf(k) - sweep.Taken(candidate.group);
     weights[k] = base +
-                 AverageGain(likelihood_, sweep.residual(), information, sweep.Gradient(candidate.group), &scale) +
+                 AverageGain(likelihood_, sweep.residual(), information, sweep.Gradient(candidate.group),
+                             candidate.group.num_scales, &scale) +
                  std::log(candidate.share);
     if (scales != nullptr) (*scales)[k] = scale;
   }
@@ -340,8 +341,8 @@ std::vector<SetSearch::Swap> SetSearch::SwapsOf(const WeightedSet& set, const Sw
       if (base + likelihood_.Log(residual - most_quads[place]) < most - kWorthKeeping) continue;
       if (solved.size() == 0) solved = sweep.Solved(explanations_[k].group);
       double scale = 1.0;
-      const double gain =
-          AverageGain(likelihood_, residual, given_all + sweeps[m].Information(solved), gradients.col(place), &scale);
+      const double gain = AverageGain(likelihood_, residual, given_all + sweeps[m].Information(solved),
+                                      gradients.col(place), explanations_[k].group.num_scales, &scale);
       const double weight = base + likelihood_.Log(residual) + gain;
       if (weight < most - kWorthKeeping) continue;
       most = std::max(most, weight);

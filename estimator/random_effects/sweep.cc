@@ -98,8 +98,8 @@ Eigen::VectorXd OwnGradient(const ProjectedNormal& normal, const ColumnGroup& gr
 // log L(s_k) = log f(R - quad(s_k)) - 1/2 (log |Q| + log |I + s_k^2 G_k|), R, Q, G_k given the others.
 std::vector<double> LogsOfScales(const ResidualLikelihood& likelihood, const GivenOthers& given) {
   std::vector<double> logs;
-  for (const double scale : kScales) {
-    const GroupGain gain = GainOf(given.information, given.gradient, scale);
+  for (int s = 0; s < given.num_scales; ++s) {
+    const GroupGain gain = GainOf(given.information, given.gradient, kScales[s]);
     logs.push_back(likelihood.Log(given.residual - gain.quad) - 0.5 * (given.log_det + gain.log_det));
   }
   return logs;
@@ -107,7 +107,7 @@ std::vector<double> LogsOfScales(const ResidualLikelihood& likelihood, const Giv
 
 double LossOfScale(const ResidualLikelihood& likelihood, const GivenOthers& given) {
   const std::vector<double> logs = LogsOfScales(likelihood, given);
-  return LogSumExp(logs) - std::log(kNumScales) - *std::max_element(logs.begin(), logs.end());
+  return LogSumExp(logs) - std::log(given.num_scales) - *std::max_element(logs.begin(), logs.end());
 }
 
 Members::Members(const ProjectedNormal& normal, std::vector<const ColumnGroup*> groups, std::vector<double> scales)
@@ -244,6 +244,7 @@ GivenOthers Members::Of(size_t group) const {
   given.information /= scale * scale;
   given.gradient = root.solve(own) / scale;
   given.residual = residual_ + own.dot(root.solve(own));
+  given.num_scales = groups_[group]->num_scales;
   given.log_det = log_det_ + 2.0 * root.matrixLLT().diagonal().array().log().sum();
   return given;
 }

@@ -15,6 +15,7 @@ namespace sagitta {
 struct ColumnGroup {
   std::vector<int> columns;
   Eigen::MatrixXd mixing;
+  int num_scales = kNumScales;  // the first of kScales
 
   int size() const { return static_cast<int>(mixing.size() > 0 ? mixing.cols() : static_cast<long>(columns.size())); }
   // mixing' X of rows X, one per column; mixing' B mixing of a block B.
@@ -45,9 +46,10 @@ struct GivenOthers {
   Eigen::MatrixXd information;
   Eigen::VectorXd gradient;
   double residual = 0.0, log_det = 0.0;
+  int num_scales = kNumScales;
 };
 
-// Log likelihood at each of kScales of a group given others; and what their average has less than the best of them.
+// Log likelihood at each of its scales of a group given others; and what their average has less than the best of them.
 std::vector<double> LogsOfScales(const ResidualLikelihood& likelihood, const GivenOthers& given);
 double LossOfScale(const ResidualLikelihood& likelihood, const GivenOthers& given);
 
@@ -76,6 +78,7 @@ class Members {
   double residual() const { return residual_; }
   double log_det() const { return log_det_; }
   size_t size() const { return groups_.size(); }
+  int NumScales(size_t group) const { return groups_[group]->num_scales; }
   int num_columns() const { return static_cast<int>(gradient_.size()); }
   // Where a group's columns begin among those of all.
   long First(size_t group) const { return first_[group]; }

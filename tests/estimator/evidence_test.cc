@@ -101,7 +101,7 @@ TEST(EvidenceScore, AGroupAloneIsAveragedOverItsSizes) {
     best = scale;
   }
   double scale = 0.0;
-  const double gain = AverageGain(known, normal.residual, AllOf(normal), normal.gradient, &scale);
+  const double gain = AverageGain(known, normal.residual, AllOf(normal), normal.gradient, kNumScales, &scale);
   EXPECT_NEAR(gain, std::log(mean) - small.LogDensity(Scaled(2, 0.0)), 1e-9);
   EXPECT_EQ(scale, best);
   EXPECT_GT(most, 1.1 * mean);
@@ -460,18 +460,19 @@ TEST(NamelessCause, PartsOfOneCauseHaveOneSize) {
   const Eigen::MatrixXd a = small.left.transpose() * small.columns;
   const double unit = a.col(2).norm() / std::sqrt(a.col(0).squaredNorm() + a.col(1).squaredNorm());
   const auto density = [&](double size, double other) {
-    const double of_function = std::min(size * unit, 10.0);
+    const double of_function = std::min(size * unit, 3.0);
     const Eigen::Vector4d scales(of_function, of_function, size, other);
     return small.LogDensity(scales.asDiagonal());
   };
   std::vector<double> as_one, of_other;
+  for (const double scale : {0.03, 0.1, 0.3, 1.0, 3.0}) as_one.push_back(density(scale, many.scales[2]));
   for (const double scale : kScales) {
-    as_one.push_back(density(scale, many.scales[2]));
     const Eigen::Vector4d scales(many.scales[0], many.scales[0], many.scales[1], scale);
     of_other.push_back(small.LogDensity(scales.asDiagonal()));
   }
   const double lost = LogSumExp(of_other) - *std::max_element(of_other.begin(), of_other.end());
-  const double expected = LogSumExp(as_one) + lost - 2.0 * std::log(kNumScales) - small.LogDensity(Scaled(4, 0.0));
+  const double expected =
+      LogSumExp(as_one) + lost - std::log(5.0) - std::log(kNumScales) - small.LogDensity(Scaled(4, 0.0));
   EXPECT_NEAR(one.log_likelihood - search.Evaluate({}).log_likelihood, expected, 1e-9);
   EXPECT_NEAR(one.log_weight - one.log_likelihood, many.log_weight - many.log_likelihood, 1e-12);
   EXPECT_EQ(one.members, many.members);
