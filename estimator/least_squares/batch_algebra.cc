@@ -86,7 +86,9 @@ void AddProductsOfRows(const double* rows, std::size_t count, std::size_t column
     for (; b + kWide * lanes <= columns; b += kWide * lanes) {
       AddProductsOf<kWide>(rows, count, columns, a, b, sums);
     }
-    for (; b < columns; b += lanes) AddProductsOf<1>(rows, count, columns, a, b, sums);
+    const std::size_t rest = (columns - b) / lanes;  // together: each alone waits for its own sums
+    const auto add = rest < 2 ? AddProductsOf<1> : rest == 2 ? AddProductsOf<2> : AddProductsOf<3>;
+    if (rest > 0) add(rows, count, columns, a, b, sums);
   }
 }
 
