@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include "estimator/alignment/starting_values.h"
 #include "estimator/least_squares/linearization.h"
@@ -44,17 +45,46 @@ double AlignedMisfit(const CalibrationProblem& problem, const std::vector<int>& 
   return FindStartingValues(problem, rows, StartingValueOptions(), &parameters);
 }
 
-double MisfitOfAllRows(const CalibrationProblem& problem) {
+namespace {
+
+// Where the unloaded arm has the points, shot by shot.
+Eigen::Matrix3Xd RigidPoints(const CalibrationProblem& problem, const ParameterSet& parameters,
+                             const std::vector<int>& points) {
+  const std::vector<double> theta = parameters.ModelValues();
+  Eigen::Matrix3Xd predicted(3, static_cast<Eigen::Index>(points.size()));
+  ChainState<double> state;
+  Pose<double> base;
+  int latest = -1;
+  for (size_t k = 0; k < points.size(); ++k) {
+    const Observation& row = problem.data().observations[points[k]];
+    if (std::exchange(latest, row.shot) != row.shot) {
+      const ShotInput& input = problem.shot_inputs()[row.shot];
+      EvaluateChain(problem.model().chain(), problem.model().TransformValues(input, theta.data()).data(), &state);
+      base = parameters.BaseInStation(problem.data().shots[row.shot].station);
+    }
+    predicted.col(static_cast<Eigen::Index>(k)) =
+        base * (state.frames[problem.marker_frames()[row.marker]] * parameters.MarkerPoint(row.marker));
+  }
+  return predicted;
+}
+
+}  // namespace
+
+bool MissesAllRows(const CalibrationProblem& problem, double limit) {
   ParameterSet parameters = problem.parameters;
   FindStartingValues(problem, SampleOfRows(problem), StartingValueOptions(), &parameters);
   const std::vector<int> points = problem.data().PointsAmong(problem.CalibrationObservations());
-  const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, points);
-  double squares = 0.0;
-  for (size_t k = 0; k < points.size(); ++k) {
-    const Vector3<double>& measured = problem.data().observations[points[k]].point_in_station;
-    squares += (measured - predicted.col(static_cast<Eigen::Index>(k))).squaredNorm();
-  }
-  return std::sqrt(squares / static_cast<double>(std::max<size_t>(1, points.size())));
+  const auto misfit_of = [&](const Eigen::Matrix3Xd& predicted) {
+    double squares = 0.0;
+    for (size_t k = 0; k < points.size(); ++k) {
+      const Vector3<double>& measured = problem.data().observations[points[k]].point_in_station;
+      squares += (measured - predicted.col(static_cast<Eigen::Index>(k))).squaredNorm();
+    }
+    return std::sqrt(squares / static_cast<double>(std::max<size_t>(1, points.size())));
+  };
+  // Rows that are far off are so from the unloaded arm too, and that costs a third.
+  return misfit_of(RigidPoints(problem, parameters, points)) > 0.5 * limit &&
+         misfit_of(PredictPoints(problem, parameters, points)) > limit;
 }
 
 std::vector<Matrix3<double>> AlignedOrientations(const CalibrationProblem& problem) {

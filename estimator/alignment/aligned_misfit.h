@@ -18,8 +18,9 @@ std::vector<int> SampleOfRows(const CalibrationProblem& problem);
 // RMS of the 3-D distances, m, of the aligned nominal robot on these rows.
 double AlignedMisfit(const CalibrationProblem& problem, const std::vector<int>& rows);
 
-// The same of all calibration rows of points, aligned to a sample of them: what a sample may have missed.
-double MisfitOfAllRows(const CalibrationProblem& problem);
+// Whether that of all calibration rows of points, aligned to a sample of them, is more than `limit`: what a sample may
+// have missed.
+bool MissesAllRows(const CalibrationProblem& problem, double limit);
 
 // Where the nominal robot has the frame of each observation of a point, base poses fitted to a sample of the points:
 // station_from_frame.

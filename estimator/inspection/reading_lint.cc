@@ -112,7 +112,7 @@ ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem) {
   ReadingLint lint = LintReadings(problem);
   if (lint.is_explained) return lint;
   const double suspicious = SuspiciousMisfit(problem.robot().chain);
-  const bool is_missed = lint.misfit <= suspicious && MisfitOfAllRows(problem) > suspicious;  // by the sample
+  const bool is_missed = lint.misfit <= suspicious && MissesAllRows(problem, suspicious);  // by the sample
   if (!lint.is_suspicious && !is_missed) return lint;
   std::optional<OtherLabel> other = FindOtherFrame(problem);
   std::optional<FarRows> far_rows;
