@@ -90,8 +90,8 @@ TEST(ResidualsOverDrivers, OfManyRowsTheFarthestStayAndThePageStaysSmall) {
   ASSERT_GT(problem.data().observations.size(), kMostDrawn);
   for (const int far : {1, 7778, 11999}) estimate.predicted.col(far).array() += 0.05;
   const std::vector<ResidualRow> rows = RowsToDraw({problem, estimate});
-  EXPECT_LE(rows.size(), kMostDrawn);
-  EXPECT_GT(rows.size(), kMostDrawn - 2 * kFarthestKept);
+  EXPECT_LE(rows.size(), kDrawnOfMany);
+  EXPECT_GT(rows.size(), kDrawnOfMany - 2 * kFarthestKept);
   for (const int far : {1, 7778, 11999}) {
     EXPECT_TRUE(std::any_of(rows.begin(), rows.end(), [&](const ResidualRow& row) { return row.observation == far; }));
   }

@@ -16,6 +16,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr size_t kMostColours = 12;  // more groups than these nobody distinguishes
 constexpr int kSlices = 8;           // of an axis, in the table
+constexpr size_t kMostColumns = 64;  // of the points, with room to spare: a map that grows copies them
 constexpr size_t kWorstShown = 20;
 constexpr double kArrowOfSize = 0.08;  // an arrow of the 95th percentile, of all that is shown
 
@@ -121,6 +122,7 @@ Picture ResidualsOverDrivers(const DrawnReadings& readings) {
     for (int axis = 0; axis < 3; ++axis) xyz[axis].push_back(row.residual_in_base[axis]);
   }
   data = {{"id", std::move(names)}, {"pose", std::move(poses)}};
+  data.get_ref<Json::object_t&>().reserve(kMostColumns);
   PictureMenu down{"y", "what", {}}, across{"x", "over", {}};
   const auto add = [&](const std::string& name, const std::vector<double>& values, const std::string& label,
                        PictureMenu* menu) {

@@ -35,7 +35,7 @@ std::vector<ResidualRow> RowsToDraw(const DrawnReadings& readings) {
   std::vector<double> sorted = are_many ? distances : std::vector<double>();
   if (are_many) std::nth_element(sorted.begin(), sorted.end() - kFarthestKept, sorted.end());
   const double far = are_many ? *(sorted.end() - kFarthestKept) : 0.0;
-  constexpr size_t kEven = kMostDrawn - kFarthestKept;
+  constexpr size_t kEven = kDrawnOfMany - kFarthestKept;
   const std::vector<Pose<double>> bases = BasesOf(readings);
   std::vector<ResidualRow> drawn;
   drawn.reserve(std::min(rows.size(), kMostDrawn));

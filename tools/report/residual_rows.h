@@ -27,15 +27,15 @@ struct ResidualRow {
   double distance() const { return residual_in_base.norm(); }
 };
 
-// Every point that is neither excluded nor without a measured value; of more than kMostDrawn the farthest and an even
-// choice of the others, in row order.
-constexpr size_t kMostDrawn = 9000, kFarthestKept = 200;
+// Every point that is neither excluded nor without a measured value; of more than kMostDrawn kDrawnOfMany: the farthest
+// and an even choice of the others, in row order. Of so many, most lie on others: a picture is a thousand pixels wide.
+constexpr size_t kMostDrawn = 9000, kDrawnOfMany = 4000, kFarthestKept = 200;
 std::vector<ResidualRow> RowsToDraw(const DrawnReadings& readings);
 
 // "C12 P3", with its station where there are several.
 std::string NameOfRow(const Measurements& data, const Observation& row);
 
-// "; drawn: 9000 of 30000 points"; empty: all are.
+// "; drawn: 4000 of 30000 points"; empty: all are.
 std::string LeftOutInWords(const CalibrationProblem& problem, size_t drawn);
 
 }  // namespace sagitta
