@@ -412,7 +412,7 @@ void JudgeFit(const CalibrationProblem& problem, const NormalEquations* equation
   estimate->noise = ObservationNoise(problem, all, kFallbackSigma);
   const RowBatches* const of_all = RowsOfAll(problem, equations);
   RowJudge(problem, normal_root, scale, estimate).Judge(of_all);
-  const Eigen::Matrix3Xd before = PredictAligned(problem, of_all, *estimate);
+  estimate->predicted_aligned = PredictAligned(problem, of_all, *estimate);
   if (!estimate->sigma.stated) {
     for (NoiseRoots* roots : {&estimate->noise, &estimate->scatter}) {
       for (Matrix3<double>& root : *roots) root *= estimate->sigma.estimated / kFallbackSigma;
@@ -429,8 +429,8 @@ void JudgeFit(const CalibrationProblem& problem, const NormalEquations* equation
   const std::string tie = TieInWords(problem, parameters);
   if (!tie.empty()) estimate->warnings.push_back(tie);
   if (estimate->aligned.num_coordinates() > 0) {
-    estimate->fit_before = SizeOf(problem, before, calibration);
-    estimate->validation_before = SizeOf(problem, before, validation);
+    estimate->fit_before = SizeOf(problem, estimate->predicted_aligned, calibration);
+    estimate->validation_before = SizeOf(problem, estimate->predicted_aligned, validation);
   }
 }
 

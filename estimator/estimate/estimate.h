@@ -141,10 +141,11 @@ struct Estimate {
   double noise_floor = 0.0;               // m: the same at the sigmas as stated
 
   // Per observation of the data, in row order.
-  Eigen::Matrix3Xd predicted;  // m, station frame
-  NoiseRoots noise;            // m, the instrument's, as used for whitening
-  NoiseRoots scatter;          // m, of a row by itself: the instrument's and what joint repeatability adds
-  Eigen::VectorXd leverage;    // mean over the axes of the hat matrix's diagonal
+  Eigen::Matrix3Xd predicted;          // m, station frame
+  Eigen::Matrix3Xd predicted_aligned;  // the same by `aligned`; none where nothing was aligned
+  NoiseRoots noise;                    // m, the instrument's, as used for whitening
+  NoiseRoots scatter;                  // m, of a row by itself: the instrument's and what joint repeatability adds
+  Eigen::VectorXd leverage;            // mean over the axes of the hat matrix's diagonal
   std::vector<std::string> warnings;
 };
 

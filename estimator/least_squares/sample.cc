@@ -19,4 +19,12 @@ std::vector<int> SampleConfigurations(const Measurements& data, const std::vecto
   return sample;
 }
 
+std::vector<int> SampleForStep(const Measurements& data, const std::vector<int>& observations, size_t columns) {
+  // A step of p columns from n rows errs at them by sqrt(p / n) of the noise, RMS: n = 100 p, n p = 100 p^2.
+  constexpr double kSquaredPrecision = 100.0, kLeast = 2.5e5;  // numbers: of few columns some thousand rows
+  const auto p = static_cast<double>(columns);
+  if (AreHeld(3.0 * static_cast<double>(observations.size()), p)) return observations;
+  return SampleConfigurations(data, observations, columns, std::clamp(kSquaredPrecision * p * p, kLeast, kMostHeld));
+}
+
 }  // namespace sagitta

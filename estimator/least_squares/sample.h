@@ -10,6 +10,9 @@ namespace sagitta {
 // Of the listed observations those of as many configurations, scattered over all, as `columns` and three rows each make
 // `most` numbers of: all where these are no more.
 std::vector<int> SampleConfigurations(const Measurements& data, const std::vector<int>& observations, size_t columns,
-                                      double most = kMostHeld);
+                                      double most);
+// For a step of `columns`: all where they can be held, else so many that the step moves points by a tenth of the noise
+// from where all would put them.
+std::vector<int> SampleForStep(const Measurements& data, const std::vector<int>& observations, size_t columns);
 
 }  // namespace sagitta

@@ -128,7 +128,7 @@ ParameterSet Unheld(ParameterSet parameters) {
 // part of the noise.
 bool FitLinearly(const ParameterSet& parameters, SuspectedRows* rows) {
   const std::vector<int> columns = parameters.EstimatedCoordinates();
-  const std::vector<int> looked_at = SampleConfigurations(rows->problem.data(), rows->observations, columns.size());
+  const std::vector<int> looked_at = SampleForStep(rows->problem.data(), rows->observations, columns.size());
   const NoiseRoots noise = ObservationNoise(rows->problem, looked_at, kFallbackSigma);
   Linearization here = Linearize(rows->problem, parameters, looked_at, columns, noise, LatentTreatment::kIgnore);
   std::vector<int> seen;  // what no point depends on, as a marker's rotation, is left out

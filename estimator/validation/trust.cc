@@ -32,11 +32,6 @@ constexpr double kBetter = 0.05;
 constexpr double kWrongWeights = 2.0;
 constexpr double kSamePose = 1e-3;  // rad or m, of every joint: what points show there they show at the other too
 
-Eigen::Matrix3Xd FittedErrors(const CalibrationProblem& problem, const FittedStream& fitted,
-                              const ParameterSet& parameters, const std::vector<int>& observations) {
-  return ResidualsOf(problem.data(), observations, fitted.Predict(problem, parameters, observations));
-}
-
 UnseenPoints JudgeHoldout(const CalibrationProblem& problem, const Estimate& estimate) {
   const std::vector<int> observations = problem.data().PointsAmong(problem.ValidationObservations());
   UnseenPoints holdout = MeasureUnseen(
@@ -163,7 +158,7 @@ double WorseThanByEqualWeights(const CalibrationProblem& problem, const Estimate
     if (!RestsOnBound(estimate.parameters, i)) columns.push_back(i);
   }
   const std::vector<int> points = problem.data().PointsAmong(problem.CalibrationObservations());
-  const std::vector<int> sample = SampleConfigurations(problem.data(), points, columns.size());
+  const std::vector<int> sample = SampleForStep(problem.data(), points, columns.size());
   const NoiseRoots metres(sample.size(), Matrix3<double>::Identity());
   const Linearization rows = Linearize(problem, estimate.parameters, sample, columns, metres, LatentTreatment::kIgnore);
   if (!rows.valid || rows.num_rows() <= rows.num_columns()) return 1.0;
@@ -280,8 +275,9 @@ Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, 
   trust.repeatability = MeasurePoseRepeatability(problem);
   const std::vector<int> quoted = problem.data().PointsAmong(
       trust.holdout.points > 0 ? problem.ValidationObservations() : problem.CalibrationObservations());
-  if (estimate->aligned.num_coordinates() > 0) {
-    trust.nominal = MeasureUnseen(problem, quoted, FittedErrors(problem, fitted, estimate->aligned, quoted));
+  if (estimate->predicted_aligned.cols() > 0) {
+    trust.nominal = MeasureUnseen(problem, quoted,
+                                  ResidualsOf(problem.data(), quoted, estimate->predicted_aligned(Eigen::all, quoted)));
   }
   AddModelError(problem.experiment().significance, &trust, estimate);
   trust.verdict.reasons = ReasonsAgainst(problem, *estimate, trust);
