@@ -64,15 +64,15 @@ void NameSuspects(Calibration* failed) {
   estimate.identifiability.unidentifiable.clear();
 }
 
-// All that judges a usable estimate.
-void JudgeCalibration(const CalibrateOptions& options, Calibration* result) {
+// All that judges a usable estimate. rows: that were fitted, or null.
+void JudgeCalibration(const CalibrateOptions& options, std::shared_ptr<const RowBatches> rows, Calibration* result) {
   const auto say = [&](const std::string& what) {
     if (options.progress) options.progress(what);
   };
   Estimate& estimate = result->estimate;
   AddIntervals(result->problem, {options.num_threads, options.progress}, &estimate);
   BetweenParts between;
-  const FittedStream fitted(result->problem);
+  const FittedStream fitted(result->problem, std::move(rows));
   if (options.method == Method::kJoint) {
     say("comparing parts of the data");
     between = CheckAgreement(result->problem, fitted, {options.seed, RandomHalves(result->problem)}, &estimate);
@@ -111,7 +111,7 @@ Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& option
     NameSuspects(&result);
     return result;
   }
-  JudgeCalibration(options, &result);
+  JudgeCalibration(options, std::move(resolved.rows), &result);
   return result;
 }
 

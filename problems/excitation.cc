@@ -13,6 +13,7 @@ namespace sagitta {
 namespace {
 
 constexpr double kHoldMotion = 5e-3;  // m or rad, FORMATS section 4
+constexpr double kClear = 0.1;        // of a motion: what a rotation of the base changes of it is less
 constexpr double kRoundOff = 1e-12;   // a sum of some hundred products of what moves the others
 
 // Lengths of the spring move its ends: they are limited as lengths.
@@ -130,8 +131,8 @@ void DropRoundOff(const std::vector<ModelParameter>& parameters, std::vector<dou
   }
 }
 
-std::vector<double> TrueMotions(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                const LargestMotionsAt& largest_at) {
+// At these values and at two with the bases rotated.
+std::vector<ParameterSet> WithTilted(const ParameterSet& parameters) {
   std::vector<ParameterSet> at = {parameters};
   for (int axis = 0; axis < 2; ++axis) {
     ParameterSet tilted = parameters;
@@ -143,12 +144,32 @@ std::vector<double> TrueMotions(const CalibrationProblem& problem, const Paramet
     }
     at.push_back(tilted);
   }
+  return at;
+}
+
+// largest: as they are, and with the bases rotated. The latter change more than this share of the former.
+bool IsFeigned(const std::vector<std::vector<double>>& largest, size_t i, double share) {
+  const double motion = largest[0][i];
+  return share * motion < std::max(std::abs(largest[1][i] - motion), std::abs(largest[2][i] - motion));
+}
+
+bool AreClear(const std::vector<ModelParameter>& parameters, const std::vector<std::vector<double>>& largest) {
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    if (parameters[i].law == ParameterLaw::kGeometry) continue;
+    if (!(largest[0][i] > 0.0) || IsFeigned(largest, i, kClear)) return false;
+  }
+  return true;
+}
+
+std::vector<double> TrueMotions(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                const LargestMotionsAt& largest_at, const LargestMotionsAt& some_at) {
+  std::vector<ParameterSet> at = WithTilted(parameters);
+  const bool are_clear = some_at && AreClear(problem.model().parameters(), some_at(at));
+  if (are_clear) at.resize(1, parameters);
   const std::vector<std::vector<double>> largest = largest_at(at);
   std::vector<double> motions = largest[0];
-  for (size_t i = 0; i < motions.size(); ++i) {
-    for (const std::vector<double>& feigned : {largest[1], largest[2]}) {
-      if (motions[i] < std::abs(feigned[i] - motions[i])) motions[i] = 0.0;
-    }
+  for (size_t i = 0; i < motions.size() && !are_clear; ++i) {
+    if (IsFeigned(largest, i, 1.0)) motions[i] = 0.0;
   }
   DropRoundOff(problem.model().parameters(), &motions);
   return motions;
@@ -161,18 +182,19 @@ LargestMotionsAt OfAllShots(const CalibrationProblem& problem) {
 }  // namespace
 
 std::vector<double> LargestTrueMotions(const CalibrationProblem& problem, const ParameterSet& parameters) {
-  return TrueMotions(problem, parameters, OfAllShots(problem));
+  return TrueMotions(problem, parameters, OfAllShots(problem), nullptr);
 }
 
 void SetHoldLimits(const CalibrationProblem& problem, ParameterSet* parameters) {
-  SetHoldLimits(problem, OfAllShots(problem), parameters);
+  SetHoldLimits(problem, OfAllShots(problem), nullptr, parameters);
 }
 
-void SetHoldLimits(const CalibrationProblem& problem, const LargestMotionsAt& largest, ParameterSet* parameters) {
+void SetHoldLimits(const CalibrationProblem& problem, const LargestMotionsAt& largest, const LargestMotionsAt& some,
+                   ParameterSet* parameters) {
   const auto& model_parameters = problem.model().parameters();
   const bool any = std::any_of(model_parameters.begin(), model_parameters.end(), IsLimitedByMotion);
   if (!any) return;
-  const std::vector<double> motions = TrueMotions(problem, *parameters, largest);
+  const std::vector<double> motions = TrueMotions(problem, *parameters, largest, some);
   for (size_t i = 0; i < motions.size(); ++i) {
     if (!IsLimitedByMotion(model_parameters[i])) continue;
     Coordinate& coordinate = parameters->coordinate(parameters->model_parameter(static_cast<int>(i)).first_coordinate);

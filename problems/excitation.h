@@ -21,7 +21,9 @@ void SetHoldLimits(const CalibrationProblem& problem, ParameterSet* parameters);
 // The largest motions among the calibration rows at each of some values, as above but as they are; of geometric errors
 // any number.
 using LargestMotionsAt = std::function<std::vector<std::vector<double>>(const std::vector<ParameterSet>& at)>;
-// The same limits where motions are found otherwise.
-void SetHoldLimits(const CalibrationProblem& problem, const LargestMotionsAt& largest, ParameterSet* parameters);
+// The same limits where motions are found otherwise. some: those among some of many rows, or empty. Where these show
+// that a rotation of the base does not make them, the others are not asked about that.
+void SetHoldLimits(const CalibrationProblem& problem, const LargestMotionsAt& largest, const LargestMotionsAt& some,
+                   ParameterSet* parameters);
 
 }  // namespace sagitta

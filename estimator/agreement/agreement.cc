@@ -21,7 +21,6 @@ namespace {
 
 // Every split of the measured robots next to the tree (UR5, UR10 A to D, and their halves) is below it.
 constexpr double kPoorHalves = 4.0;
-constexpr double kSurplus = 2.0;  // standard errors by which the sandwich has to exceed the model
 
 // Differences of what both parts know, by one covariance.
 struct Differences : PartDifference {
@@ -218,14 +217,10 @@ RepeatFit TestRepeats(const Whole& whole) {
   return fit;
 }
 
-// True where the sandwich is larger than chance makes it: a variance with nu degrees of freedom scatters by
-// sqrt(1 / (2 nu)) of its root.
 bool SandwichIsLarger(const Whole& whole, const RobustCovariance& robust, double* ratio) {
   if (robust.covariance.rows() == 0) return false;
-  const Eigen::VectorXd ratios =
-      robust.covariance.diagonal().cwiseQuotient(whole.turns.VariancesOf(whole.estimate.model_covariance)).cwiseSqrt();
-  *ratio = Median({ratios.begin(), ratios.end()});
-  return *ratio > 1.0 + kSurplus * std::sqrt(0.5 / Median({robust.dof.begin(), robust.dof.end()}));
+  *ratio = RatioToModel(whole, robust);
+  return robust.dof.size() > 0 && IsLarger(*ratio, Median({robust.dof.begin(), robust.dof.end()}));
 }
 
 // fitted: or null.

@@ -1,6 +1,7 @@
 #include "estimator/agreement/part_fits.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -10,6 +11,8 @@
 #include "estimator/least_squares/identifiability.h"
 #include "estimator/least_squares/normal_equations.h"
 #include "estimator/noise/weighting.h"
+#include "estimator/statistics/distributions.h"
+#include "estimator/statistics/median.h"
 
 namespace sagitta {
 namespace {
@@ -91,6 +94,24 @@ RobustCovariance SandwichOf(const Whole& whole, const std::vector<int>& observat
   return SandwichCovariance(at_its_optimum, clusters);
 }
 
+// Columns of both parts whose differences depend on how well the sandwiches are known: all where these are the
+// intervals. Else only how many are inside is counted, and what is inside the normal interval is inside Student's.
+std::array<std::vector<int>, 2> WithDegrees(const Whole& whole, const std::array<PartFit, 2>& fits) {
+  const double normal = StudentQuantile(0.975, std::numeric_limits<double>::infinity());
+  std::array<std::vector<int>, 2> listed;
+  for (size_t i = 0; i < fits[0].columns.size(); ++i) {
+    const auto same = std::find(fits[1].columns.begin(), fits[1].columns.end(), fits[0].columns[i]);
+    if (same == fits[1].columns.end()) continue;
+    const auto a = static_cast<int>(i), b = static_cast<int>(same - fits[1].columns.begin());
+    const double variance = fits[0].sandwich.covariance(a, a) + fits[1].sandwich.covariance(b, b);
+    const double difference = fits[0].step()[a] - fits[1].step()[b];
+    if (!whole.by_sandwich && std::abs(difference) <= normal * std::sqrt(variance)) continue;
+    listed[0].push_back(a);
+    listed[1].push_back(b);
+  }
+  return listed;
+}
+
 // Calls add(position, three rows of [J r]) for each observation.
 bool ForEachRow(const Whole& whole, const std::function<void(int, const double*)>& add) {
   if (!whole.are_held) {
@@ -109,7 +130,7 @@ bool ForEachRow(const Whole& whole, const std::function<void(int, const double*)
 // Sums of a few splits: observations that go together in all of them are summed once.
 class Cells {
  public:
-  static constexpr size_t kMost = 5;  // splits: at most 3^5 cells, 2^5 where every observation has its side
+  static constexpr size_t kMost = 7;  // splits: at most 3^7 cells, 2^7 where every observation has its side
 
   Cells(const std::vector<Split>& splits, size_t first, size_t last, size_t observations, int numbers)
       : first_(first), last_(last), numbers_(numbers), cell_of_(observations, 0) {
@@ -164,21 +185,20 @@ Whole::Whole(const CalibrationProblem& given, const Estimate& at, const FittedSt
       observations(given.CalibrationObservations()),
       columns(at.estimated),
       turns(at.parameters, columns),
-      clusters(fitted != nullptr ? fitted->clusters : ConfigurationClusters(given.data(), observations)),
+      clusters(fitted != nullptr ? fitted->clusters() : ConfigurationClusters(given.data(), observations)),
       is_scaled(!at.sigma.stated || at.sigma.scaled || WeighsByEq14(given.experiment())),
       by_sandwich(at.intervals.is_empirical()) {
   are_held = AreHeld(num_rows(), num_columns());
   valid = !are_held;
   if (!are_held) {
     if (fitted != nullptr && given.weight_roots.empty()) {
-      stream = &fitted->stream;
+      stream = fitted;
       return;
     }
     const auto noise = [&given](const std::vector<int>& listed) {
       return ObservationNoise(given, listed, kFallbackSigma);
     };
-    own_stream.emplace(given, observations, noise, LatentTreatment::kMarginalise, clusters);
-    own_stream->Keep();
+    own_stream.emplace(given, noise);
     stream = &*own_stream;
     return;
   }
@@ -233,6 +253,18 @@ SumsOfParts SumParts(const std::vector<Split>& splits, Whole* whole) {
   return sums;
 }
 
+bool IsLarger(double ratio, double dof) {
+  constexpr double kSurplus = 2.0;  // standard errors
+  return ratio > 1.0 + kSurplus * std::sqrt(0.5 / dof);
+}
+
+double RatioToModel(const Whole& whole, const RobustCovariance& sandwich) {
+  const Eigen::VectorXd ratios = sandwich.covariance.diagonal()
+                                     .cwiseQuotient(whole.turns.VariancesOf(whole.estimate.model_covariance))
+                                     .cwiseSqrt();
+  return Median({ratios.begin(), ratios.end()});
+}
+
 RobustCovariance AddSandwiches(const Whole& whole, const std::vector<Split>& splits, const std::vector<int>& listed,
                                std::vector<std::array<PartFit, 2>>* fits) {
   const Linearization priors = PriorsOf(whole.estimate.parameters, whole.columns);
@@ -257,14 +289,14 @@ RobustCovariance AddSandwiches(const Whole& whole, const std::vector<Split>& spl
   of_all.solution = SolveLinearization(Condense(all));
   if (!of_all.solution.full_rank) return {};
   std::vector<ClusterFit> asked = {of_all};
-  std::vector<PartFit*> answers;
+  std::vector<int> compared;
   for (const int s : listed) {
+    if (!(*fits)[s][0].usable || !(*fits)[s][1].usable) continue;
+    compared.push_back(s);
     for (const auto& [observations, fit] : parts(s)) {
-      if (!fit->usable) continue;
       ClusterFit own{fit->solution, fit->columns, fit->solution.step, std::vector<char>(num_clusters, 0)};
       for (const int k : *observations) own.has[whole.clusters[k]] = 1;
       asked.push_back(std::move(own));
-      answers.push_back(fit);
     }
   }
   const Eigen::Index n = whole.num_columns();
@@ -272,9 +304,23 @@ RobustCovariance AddSandwiches(const Whole& whole, const std::vector<Split>& spl
   whole.turns.TurnColumns(&turn);
   const Eigen::MatrixXd normal = whole.turns.TurnBack(of_all.solution.covariance);
   ClusterSandwich sandwich(whole.num_columns(), num_clusters, normal, std::move(asked), turn);
-  sandwich.Add(*whole.stream, whole.estimate.parameters, whole.columns, whole.clusters);
-  for (size_t i = 0; i < answers.size(); ++i) answers[i]->sandwich = sandwich.Result(static_cast<int>(i) + 1);
-  return sandwich.Result(0, priors.jacobian);
+  whole.stream->ForEachOfClusters(whole.estimate.parameters, whole.columns,
+                                  [&](const RowPiece& piece) { sandwich.Add(piece, whole.clusters); });
+  for (size_t i = 0; i < compared.size(); ++i) {
+    const int first = 1 + 2 * static_cast<int>(i);
+    std::array<PartFit, 2>& both = (*fits)[compared[i]];
+    for (int p = 0; p < 2; ++p) both[p].sandwich = sandwich.Covariance(first + p);
+    const std::array<std::vector<int>, 2> decisive = WithDegrees(whole, both);
+    for (int p = 0; p < 2; ++p) {
+      both[p].sandwich.dof.setConstant(both[p].step().size(), std::numeric_limits<double>::infinity());
+      both[p].sandwich.dof(decisive[p]) = sandwich.DegreesOf(first + p, decisive[p]);
+    }
+  }
+  RobustCovariance result = sandwich.Covariance(0);
+  const Eigen::MatrixXd stated = of_all.solution.covariance * priors.jacobian.transpose();
+  result.covariance += stated * stated.transpose();
+  // Degrees of freedom are fewer than the clusters.
+  return IsLarger(RatioToModel(whole, result), num_clusters) ? sandwich.Result(0, priors.jacobian) : result;
 }
 
 }  // namespace sagitta

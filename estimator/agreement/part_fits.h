@@ -34,9 +34,9 @@ struct Whole {
   bool valid = false;     // false: an equilibrium diverges
   bool are_held = false;  // rows are few enough to be kept; else they come by pieces
   Linearization rows;     // where they are held
-  std::optional<RowStream> own_stream;
-  const RowStream* stream = nullptr;  // where they are not; its rows are not turned
-  NormalSums sums;                    // of all, where they are many
+  std::optional<FittedStream> own_stream;
+  const FittedStream* stream = nullptr;  // where they are not; its rows are not turned
+  NormalSums sums;                       // of all, where they are many
   double squared_residual = 0.0;
 
   int num_columns() const { return static_cast<int>(columns.size()); }
@@ -48,7 +48,7 @@ struct PartFit {
   LinearSolution solution;   // of this part
   Eigen::MatrixXd model;
   Eigen::VectorXd model_dof;
-  RobustCovariance sandwich;  // where it is asked for
+  RobustCovariance sandwich;  // where it is asked for; dof: infinite where it decides nothing
   int freedom = 0;
   bool usable = false;
 
@@ -63,8 +63,14 @@ SumsOfParts SumParts(const std::vector<Split>& splits, Whole* whole);
 // Both with what either does not determine held. sums: of this split, or null.
 std::array<PartFit, 2> FitParts(const Whole& whole, const Split& split, const std::array<NormalSums, 2>* sums);
 
+// True where a sandwich that is `ratio` times the model's, standard deviations, is larger than chance makes it: a
+// variance with nu degrees of freedom scatters by sqrt(1 / (2 nu)) of its root.
+bool IsLarger(double ratio, double dof);
+// That ratio, the median over all coordinates.
+double RatioToModel(const Whole& whole, const RobustCovariance& sandwich);
+
 // Fills `sandwich` of the fits of the listed splits, and returns that of the whole with its priors (no covariance: it
-// cannot be solved).
+// cannot be solved; no degrees of freedom: it is not larger than the model's, however well it is known).
 RobustCovariance AddSandwiches(const Whole& whole, const std::vector<Split>& splits, const std::vector<int>& listed,
                                std::vector<std::array<PartFit, 2>>* fits);
 

@@ -25,6 +25,7 @@ namespace {
 
 constexpr int kMaxHoldRounds = 8;
 constexpr int kFreshRounds = 3;       // afterwards what is held stays held
+constexpr int kSomeBatches = 128;     // of each structure, a thousand shots: what moves their points most
 constexpr int kMaxPolishSteps = 60;   // a bent valley (a compensator's shape) halves the step only
 constexpr double kPolishReach = 1.0;  // standard deviations: farther off, Ceres has failed
 constexpr int kMaxBoundedSteps = 60;
@@ -61,16 +62,22 @@ std::vector<int> RequestedCoordinates(const ParameterSet& parameters) {
 
 // Decides afresh, from all requested coordinates, which of them the data do not
 // determine here; true if the set of held ones changed. With `only_add`, what is
-// held already stays held (no cycles).
-bool DecideHeld(const CalibrationProblem& problem, const NormalEquations& equations, bool only_add,
+// held already stays held (no cycles). at_start: limits by some of the rows; at the optimum it is decided again, by
+// all.
+bool DecideHeld(const CalibrationProblem& problem, const NormalEquations& equations, bool only_add, bool at_start,
                 Estimate* estimate) {
   ParameterSet& parameters = estimate->parameters;
   const FittedRows fitted =
       RowsOf(equations, parameters, only_add ? parameters.EstimatedCoordinates() : RequestedCoordinates(parameters));
   const Linearization& all = fitted.rows;
   if (!all.valid) return false;
-  const auto motions = [&](const std::vector<ParameterSet>& at) { return equations.batches().LargestMotions(at); };
-  SetHoldLimits(problem, motions, &parameters);
+  const RowBatches& rows = equations.batches();
+  const auto some = [&](const std::vector<ParameterSet>& at) { return rows.LargestMotions(at, kSomeBatches); };
+  const auto of_all = [&](const std::vector<ParameterSet>& at) { return rows.LargestMotions(at); };
+  const bool are_many = rows.num_units() > 2 * kSomeBatches * kBatchLanes;
+  if (are_many && at_start) SetHoldLimits(problem, some, nullptr, &parameters);
+  if (are_many && !at_start) SetHoldLimits(problem, of_all, some, &parameters);
+  if (!are_many) SetHoldLimits(problem, of_all, nullptr, &parameters);
   const double scale = ScaleOfRows(problem, SolveLinearization(all), all.num_columns(), fitted.equations);
   const Unidentifiable found = FindUnidentifiable(all, parameters, scale);
   std::vector<Direction>& directions = estimate->identifiability.unidentifiable;
@@ -331,7 +338,7 @@ Estimate EstimateFitted(const CalibrationProblem& problem, const Fitted& fitted,
 
   const ResidualSelection& residuals = fitted.residuals;
   const NormalEquations& equations = fitted.equations;
-  DecideHeld(problem, equations, /*only_add=*/false, &estimate);
+  DecideHeld(problem, equations, /*only_add=*/false, /*at_start=*/true, &estimate);
 
   MinimizeSummary minimized;
   for (int round = 0; round < kMaxHoldRounds; ++round) {
@@ -340,7 +347,7 @@ Estimate EstimateFitted(const CalibrationProblem& problem, const Fitted& fitted,
     minimized = SolveAtRest(problem, residuals, equations, fitted.exact_joints(), options, estimate.aligned,
                             &estimate.parameters);
     estimate.iterations += minimized.iterations;
-    if (!DecideHeld(problem, equations, /*only_add=*/round >= kFreshRounds, &estimate)) break;
+    if (!DecideHeld(problem, equations, /*only_add=*/round >= kFreshRounds, /*at_start=*/false, &estimate)) break;
   }
   Finish(problem, equations, minimized, &estimate);
   estimate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -361,6 +368,7 @@ Estimate EstimateJointly(const CalibrationProblem& problem, const JointOptions& 
   ParameterSet start = problem.parameters;
   FindStartingValues(problem, fitted.exact_joints(), StartingValueOptions(), &start);
   DropImplausibleTie(&start);
+  if (options.fitted != nullptr) *options.fitted = fitted.equations.shared_batches();
   return EstimateFitted(problem, fitted, start, options);
 }
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "estimator/estimate/estimate.h"
@@ -14,6 +15,8 @@
 #include "problems/calibration_problem.h"
 
 namespace sagitta {
+
+class RowBatches;
 
 struct JointOptions {
   int max_iterations = 100;
@@ -23,6 +26,8 @@ struct JointOptions {
   // Where held coordinates rest, and "before" of every table; null: the start.
   const ParameterSet* aligned = nullptr;
   bool judge = true;  // step 4; false between the rounds of an outer loop
+  // Where it is asked for: the rows that were fitted, for those who judge the estimate further (FittedStream).
+  std::shared_ptr<const RowBatches>* fitted = nullptr;
 };
 // Throws InputError that names the option (problems/range.h).
 void CheckOptions(const JointOptions& options);

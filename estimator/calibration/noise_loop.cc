@@ -236,6 +236,15 @@ ParameterSet Align(const JointOptions& options, Loop* loop) {
 
 namespace {
 
+// As the problem weighs its rows.
+ResolvedEstimate EstimateOnce(CalibrationProblem problem, const JointOptions& options) {
+  ResolvedEstimate once{std::move(problem), {}, {}};
+  JointOptions own = options;
+  own.fitted = &once.rows;
+  once.estimate = EstimateJointly(once.problem, own);
+  return once;
+}
+
 constexpr int kScatterRounds = 3;  // residuals that hardly change: of unequal weights first, then of nearly equal ones
 
 // Points and rotations weighed by the spread of each, where nothing states any noise.
@@ -245,9 +254,9 @@ ResolvedEstimate EstimateWithTwoNoises(ResolvedEstimate plain, const JointOption
     if (!noises) break;
     CalibrationProblem weighed = plain.problem;
     weighed.resolved_noise = noises->roots;
-    Estimate estimate = EstimateJointly(weighed, options);
-    if (!IsUsable(estimate.status)) break;
-    plain = {std::move(weighed), std::move(estimate)};
+    ResolvedEstimate next = EstimateOnce(std::move(weighed), options);
+    if (!IsUsable(next.estimate.status)) break;
+    plain = std::move(next);
     plain.estimate.noise_report.components = noises->components;
     plain.estimate.noise_report.instrument_is_factor = false;
     plain.estimate.noise_report.instrument_rms = noises->components[0].value;
@@ -267,9 +276,9 @@ ResolvedEstimate EstimateWithRobotScatter(ResolvedEstimate plain, const JointOpt
     const RobotScatter scatter = FindRobotScatter(stated, plain.estimate);
     CalibrationProblem weighed = stated;
     weighed.resolved_noise = scatter.roots;
-    Estimate estimate = EstimateJointly(weighed, options);
-    if (!IsUsable(estimate.status)) break;
-    plain = {std::move(weighed), std::move(estimate)};
+    ResolvedEstimate next = EstimateOnce(std::move(weighed), options);
+    if (!IsUsable(next.estimate.status)) break;
+    plain = std::move(next);
     plain.estimate.noise_report.words = {RobotScatterInWords(scatter.tau)};
   }
   return plain;
@@ -285,9 +294,9 @@ ResolvedEstimate EstimateWithRotationScatter(ResolvedEstimate plain, const Joint
     if (!scatter) break;
     CalibrationProblem weighed = stated;
     weighed.resolved_noise = scatter->roots;
-    Estimate estimate = EstimateJointly(weighed, options);
-    if (!IsUsable(estimate.status)) break;
-    plain = {std::move(weighed), std::move(estimate)};
+    ResolvedEstimate next = EstimateOnce(std::move(weighed), options);
+    if (!IsUsable(next.estimate.status)) break;
+    plain = std::move(next);
     plain.estimate.noise_report.words = words;
     plain.estimate.noise_report.words.push_back(RotationScatterInWords(scatter->spread));
   }
@@ -296,8 +305,7 @@ ResolvedEstimate EstimateWithRotationScatter(ResolvedEstimate plain, const Joint
 
 // As the noise is stated, weighed by what scatters where that is something else.
 ResolvedEstimate EstimatePlainly(CalibrationProblem problem, const JointOptions& options) {
-  ResolvedEstimate plain{std::move(problem), {}};
-  plain.estimate = EstimateJointly(plain.problem, options);
+  ResolvedEstimate plain = EstimateOnce(std::move(problem), options);
   if (options.judge && !plain.estimate.sigma.stated && plain.problem.resolved_noise.empty()) {
     return EstimateWithTwoNoises(std::move(plain), options);
   }
@@ -320,9 +328,8 @@ ResolvedEstimate EstimateWithNoise(CalibrationProblem problem, const JointOption
     return plain;
   }
   if (WeighsOtherwise(problem)) {
-    ResolvedEstimate result{std::move(problem), {}};
-    result.problem.weight_roots = RootsOfWeights(result.problem.experiment(), NoiseOfAll(result.problem, kTinySigma));
-    result.estimate = EstimateJointly(result.problem, options);
+    problem.weight_roots = RootsOfWeights(problem.experiment(), NoiseOfAll(problem, kTinySigma));
+    ResolvedEstimate result = EstimateOnce(std::move(problem), options);
     DescribeNoise(result.problem, &result.estimate);
     return result;
   }
@@ -345,7 +352,7 @@ ResolvedEstimate EstimateWithNoise(CalibrationProblem problem, const JointOption
     if (Update(estimate, round, &loop)) break;
   }
   estimate.iterations = iterations;
-  ResolvedEstimate result{loop.problem, std::move(estimate)};
+  ResolvedEstimate result{loop.problem, std::move(estimate), {}};
   if (IsUsable(result.estimate.status)) {
     result.problem = JudgeRound(&loop, &result.estimate);
     AddLoadRemedies(result.problem, &result.estimate);

@@ -20,6 +20,7 @@ bool FindsNoise(const CalibrationProblem& problem);
 struct ResolvedEstimate {
   CalibrationProblem problem;  // with the noise that was found; outliers excluded: judge and refit with this one
   Estimate estimate;           // with its NoiseReport
+  std::shared_ptr<const RowBatches> rows;  // that were fitted; null where they are not at hand
 };
 
 // As EstimateJointly where the noise is stated.

@@ -137,12 +137,13 @@ RowMajorMatrix ClusterSandwich::RowsOf(const Lane& lane) const {
 
 void ClusterSandwich::Add(const RowStream& stream, const ParameterSet& parameters, const std::vector<int>& columns,
                           const std::vector<int>& cluster_of) {
-  std::vector<int> own;
-  stream.ForEach(parameters, columns, [&](const RowPiece& piece) {
-    own.clear();
-    for (const int k : piece.positions) own.push_back(cluster_of[k]);
-    Add(piece.rows, own);
-  });
+  stream.ForEach(parameters, columns, [&](const RowPiece& piece) { Add(piece, cluster_of); });
+}
+
+void ClusterSandwich::Add(const RowPiece& piece, const std::vector<int>& cluster_of) {
+  clusters_of_piece_.clear();
+  for (const int k : piece.positions) clusters_of_piece_.push_back(cluster_of[k]);
+  Add(piece.rows, clusters_of_piece_);
 }
 
 void ClusterSandwich::AddLanes(std::size_t count) {
@@ -208,11 +209,14 @@ void ClusterSandwich::Flush(Fit* fit) {
   fit->num_held = 0;
 }
 
-Eigen::VectorXd ClusterSandwich::DegreesOf(const Fit& fit) const {
+Eigen::VectorXd ClusterSandwich::DegreesOf(int which, const std::vector<int>& listed) const {
+  if (listed.empty()) return {};
+  const Fit& fit = fits_[which];
   const Eigen::MatrixXd& root = fit.given.solution.covariance_root;
+  const Eigen::MatrixXd root_of_listed = root(listed, Eigen::all).transpose();
   const Eigen::MatrixXd root_of_rows = fit.basis * root;
   const bool of_part = !fit.given.has.empty();
-  Satterthwaite satterthwaite(static_cast<int>(root.cols()));
+  Satterthwaite satterthwaite(static_cast<int>(listed.size()));
   for (size_t first = 0, next = 0; first < sample_.size(); first = next) {
     std::vector<const Sample*> own;
     Eigen::Index count = 0;
@@ -238,7 +242,7 @@ Eigen::VectorXd ClusterSandwich::DegreesOf(const Fit& fit) const {
       unshrunk.middleRows(at, sample->rows.rows()) += Unshrinking(h.back()) * of_sample;
       at += sample->rows.rows();
     }
-    const Eigen::MatrixXd a = TallProduct(unshrunk, root.transpose());
+    const Eigen::MatrixXd a = TallProduct(unshrunk, root_of_listed);
     at = 0;
     for (size_t i = 0; i < own.size(); ++i) {
       const Eigen::Index n = own[i]->rows.rows();
@@ -249,33 +253,33 @@ Eigen::VectorXd ClusterSandwich::DegreesOf(const Fit& fit) const {
   return satterthwaite.Degrees();
 }
 
-RobustCovariance ClusterSandwich::Result(int which, const Eigen::MatrixXd& priors) {
+RobustCovariance ClusterSandwich::Covariance(int which) {
   Fit& fit = fits_[which];
   if (fit.num_held > 0) Flush(&fit);
-  const std::vector<int>& columns = fit.given.columns;
-  const auto n = static_cast<Eigen::Index>(columns.size());
   Eigen::MatrixXd by_rows(columns_, columns_);
   for (int i = 0; i < columns_; ++i) {
     for (int k = i; k < columns_; ++k) by_rows(i, k) = by_rows(k, i) = fit.products.At(i, k);
   }
   const Eigen::MatrixXd scores = fit.basis.transpose() * Eigen::MatrixXd(by_rows * fit.basis);
   const Eigen::MatrixXd& inverse_normal = fit.given.solution.covariance;
-  // C = M (sum s_g s_g') M + (M P')(M P')', M = (J'J)^-1: rows of priors P keep the variance 1 that they are whitened
-  // to.
-  const Eigen::MatrixXd sampled = inverse_normal * scores * inverse_normal;
-  RobustCovariance result;
-  result.clusters = fit.clusters;
-  result.covariance = sampled;
+  return {inverse_normal * scores * inverse_normal, {}, fit.clusters};
+}
+
+// C = M (sum s_g s_g') M + (M P')(M P')', M = (J'J)^-1: rows of priors P keep the variance 1 that they are whitened to.
+RobustCovariance ClusterSandwich::Result(int which, const Eigen::MatrixXd& priors) {
+  RobustCovariance result = Covariance(which);
+  const Eigen::VectorXd sampled = result.covariance.diagonal();
   if (priors.rows() > 0) {
-    const Eigen::MatrixXd stated = inverse_normal * priors.transpose();
+    const Eigen::MatrixXd stated = fits_[which].given.solution.covariance * priors.transpose();
     result.covariance += stated * stated.transpose();
   }
-  const Eigen::VectorXd dof = DegreesOf(fit);
-  result.dof.resize(n);
-  for (Eigen::Index c = 0; c < n; ++c) {
+  std::vector<int> all(static_cast<size_t>(sampled.size()));
+  std::iota(all.begin(), all.end(), 0);
+  result.dof = DegreesOf(which, all);
+  for (Eigen::Index c = 0; c < sampled.size(); ++c) {
     // A prior is exact: only the sampled part scatters, nu = 2 C^2 / var(C) = nu_sampled / share^2.
-    const double share = sampled(c, c) / std::max(1e-300, result.covariance(c, c));
-    result.dof[c] = dof[c] / std::max(1e-12, share * share);
+    const double share = sampled[c] / std::max(1e-300, result.covariance(c, c));
+    result.dof[c] /= std::max(1e-12, share * share);
   }
   return result;
 }

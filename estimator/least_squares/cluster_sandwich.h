@@ -32,12 +32,16 @@ class ClusterSandwich {
   // rows: [J r] of whole clusters, three per observation; cluster_of: of each observation, 0 .. clusters - 1.
   void Add(const RowMajorMatrix& rows, const std::vector<int>& cluster_of);
 
+  void Add(const RowPiece& piece, const std::vector<int>& cluster_of);  // of each observation of the piece's list
   // All rows of a stream whose groups are clusters; cluster_of: of each of its observations.
   void Add(const RowStream& stream, const ParameterSet& parameters, const std::vector<int>& columns,
            const std::vector<int>& cluster_of);
 
   // priors: rows of the fit's columns that are no samples and keep the variance they state.
   RobustCovariance Result(int fit, const Eigen::MatrixXd& priors = {});
+  // Without priors, in two parts: no degrees of freedom, and those of some of the fit's columns.
+  RobustCovariance Covariance(int fit);
+  Eigen::VectorXd DegreesOf(int fit, const std::vector<int>& listed) const;
 
  private:
   struct Fit {
@@ -73,13 +77,13 @@ class ClusterSandwich {
   void Draw(const Lane& lane, double leverage);
   void Flush(Fit* fit);
   RowMajorMatrix RowsOf(const Lane& lane) const;
-  Eigen::VectorXd DegreesOf(const Fit& fit) const;
 
   int columns_, padded_, clusters_;
   std::vector<double> root_;
   std::vector<Fit> fits_;
   std::vector<int> in_fits_;  // of each cluster: equal numbers, the same fits
   std::vector<Sample> sample_;
+  std::vector<int> clusters_of_piece_;
   std::vector<int> by_cluster_;  // observations of the piece
   std::vector<Member> members_;
   std::vector<Lane> lanes_;

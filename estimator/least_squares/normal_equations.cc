@@ -83,33 +83,37 @@ std::vector<double> AllValues(const ParameterSet& parameters) {
 
 }  // namespace
 
+// Of two points: a solver ends with a trial step that it does not go.
 struct NormalEquations::Latest {
-  std::mutex mutex;  // of those who ask at the same time
-  std::vector<double> values;
-  NormalSums sums;
+  struct Point {
+    std::vector<double> values;
+    NormalSums sums;
 
-  bool Holds(const std::vector<double>& asked, const std::vector<int>& columns) const {
-    return sums.valid && values == asked && sums.columns == columns;
-  }
+    bool Holds(const std::vector<double>& asked, const std::vector<int>& columns) const {
+      return sums.valid && values == asked && sums.columns == columns;
+    }
+  };
+  std::mutex mutex;  // of those who ask at the same time
+  Point latest, before;
 };
 
 NormalEquations::~NormalEquations() = default;
 
 NormalEquations::NormalEquations(const CalibrationProblem& problem, const std::vector<int>& observations,
                                  const NoiseRoots& noise, LatentTreatment treatment, int num_threads)
-    : batches_(problem, observations, noise, treatment),
+    : batches_(std::make_shared<RowBatches>(problem, observations, noise, treatment)),
       num_threads_(num_threads),
       latest_(std::make_unique<Latest>()) {
-  for (int g = 0; g < batches_.num_groups(); ++g) {
-    for (int first = 0; first < batches_.num_batches(g); first += kBatchesOfBlock) {
-      blocks_.push_back({g, first, std::min(batches_.num_batches(g), first + kBatchesOfBlock)});
+  for (int g = 0; g < batches_->num_groups(); ++g) {
+    for (int first = 0; first < batches_->num_batches(g); first += kBatchesOfBlock) {
+      blocks_.push_back({g, first, std::min(batches_->num_batches(g), first + kBatchesOfBlock)});
     }
   }
 }
 
 NormalSums NormalEquations::SumOfAll(const ParameterSet& parameters, const std::vector<int>& columns,
                                      const std::vector<double>& weights) const {
-  const RowBatches::Request request(batches_, parameters, columns);
+  const RowBatches::Request request(*batches_, parameters, columns);
   const int n = static_cast<int>(columns.size());
   std::vector<Eigen::MatrixXd> parts(blocks_.size());
   std::vector<BatchScratch> scratches(std::max(1, num_threads_));
@@ -119,7 +123,7 @@ NormalSums NormalEquations::SumOfAll(const ParameterSet& parameters, const std::
     if (!valid) return;
     const Block& block = blocks_[i];
     const BatchColumns& own = request.columns(block.group);
-    const int rows = batches_.rows_of_unit(block.group);
+    const int rows = batches_->rows_of_unit(block.group);
     const int at_once = std::max(1, kRowsAtOnce / rows);
     const size_t doubles = static_cast<size_t>(rows) * own.columns * kBatchLanes;
     double* const memory = buffers[worker].Reserve(at_once * doubles);
@@ -130,12 +134,12 @@ NormalSums NormalEquations::SumOfAll(const ParameterSet& parameters, const std::
       pointers.clear();
       for (int b = first; b < last; ++b) {
         double* const at = memory + (b - first) * doubles;
-        if (!batches_.Evaluate(request, block.group, b, &scratches[worker], at)) {
+        if (!batches_->Evaluate(request, block.group, b, &scratches[worker], at)) {
           valid = false;
           return;
         }
         for (int lane = 0; lane < kBatchLanes && !weights.empty(); ++lane) {
-          WeighLane(batches_.UnitOf(block.group, b, lane), weights, own.columns, at + lane);
+          WeighLane(batches_->UnitOf(block.group, b, lane), weights, own.columns, at + lane);
         }
         for (int r = 0; r < rows; ++r) pointers.push_back(at + static_cast<size_t>(r) * own.columns * kBatchLanes);
       }
@@ -148,7 +152,7 @@ NormalSums NormalEquations::SumOfAll(const ParameterSet& parameters, const std::
   result.columns = columns;
   result.valid = valid;
   result.matrix.setZero(n + 1, n + 1);
-  result.rows = 3 * batches_.num_observations();
+  result.rows = 3 * batches_->num_observations();
   if (!result.valid) return result;
   for (const Eigen::MatrixXd& part : parts) result.matrix += part;
   return result;
@@ -160,11 +164,9 @@ NormalSums NormalEquations::Sum(const ParameterSet& parameters, const std::vecto
   if (weights.empty()) {
     const std::lock_guard<std::mutex> lock(latest_->mutex);
     const std::vector<double> values = AllValues(parameters);
-    if (!latest_->Holds(values, columns)) {
-      latest_->sums = SumOfAll(parameters, columns, weights);
-      latest_->values = values;
-    }
-    result = latest_->sums;
+    if (!latest_->latest.Holds(values, columns)) std::swap(latest_->latest, latest_->before);
+    if (!latest_->latest.Holds(values, columns)) latest_->latest = {values, SumOfAll(parameters, columns, weights)};
+    result = latest_->latest.sums;
   } else {
     result = SumOfAll(parameters, columns, weights);
   }

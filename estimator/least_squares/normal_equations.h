@@ -15,12 +15,14 @@ namespace sagitta {
 
 class NormalEquations {
  public:
-  // The problem must outlive this; its observations stay as they are. The sums do not depend on the number of threads.
+  // What the problem was given must outlive this; its observations stay as they are. The sums do not depend on the
+  // number of threads.
   NormalEquations(const CalibrationProblem& problem, const std::vector<int>& observations, const NoiseRoots& noise,
                   LatentTreatment treatment, int num_threads);
   ~NormalEquations();
 
-  const RowBatches& batches() const { return batches_; }
+  const RowBatches& batches() const { return *batches_; }
+  const std::shared_ptr<const RowBatches>& shared_batches() const { return batches_; }
 
   // weights: how often each observation counts; empty: once. `with_priors`: and what the parameters' priors add. The
   // latest sums without weights are kept: a solver asks for the cost and then for the derivatives of the same values,
@@ -35,7 +37,7 @@ class NormalEquations {
   NormalSums SumOfAll(const ParameterSet& parameters, const std::vector<int>& columns,
                       const std::vector<double>& weights) const;
 
-  RowBatches batches_;
+  std::shared_ptr<const RowBatches> batches_;
   std::vector<Block> blocks_;  // pieces of work of fixed size, in a fixed order
   int num_threads_;
   std::unique_ptr<Latest> latest_;

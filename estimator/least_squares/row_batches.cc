@@ -109,7 +109,12 @@ RowBatches::~RowBatches() = default;
 
 RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>& observations, const NoiseRoots& noise,
                        LatentTreatment treatment, RowsAgainst against)
-    : problem_(problem),
+    : model_(problem.model()),
+      data_(problem.data()),
+      marker_frames_(problem.marker_frames()),
+      shot_inputs_(problem.shot_inputs()),
+      latent_joints_(problem.latent.joints),
+      latent_sigmas_(problem.latent.sigmas),
       observations_(observations),
       marginalises_(treatment == LatentTreatment::kMarginalise && !problem.latent.empty()),
       against_(against) {
@@ -188,6 +193,10 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
 }
 
 int RowBatches::num_batches(int group) const { return groups_[group]->num_batches(); }
+int RowBatches::num_units() const {
+  return std::accumulate(groups_.begin(), groups_.end(), 0,
+                         [](int sum, const std::unique_ptr<Group>& group) { return sum + group->num_units; });
+}
 int RowBatches::rows_of_unit(int group) const { return groups_[group]->rows; }
 
 RowBatches::Unit RowBatches::UnitOf(int group, int batch, int lane) const {
@@ -246,9 +255,9 @@ BatchColumns RowBatches::ColumnsOf(const Group& group, const ParameterSet& param
   result.residual = append({-1});
   result.last = InWholeBlocks(static_cast<int>(result.of.size()));
   result.of.resize(result.last, -1);
-  const bool deviate = !problem_.latent.empty();
+  const bool deviate = num_latents() > 0;
   if (deviate) {
-    result.latents = problem_.latent.size();
+    result.latents = num_latents();
     result.latent = append(std::vector<int>(result.latents, -1));
     result.of.resize(InWholeBlocks(static_cast<int>(result.of.size())), -1);
   }
@@ -269,8 +278,8 @@ BatchColumns RowBatches::ColumnsOf(const Group& group, const ParameterSet& param
     }
     if (deviate) {
       layout.latent = result.latent;
-      layout.latent_joints = problem_.latent.joints;
-      layout.latent_sigmas.assign(problem_.latent.sigmas.begin(), problem_.latent.sigmas.end());
+      layout.latent_joints = latent_joints_;
+      layout.latent_sigmas.assign(latent_sigmas_.begin(), latent_sigmas_.end());
     }
     row += 3 * static_cast<int>(shot.markers.size());
     result.shots.emplace_back(shot.program, std::move(layout));
@@ -331,26 +340,25 @@ bool RowBatches::Evaluate(const Request& request, int group, int batch, BatchScr
 
 bool RowBatches::EvaluateByModel(const Request& request, const Group& group, const BatchColumns& columns, int unit,
                                  int lane, double* rows) const {
-  const std::vector<double> exact(problem_.robot().num_joints(), 0.0);
+  const std::vector<double> exact(model_.robot().num_joints(), 0.0);
   const int* position = group.observations.data() + static_cast<std::size_t>(unit) * group.per_unit();
   for (size_t s = 0; s < group.shots.size(); ++s) {
     const BatchLayout& layout = columns.shots[s].layout;
-    const int shot = problem_.data().observations[observations_[*position]].shot;
+    const int shot = data_.observations[observations_[*position]].shot;
     std::vector<MarkerInFrame> markers;
     for (size_t i = 0; i < group.shots[s].markers.size(); ++i) {
       const int m = group.shots[s].markers[i];
-      markers.push_back(
-          {problem_.marker_frames()[m], request.markers_[m], m, group.shots[s].kinds[i], request.turns_[m]});
+      markers.push_back({marker_frames_[m], request.markers_[m], m, group.shots[s].kinds[i], request.turns_[m]});
     }
     std::vector<PointPrediction> predictions;
-    if (!problem_.model().Predict(problem_.shot_inputs()[shot], request.theta_.data(), request.active_,
-                                  request.bases_[group.shots[s].station], markers, &predictions,
-                                  problem_.latent.empty() ? nullptr : exact.data())) {
+    if (!model_.Predict(shot_inputs_[shot], request.theta_.data(), request.active_,
+                        request.bases_[group.shots[s].station], markers, &predictions,
+                        num_latents() == 0 ? nullptr : exact.data())) {
       return false;
     }
     for (size_t m = 0; m < markers.size(); ++m, ++position) {
       const PointPrediction& point = predictions[m];
-      const Observation& observation = problem_.data().observations[observations_[*position]];
+      const Observation& observation = data_.observations[observations_[*position]];
       const bool is_measured = against_ == RowsAgainst::kMeasured;
       const Vector3<double> misfit =
           is_measured ? Vector3<double>(-MeasuredMinusPredicted(observation.reading(), point.point)) : point.point;
@@ -386,17 +394,18 @@ bool RowBatches::EvaluateByModel(const Request& request, const Group& group, con
   return true;
 }
 
-std::vector<std::vector<double>> RowBatches::LargestMotions(const std::vector<ParameterSet>& at) const {
+std::vector<std::vector<double>> RowBatches::LargestMotions(const std::vector<ParameterSet>& at, int most) const {
   std::vector<std::vector<double>> all;
   BatchScratch scratch;
   for (const ParameterSet& values : at) {
     const Request request(*this, values, {});
-    std::vector<double>& largest = all.emplace_back(problem_.model().num_parameters(), 0.0);
+    std::vector<double>& largest = all.emplace_back(model_.num_parameters(), 0.0);
     for (int g = 0; g < num_groups(); ++g) {
       const Group& group = *groups_[g];
-      for (int i = 0; i < group.num_batches() * static_cast<int>(group.shots.size()); ++i) {
-        const int batch = i / static_cast<int>(group.shots.size());
-        const auto s = static_cast<size_t>(i) % group.shots.size();
+      const auto shots = static_cast<int>(group.shots.size()), looked_at = std::min(group.num_batches(), most);
+      for (int i = 0; i < looked_at * shots; ++i) {
+        const auto batch = static_cast<int>(static_cast<long>(i / shots) * group.num_batches() / looked_at);
+        const auto s = static_cast<size_t>(i % shots);
         const unsigned left = group.by_model
                                   ? (1u << kBatchLanes) - 1
                                   : RaiseMotions(group.shots[s].program, request.points_[g][s],
@@ -439,19 +448,18 @@ std::vector<int> RowBatches::FindWrenchTorques(const ParameterSet& at, Eigen::Ma
 int RowBatches::ShotOf(const Group& group, size_t shot, int unit) const {
   const int* position = group.observations.data() + static_cast<std::size_t>(unit) * group.per_unit();
   for (size_t s = 0; s < shot; ++s) position += group.shots[s].markers.size();
-  return problem_.data().observations[observations_[*position]].shot;
+  return data_.observations[observations_[*position]].shot;
 }
 
 void RowBatches::RaiseByModel(const Group& group, size_t shot, int unit, const ParameterSet& at,
                               std::vector<double>* largest) const {
   const int index = ShotOf(group, shot, unit);
   std::vector<MarkerInFrame> markers;
-  for (const int m : group.shots[shot].markers) markers.push_back({problem_.marker_frames()[m], at.MarkerPoint(m), m});
-  const std::vector<double> motion =
-      MotionPerUnit(problem_.model(), problem_.shot_inputs()[index], at.ModelValues().data(),
-                    at.BaseInStation(group.shots[shot].station), markers);
+  for (const int m : group.shots[shot].markers) markers.push_back({marker_frames_[m], at.MarkerPoint(m), m});
+  const std::vector<double> motion = MotionPerUnit(model_, shot_inputs_[index], at.ModelValues().data(),
+                                                   at.BaseInStation(group.shots[shot].station), markers);
   for (size_t i = 0; i < largest->size(); ++i) {
-    if (problem_.model().parameters()[i].law != ParameterLaw::kGeometry) {
+    if (model_.parameters()[i].law != ParameterLaw::kGeometry) {
       (*largest)[i] = std::max((*largest)[i], motion[i]);
     }
   }

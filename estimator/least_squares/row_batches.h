@@ -8,6 +8,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -42,15 +43,17 @@ enum class RowsAgainst { kMeasured, kOrigin };
 // Listed observations, grouped by structure and packed lane by lane.
 class RowBatches {
  public:
-  // noise: one root per observation, m. The problem must outlive this, its observations stay as they are.
+  // noise: one root per observation, m. What the problem was given (model, data, shots) must outlive this, as it does
+  // where the problem is moved or copied; its observations stay as they are.
   RowBatches(const CalibrationProblem& problem, const std::vector<int>& observations, const NoiseRoots& noise,
              LatentTreatment treatment, RowsAgainst against = RowsAgainst::kMeasured);
   ~RowBatches();
 
   const std::vector<int>& observations() const { return observations_; }
-  int num_latents() const { return problem_.latent.size(); }
+  int num_latents() const { return static_cast<int>(latent_joints_.size()); }
   int num_observations() const { return static_cast<int>(observations_.size()); }
   int num_groups() const { return static_cast<int>(groups_.size()); }
+  int num_units() const;
   int num_batches(int group) const;
   int rows_of_unit(int group) const;
   // Positions in the list of observations, by row / 3, of one lane's unit; empty: the lane is filled up and counts for
@@ -94,8 +97,9 @@ class RowBatches {
   bool Evaluate(const Request& request, int group, int batch, BatchScratch* scratch, double* rows) const;
 
   // MotionPerUnit (models/excitation.h), the largest over all units, at each of the given values: one number per model
-  // parameter; those of geometric errors are 0.
-  std::vector<std::vector<double>> LargestMotions(const std::vector<ParameterSet>& at) const;
+  // parameter; those of geometric errors are 0. most: batches of each group that are looked at, spread over all.
+  std::vector<std::vector<double>> LargestMotions(const std::vector<ParameterSet>& at,
+                                                  int most = std::numeric_limits<int>::max()) const;
 
   // Torques of the known wrenches about each joint's axis at the equilibrium, N m (N), into a shot's row of torques.
   // Returns the shots that are left to the model.
@@ -111,7 +115,12 @@ class RowBatches {
                        double* rows) const;
   BatchColumns ColumnsOf(const Group& group, const ParameterSet& parameters, const std::vector<int>& column_of) const;
 
-  const CalibrationProblem& problem_;
+  const ForwardModel& model_;
+  const Measurements& data_;
+  const std::vector<int>& marker_frames_;
+  const std::vector<ShotInput>& shot_inputs_;
+  const std::vector<int> latent_joints_;  // none: joints are exact
+  const Eigen::VectorXd latent_sigmas_;
   const std::vector<int> observations_;
   const bool marginalises_;
   const RowsAgainst against_;

@@ -147,10 +147,6 @@ std::unique_ptr<RowBatches> RowStream::BatchesOf(size_t piece) const {
   return std::make_unique<RowBatches>(problem_, own, noise_(own), treatment_);
 }
 
-void RowStream::Keep() {
-  for (size_t i = kept_.size(); i + 1 < pieces_.size(); ++i) kept_.push_back(BatchesOf(i));
-}
-
 bool RowStream::ForEach(const ParameterSet& parameters, const std::vector<int>& columns,
                         const std::function<void(const RowPiece& piece)>& visit) const {
   PieceMemory memory;
@@ -158,8 +154,8 @@ bool RowStream::ForEach(const ParameterSet& parameters, const std::vector<int>& 
   for (size_t i = 0; i + 1 < pieces_.size(); ++i) {
     piece.positions.assign(order_.begin() + static_cast<long>(pieces_[i]),
                            order_.begin() + static_cast<long>(pieces_[i + 1]));
-    const std::unique_ptr<RowBatches> made = kept_.empty() ? BatchesOf(i) : nullptr;
-    const RowBatches& batches = kept_.empty() ? *made : *kept_[i];
+    const std::unique_ptr<RowBatches> made = BatchesOf(i);
+    const RowBatches& batches = *made;
     PieceWriter writer(batches, parameters, columns, &memory);
     writer.Clear(&piece);
     for (int g = 0; g < batches.num_groups(); ++g) {
@@ -193,7 +189,9 @@ bool ForEachPiece(const RowBatches& batches, const ParameterSet& parameters, con
         const size_t own = (static_cast<size_t>(batch - first) * kBatchLanes + static_cast<size_t>(lane)) * per_unit;
         return own < places.size() ? RowBatches::Unit(places.data() + own, per_unit) : RowBatches::Unit();
       };
-      writer.Clear(&piece);
+      // Pieces of one size and group have their numbers at the same places.
+      const bool is_like_before = first > 0 && piece.rows.rows() == static_cast<Eigen::Index>(3 * places.size());
+      if (!is_like_before) writer.Clear(&piece);
       if (!writer.Write(g, first, last, unit_of, &piece)) return false;
       visit(piece);
     }
@@ -201,24 +199,44 @@ bool ForEachPiece(const RowBatches& batches, const ParameterSet& parameters, con
   return true;
 }
 
-FittedStream::FittedStream(const CalibrationProblem& problem)
-    : clusters(ConfigurationClusters(problem.data(), problem.CalibrationObservations())),
-      stream(
-          problem, problem.CalibrationObservations(),
-          [&problem](const std::vector<int>& listed) { return FitRoots(problem, listed, kFallbackSigma); },
-          LatentTreatment::kMarginalise, clusters) {
-  stream.Keep();
+FittedStream::FittedStream(const CalibrationProblem& problem, RowStream::Noise noise,
+                           std::shared_ptr<const RowBatches> at_hand)
+    : problem_(problem),
+      noise_(std::move(noise)),
+      clusters_(ConfigurationClusters(problem.data(), problem.CalibrationObservations())),
+      batches_(std::move(at_hand)) {
+  if (batches_ != nullptr) return;
+  const std::vector<int> fitted = problem.CalibrationObservations();
+  batches_ = std::make_shared<RowBatches>(problem, fitted, noise_(fitted), LatentTreatment::kMarginalise);
+}
+
+FittedStream::FittedStream(const CalibrationProblem& problem, std::shared_ptr<const RowBatches> at_hand)
+    : FittedStream(
+          problem, [&problem](const std::vector<int>& listed) { return FitRoots(problem, listed, kFallbackSigma); },
+          std::move(at_hand)) {}
+
+bool FittedStream::ForEach(const ParameterSet& parameters, const std::vector<int>& columns,
+                           const std::function<void(const RowPiece& piece)>& visit) const {
+  return ForEachPiece(*batches_, parameters, columns, visit);
+}
+
+bool FittedStream::ForEachOfClusters(const ParameterSet& parameters, const std::vector<int>& columns,
+                                     const std::function<void(const RowPiece& piece)>& visit) const {
+  const int clusters = clusters_.empty() ? 0 : 1 + *std::max_element(clusters_.begin(), clusters_.end());
+  if (batches_->num_units() == clusters) return ForEach(parameters, columns, visit);  // each is one unit
+  return RowStream(problem_, observations(), noise_, LatentTreatment::kMarginalise, clusters_)
+      .ForEach(parameters, columns, visit);
 }
 
 Eigen::Matrix3Xd FittedStream::Predict(const CalibrationProblem& problem, const ParameterSet& parameters,
                                        const std::vector<int>& listed) const {
-  const std::vector<int>& fitted = stream.observations();
+  const std::vector<int>& fitted = observations();
   if (!problem.latent.empty() || !std::includes(fitted.begin(), fitted.end(), listed.begin(), listed.end())) {
     return PredictPoints(problem, parameters, listed);
   }
   const bool are_all = listed.size() == fitted.size();  // then they are the same
   Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Constant(3, static_cast<Eigen::Index>(listed.size()), std::nan(""));
-  stream.ForEach(parameters, {}, [&](const RowPiece& piece) {
+  ForEach(parameters, {}, [&](const RowPiece& piece) {
     std::vector<int> own;
     for (const int position : piece.positions) own.push_back(fitted[position]);
     const NoiseRoots roots = FitRoots(problem, own, kFallbackSigma);

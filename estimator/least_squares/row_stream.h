@@ -45,9 +45,6 @@ class RowStream {
 
   const std::vector<int>& observations() const { return observations_; }
 
-  // Keeps what the rows are made from, half a kB per shot, for those who look at them several times.
-  void Keep();
-
   // Calls visit(piece) for piece after piece. False: an equilibrium diverges, and the rest was left out.
   bool ForEach(const ParameterSet& parameters, const std::vector<int>& columns,
                const std::function<void(const RowPiece& piece)>& visit) const;
@@ -59,24 +56,40 @@ class RowStream {
   const std::vector<int> observations_;
   const Noise noise_;
   const LatentTreatment treatment_;
-  std::vector<int> order_;                         // positions, group by group
-  std::vector<size_t> pieces_;                     // where each begins in order_, and its end
-  std::vector<std::unique_ptr<RowBatches>> kept_;  // of each piece; empty: none is kept
+  std::vector<int> order_;      // positions, group by group
+  std::vector<size_t> pieces_;  // where each begins in order_, and its end
 };
 
-// The rows that were fitted, as the fit weighs them, configuration by configuration, for everything that judges an
-// estimate.
-struct FittedStream {
-  // The problem must outlive this, and its observations stay as they are.
-  explicit FittedStream(const CalibrationProblem& problem);
+// The rows that were fitted, as the fit weighs them, for everything that judges an estimate.
+class FittedStream {
+ public:
+  // at_hand: those of the fit, or null: they are put side by side here, half a kB per shot. The problem must outlive
+  // this, and its observations stay as they are.
+  explicit FittedStream(const CalibrationProblem& problem, std::shared_ptr<const RowBatches> at_hand = nullptr);
+  // The same rows with noise of one's own.
+  FittedStream(const CalibrationProblem& problem, RowStream::Noise noise,
+               std::shared_ptr<const RowBatches> at_hand = nullptr);
+
+  // The configuration of each observation, from 0 in the order in which they appear (sandwich.h).
+  const std::vector<int>& clusters() const { return clusters_; }
+  const std::vector<int>& observations() const { return batches_->observations(); }
+
+  // As those of a RowStream, in an order of their own; of the latter, rows of one configuration are in one piece.
+  bool ForEach(const ParameterSet& parameters, const std::vector<int>& columns,
+               const std::function<void(const RowPiece& piece)>& visit) const;
+  bool ForEachOfClusters(const ParameterSet& parameters, const std::vector<int>& columns,
+                         const std::function<void(const RowPiece& piece)>& visit) const;
 
   // PredictPoints (linearization.h) of the problem at other values, of listed observations in ascending order; of what
   // was fitted from the rows at hand.
   Eigen::Matrix3Xd Predict(const CalibrationProblem& problem, const ParameterSet& parameters,
                            const std::vector<int>& listed) const;
 
-  std::vector<int> clusters;  // of each observation, from 0 in the order in which they appear (sandwich.h)
-  RowStream stream;
+ private:
+  const CalibrationProblem& problem_;
+  const RowStream::Noise noise_;
+  const std::vector<int> clusters_;
+  std::shared_ptr<const RowBatches> batches_;
 };
 
 }  // namespace sagitta

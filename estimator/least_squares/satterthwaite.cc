@@ -64,10 +64,11 @@ void Satterthwaite::Add(const Eigen::MatrixXd& b, const Eigen::MatrixXd& h, cons
 
 Eigen::VectorXd Satterthwaite::Degrees() const {
   Eigen::VectorXd dof(trace_.size());
-  const auto n = static_cast<int>(dof.size());
+  const auto asked = static_cast<int>(dof.size());
+  const int n = clusters_.empty() ? 0 : static_cast<int>(clusters_.front().first.rows());
   if (static_cast<int>(clusters_.size()) < kFewTimes * n) return DegreesOfFew();
-  for (int first = 0; first < n; first += kBlockColumns) {
-    const int count = std::min(kBlockColumns, n - first);
+  for (int first = 0; first < asked; first += kBlockColumns) {
+    const int count = std::min(kBlockColumns, asked - first);
     std::vector<SumOfRows> products;
     for (int i = 0; i < count; ++i) products.emplace_back(n);
     Eigen::MatrixXd w(n, count);
@@ -88,7 +89,8 @@ Eigen::VectorXd Satterthwaite::Degrees() const {
 
 Eigen::VectorXd Satterthwaite::DegreesOfFew() const {
   Eigen::VectorXd dof(trace_.size());
-  Eigen::MatrixXd w(dof.size(), clusters_.size());
+  const Eigen::Index n = clusters_.empty() ? 0 : clusters_.front().first.rows();
+  Eigen::MatrixXd w(n, clusters_.size());
   for (int c = 0; c < dof.size(); ++c) {
     for (size_t g = 0; g < clusters_.size(); ++g) {
       w.col(static_cast<Eigen::Index>(g)) = clusters_[g].first * clusters_[g].second.col(c);

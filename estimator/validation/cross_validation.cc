@@ -109,7 +109,7 @@ using RowsOfPoint = Eigen::Ref<const PointRows, 0, Eigen::OuterStride<>>;
 // have no part in what a step moves.
 void ForEachPoint(
     const CalibrationProblem& problem, const ParameterSet& parameters, const std::vector<int>& columns,
-    const RowStream& fitted, const std::vector<int>& quoted,
+    const FittedStream& fitted, const std::vector<int>& quoted, const NoiseRoots& weighed,
     const std::function<void(size_t place, const Matrix3<double>& root, const RowsOfPoint& rows)>& visit) {
   const auto n = static_cast<Eigen::Index>(columns.size());
   if (!problem.latent.empty()) {
@@ -125,14 +125,12 @@ void ForEachPoint(
   }
   const bool are_all = quoted.size() == fitted.observations().size();  // then they are the same
   fitted.ForEach(parameters, columns, [&](const RowPiece& piece) {
-    std::vector<int> listed;
-    for (const int k : piece.positions) listed.push_back(fitted.observations()[k]);
-    const NoiseRoots roots = FitRoots(problem, listed, kFallbackSigma);
     for (int i = 0; i < piece.num_observations(); ++i) {
-      if (!problem.data().observations[listed[i]].is_point()) continue;
-      const auto place =
-          are_all ? piece.positions[i] : std::lower_bound(quoted.begin(), quoted.end(), listed[i]) - quoted.begin();
-      visit(static_cast<size_t>(place), roots[i], piece.rows.block(3 * i, 0, 3, n));
+      const int k = fitted.observations()[piece.positions[i]];
+      if (!problem.data().observations[k].is_point()) continue;
+      const auto place = static_cast<size_t>(
+          are_all ? piece.positions[i] : std::lower_bound(quoted.begin(), quoted.end(), k) - quoted.begin());
+      visit(place, weighed[place], piece.rows.block(3 * i, 0, 3, n));
     }
   });
 }
@@ -149,11 +147,12 @@ double SigmaOfEveryAxis(const NoiseRoots& roots) {
 
 // What the points of each fold say of predictions, where that follows from what is summed of its rows: all of them
 // points that are weighed by one sigma and err by one. False: it does not.
-bool PredictFromTotals(const CalibrationProblem& problem, const NoiseRoots& scatter, const std::vector<int>& quoted,
-                       const std::vector<int>& points_of_fold, std::vector<Fold>* folds) {
+bool PredictFromTotals(const CalibrationProblem& problem, const NoiseRoots& weighed_by, const NoiseRoots& scatter,
+                       const std::vector<int>& quoted, const std::vector<int>& points_of_fold,
+                       std::vector<Fold>* folds) {
   const bool are_all = quoted.size() == problem.CalibrationObservations().size();
   if (!problem.latent.empty() || quoted.empty() || !are_all) return false;
-  const double weighed = SigmaOfEveryAxis(FitRoots(problem, quoted, kFallbackSigma));
+  const double weighed = SigmaOfEveryAxis(weighed_by);
   const double errs = SigmaOfEveryAxis(scatter);
   if (!(weighed > 0.0 && errs > 0.0)) return false;
   for (size_t f = 0; f < folds->size(); ++f) {
@@ -184,7 +183,8 @@ std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed) 
     if (g == first_of.size()) first_of.push_back(static_cast<int>(c)), count_of.push_back(0);
     count_of[g] += fitted[c] ? 1 : 0;
   }
-  const auto hash_of = [&](int g) { return Sha256(std::to_string(seed) + ":" + data.configurations[first_of[g]].id); };
+  const std::string seed_text = std::to_string(seed) + ":";
+  const auto hash_of = [&](int g) { return Sha256(seed_text + data.configurations[first_of[g]].id); };
   std::vector<Hashed> hashed;
   for (size_t g = 0; g < first_of.size(); ++g) {
     if (count_of[g] == 0) continue;
@@ -212,7 +212,7 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate&
   return CrossValidate(problem, FittedStream(problem), estimate, seed);
 }
 
-CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStream& given, const Estimate& estimate,
+CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStream& fitted, const Estimate& estimate,
                               std::uint64_t seed) {
   CrossValidation result;
   const std::vector<int> columns = MovingColumns(estimate);
@@ -223,7 +223,6 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStr
   if (count < 2) return result;
   std::vector<Fold> folds;
   for (int f = 0; f < count; ++f) folds.emplace_back(static_cast<int>(n));
-  const RowStream& fitted = given.stream;
   const std::vector<int>& observations = fitted.observations();
   const auto fold_at = [&](int i) {
     return static_cast<size_t>(fold_of[problem.data().shots[problem.data().observations[i].shot].configuration]);
@@ -247,10 +246,10 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStr
   const std::vector<int> quoted = problem.data().PointsAmong(observations);
   std::vector<int> points_of_fold(folds.size(), 0);
   for (const int i : quoted) ++points_of_fold[fold_at(i)];
-  const NoiseRoots scatter = ScatterOf(estimate, quoted);
-  const bool are_predicted = PredictFromTotals(problem, scatter, quoted, points_of_fold, &folds);
+  const NoiseRoots scatter = ScatterOf(estimate, quoted), weighed = FitRoots(problem, quoted, kFallbackSigma);
+  const bool are_predicted = PredictFromTotals(problem, weighed, scatter, quoted, points_of_fold, &folds);
   Eigen::Matrix3Xd errors(3, static_cast<Eigen::Index>(quoted.size()));
-  ForEachPoint(problem, estimate.parameters, columns, fitted, quoted,
+  ForEachPoint(problem, estimate.parameters, columns, fitted, quoted, weighed,
                [&](size_t place, const Matrix3<double>& root, const RowsOfPoint& rows) {
                  const int i = quoted[place];
                  Fold& fold = folds[fold_at(i)];

@@ -256,6 +256,8 @@ TEST_P(NormalEquationsOf, ClustersSideBySideAreThoseOneByOne) {
     EXPECT_NEAR(std::sqrt(side_by_side.covariance(c, c) / alone.covariance(c, c)), 1.0, 1e-6);
     EXPECT_NEAR(side_by_side.dof[c] / alone.dof[c], 1.0, 1e-5);
   }
+  const int last = static_cast<int>(columns_.size()) - 1;
+  EXPECT_NEAR(together.DegreesOf(0, {last})[0] / side_by_side.dof[last], 1.0, 1e-9);
 }
 
 TEST_P(NormalEquationsOf, CondensedRowsHaveTheSameSums) {
