@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <utility>
 
 #include "estimator/alignment/starting_values.h"
@@ -90,11 +91,18 @@ bool MissesAllRows(const CalibrationProblem& problem, double limit) {
 std::vector<Matrix3<double>> AlignedOrientations(const CalibrationProblem& problem) {
   ParameterSet parameters = problem.parameters;
   FindStartingValues(problem, SampleOfRows(problem), StartingValueOptions(), &parameters);
+  std::vector<int> all(problem.data().observations.size());
+  std::iota(all.begin(), all.end(), 0);
+  return OrientationsAt(problem, parameters, problem.data().PointsAmong(all));
+}
+
+std::vector<Matrix3<double>> OrientationsAt(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                            const std::vector<int>& observations) {
   const std::vector<double> theta = parameters.ModelValues();
   std::vector<Matrix3<double>> orientations;
   ChainState<double> state;
-  for (const Observation& observation : problem.data().observations) {
-    if (!observation.is_point()) continue;
+  for (const int i : observations) {
+    const Observation& observation = problem.data().observations[i];
     const ShotInput& input = problem.shot_inputs()[observation.shot];
     EvaluateChain(problem.model().chain(), problem.model().TransformValues(input, theta.data()).data(), &state);
     const Pose<double>& frame = state.frames[problem.marker_frames()[observation.marker]];

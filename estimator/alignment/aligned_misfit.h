@@ -26,6 +26,10 @@ bool MissesAllRows(const CalibrationProblem& problem, double limit);
 // station_from_frame.
 std::vector<Matrix3<double>> AlignedOrientations(const CalibrationProblem& problem);
 
+// The same of the listed observations, at base poses that are given.
+std::vector<Matrix3<double>> OrientationsAt(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                            const std::vector<int>& observations);
+
 // RMS angle, rad, of readings R_k from frames F_k T; T, the target in the frame it rides on, is fitted, one for each
 // marker. Nothing to compare: infinity.
 struct TargetRotation {

@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <set>
 
 #include "estimator/alignment/aligned_misfit.h"
 #include "estimator/alignment/starting_values.h"
+#include "estimator/inspection/moved_rows.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/statistics/median.h"
@@ -190,6 +192,25 @@ class LabelGroup {
   Eigen::Matrix3Xd measured_;
 };
 
+// Where in the order of measurement the far rows of a station begin, or end, if the others are all on the other side.
+void FindMove(const CalibrationProblem& problem, const FarRows& rows, OtherLabel* found) {
+  const auto station = [&](int i) { return problem.data().shots[problem.data().observations[i].shot].station; };
+  std::vector<int> both = rows.far;
+  std::copy_if(rows.near.begin(), rows.near.end(), std::back_inserter(both),
+               [&](int i) { return station(i) == station(rows.far.front()); });
+  std::sort(both.begin(), both.end());
+  const std::set<int> far(rows.far.begin(), rows.far.end());
+  int changes = 0;
+  both = InOrderOfMeasurement(problem.data(), both);
+  for (size_t k = 1; k < both.size(); ++k) {
+    if (far.count(both[k]) == far.count(both[k - 1])) continue;
+    ++changes;
+    found->last_before = both[k - 1];
+    found->first_after = both[k];
+  }
+  if (changes != 1) found->last_before = found->first_after = -1;
+}
+
 }  // namespace
 
 std::optional<OtherLabel> FindOtherLabel(const CalibrationProblem& problem, FarRows rows) {
@@ -203,6 +224,7 @@ std::optional<OtherLabel> FindOtherLabel(const CalibrationProblem& problem, FarR
   found.far = rows.far;
   found.rows = rows.far.size() + rows.near.size();
   found.far_median = rows.far_median;
+  if (found.kind == OtherLabel::Kind::kOwnStation) FindMove(problem, rows, &found);
   return found;
 }
 

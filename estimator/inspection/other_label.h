@@ -29,6 +29,9 @@ struct OtherLabel {
   std::vector<int> far;     // observations
   size_t rows = 0;          // of all that were compared
   double far_median = 0.0;  // m, as stated; of a frame RMS
+  // kOwnStation: the observations between which the station moved, where all far rows are on one side; -1: they are
+  // not.
+  int last_before = -1, first_after = -1;
 };
 
 std::optional<OtherLabel> FindOtherLabel(const CalibrationProblem& problem, FarRows rows);

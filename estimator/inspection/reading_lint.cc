@@ -8,8 +8,10 @@
 #include "estimator/inspection/data_lint.h"
 #include "estimator/inspection/explained_errors.h"
 #include "estimator/inspection/linear_state.h"
+#include "estimator/inspection/moved_rows.h"
 #include "estimator/inspection/other_label.h"
 #include "estimator/inspection/readings.h"
+#include "estimator/inspection/rotation_lint.h"
 #include "estimator/inspection/sampled_problem.h"
 #include "estimator/inspection/wild_rows.h"
 #include "estimator/report/inspection_label_words.h"
@@ -44,6 +46,16 @@ Finding Unexplained(const CalibrationProblem& problem, double misfit, double sus
   return finding;
 }
 
+// Next to a robot whose lengths are 1000 times too large any points are nearly one: then the robot in millimetres fits
+// them, and far better than their own mean does.
+std::optional<Finding> LongRobot(const CalibrationProblem& problem, const std::vector<int>& sample, double spread) {
+  Reading reading = RobotInMillimetres(problem);
+  reading.misfit = AlignedMisfit(Reread(problem, reading), sample);
+  const bool fits = reading.misfit <= SuspiciousMisfit(reading.robot->chain);
+  if (!fits || !(reading.misfit * kReadingImprovement < spread)) return std::nullopt;
+  return DescribeReading(reading, AlignedMisfit(problem, sample), {});
+}
+
 }  // namespace
 
 double SuspiciousMisfit(const Chain& chain) { return kSuspiciousReading * Reach(chain); }
@@ -60,7 +72,8 @@ ReadingLint LintReadings(const CalibrationProblem& problem) {
   if (!lint.is_suspicious) return lint;
   double spread = 0.0;
   if (AreAllOnePoint(problem, &spread)) {
-    lint.findings.push_back(OnePointInWords(spread));
+    const std::optional<Finding> robot = LongRobot(problem, sample, spread);
+    lint.findings.push_back(robot ? *robot : OnePointInWords(spread));
     lint.is_explained = true;
     return lint;
   }
@@ -111,6 +124,11 @@ ReadingLint LintReadings(const CalibrationProblem& problem) {
 ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem) {
   ReadingLint lint = LintReadings(problem);
   if (lint.is_explained) return lint;
+  if (const std::optional<Finding> rotations = LintRotations(problem)) {
+    lint.findings = {*rotations};
+    lint.is_suspicious = lint.is_explained = true;
+    return lint;
+  }
   const double suspicious = SuspiciousMisfit(problem.robot().chain);
   const bool is_missed = lint.misfit <= suspicious && MissesAllRows(problem, suspicious);  // by the sample
   if (!lint.is_suspicious && !is_missed) return lint;
@@ -118,6 +136,9 @@ ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem) {
   std::optional<FarRows> far_rows;
   if (!other) far_rows = FindFarRows(problem);
   if (far_rows) other = FindOtherLabel(problem, *far_rows);
+  if (!other && lint.is_suspicious) {
+    if (const std::optional<FarRows> moved = FindMovedRows(problem)) other = FindOtherLabel(problem, *moved);
+  }
   if (other) {
     lint.findings = {OtherLabelInWords(problem, *other)};
     lint.is_suspicious = lint.is_explained = true;

@@ -183,18 +183,21 @@ void AddLinearUnits(const Chain& chain, Readings* readings) {
   }
 }
 
+Reading RobotIn(const CalibrationProblem& problem, Motion motion, double factor, RobotNumbers unit) {
+  Robot scaled = problem.robot();
+  for (ElementaryTransform& transform : scaled.chain.transforms) {
+    if (transform.motion == motion) transform.nominal *= factor;
+  }
+  Readings reading;
+  Add("unit", RobotReadIn(unit), scaled, &reading);
+  return reading.front();
+}
+
 void AddUnits(const CalibrationProblem& problem, Readings* readings) {
-  const auto robot = [&](Motion motion, double factor, RobotNumbers unit) {
-    Robot scaled = problem.robot();
-    for (ElementaryTransform& transform : scaled.chain.transforms) {
-      if (transform.motion == motion) transform.nominal *= factor;
-    }
-    Add("unit", RobotReadIn(unit), scaled, readings);
-  };
-  robot(Motion::kTranslation, 1e3, RobotNumbers::kMetres);
-  robot(Motion::kTranslation, 1e-3, RobotNumbers::kMillimetres);
-  robot(Motion::kTranslation, 25.4, RobotNumbers::kInches);
-  robot(Motion::kRotation, 1.0 / kDegree, RobotNumbers::kRadians);
+  readings->push_back(RobotIn(problem, Motion::kTranslation, 1e3, RobotNumbers::kMetres));
+  readings->push_back(RobotInMillimetres(problem));
+  readings->push_back(RobotIn(problem, Motion::kTranslation, 25.4, RobotNumbers::kInches));
+  readings->push_back(RobotIn(problem, Motion::kRotation, 1.0 / kDegree, RobotNumbers::kRadians));
   Add("unit", PointsInInches(), OfPoints([](Vector3<double>* point) { *point *= 25.4; }), readings);
   for (int j = 0; j < problem.robot().chain.num_joints(); ++j) {
     if (!IsRevolute(problem.robot().chain, j)) continue;
@@ -246,6 +249,10 @@ std::vector<Reading> AllReadings(const CalibrationProblem& problem) {
   AddFlips(chain, 3, &readings);
   AddRowShifts(problem, &readings);
   return readings;
+}
+
+Reading RobotInMillimetres(const CalibrationProblem& problem) {
+  return RobotIn(problem, Motion::kTranslation, 1e-3, RobotNumbers::kMillimetres);
 }
 
 CalibrationProblem Reread(const CalibrationProblem& problem, const Reading& reading) {

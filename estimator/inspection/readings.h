@@ -25,6 +25,9 @@ struct Reading {
 // configurations.
 std::vector<Reading> AllReadings(const CalibrationProblem& problem);
 
+// One of them: the lengths of the robot file 1000 times shorter.
+Reading RobotInMillimetres(const CalibrationProblem& problem);
+
 // The problem as read that way. Nothing is held out; rows without a counterpart are excluded.
 CalibrationProblem Reread(const CalibrationProblem& problem, const Reading& reading);
 

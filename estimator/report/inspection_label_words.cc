@@ -63,6 +63,11 @@ Finding OtherLabelInWords(const CalibrationProblem& problem, const OtherLabel& f
       finding.words += "if they were read by another station than the others of " + found.stated + ", " +
                        InMillimetres(found.moved) + " and " + Significant(found.turned / kDegree, 2) +
                        " deg away from it";
+      if (found.first_after >= 0) {
+        finding.words = "between " + source(found.last_before) + " and " + source(found.first_after) + " station " +
+                        found.stated +
+                        " or the robot's foot moved, or rows of two stations were put together: " + finding.words;
+      }
       finding.remedy = "give these rows a station of their own (column station)" + where;
       break;
     case OtherLabel::Kind::kOwnMarker:

@@ -71,7 +71,8 @@ Advice RobotReadIn(RobotNumbers unit) {
     case RobotNumbers::kMetres:
       return {"the robot's lengths as metres", "the robot file's lengths are in m: write _m"};
     case RobotNumbers::kMillimetres:
-      return {"the robot's lengths as millimetres", "the robot file's lengths are in mm: write _mm"};
+      return {"the robot's lengths as millimetres",
+              "the robot file's lengths are in mm: write _mm; a URDF states them in m, 1000 times smaller numbers"};
     case RobotNumbers::kInches:
       return {"the robot's lengths as inches", "convert the robot file's lengths to mm"};
     case RobotNumbers::kRadians:

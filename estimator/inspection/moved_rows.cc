@@ -1,0 +1,89 @@
+#include "estimator/inspection/moved_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "estimator/alignment/starting_values.h"
+#include "estimator/inspection/reading_lint.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/statistics/median.h"
+
+namespace sagitta {
+namespace {
+
+// Rows of a half: 18 numbers, twice as many as a base pose and one marker have.
+constexpr std::ptrdiff_t kFewestOfHalf = 6;
+constexpr double kNear = 5.0;  // of the half's RMS distance: as of wild rows
+
+// Markers of the rows.
+std::set<int> MarkersOf(const Measurements& data, const std::vector<int>& rows) {
+  std::set<int> markers;
+  for (const int i : rows) markers.insert(data.observations[i].marker);
+  return markers;
+}
+
+std::vector<double> DistancesAt(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                const std::vector<int>& rows) {
+  const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, rows);
+  std::vector<double> distances;
+  for (size_t k = 0; k < rows.size(); ++k) {
+    const Vector3<double>& measured = problem.data().observations[rows[k]].point_in_station;
+    distances.push_back((measured - predicted.col(static_cast<Eigen::Index>(k))).norm());
+  }
+  return distances;
+}
+
+// rows: of one station, in order; half: some of them.
+std::optional<FarRows> BlockOfHalf(const CalibrationProblem& problem, const std::vector<int>& rows,
+                                   const std::vector<int>& half) {
+  if (MarkersOf(problem.data(), half) != MarkersOf(problem.data(), rows)) return std::nullopt;
+  FarRows found;
+  found.parameters = problem.parameters;
+  const double rms = FindStartingValues(problem, half, StartingValueOptions(), &found.parameters);
+  if (!(rms <= SuspiciousMisfit(problem.robot().chain))) return std::nullopt;
+  found.limit = kNear * rms;
+  const std::vector<double> distances = DistancesAt(problem, found.parameters, rows);
+  double squares = 0.0;
+  int changes = 0;
+  for (size_t k = 0; k < rows.size(); ++k) {
+    const bool is_far = distances[k] > found.limit;
+    if (k > 0 && is_far != (distances[k - 1] > found.limit)) ++changes;
+    (is_far ? found.far : found.near).push_back(rows[k]);
+    if (is_far) found.far_distances.push_back(distances[k]);
+    if (!is_far) squares += distances[k] * distances[k];
+  }
+  if (changes != 1) return std::nullopt;
+  found.near_rms = std::sqrt(squares / static_cast<double>(found.near.size()));
+  found.far_median = Median(found.far_distances);
+  return found;
+}
+
+}  // namespace
+
+std::vector<int> InOrderOfMeasurement(const Measurements& data, std::vector<int> rows) {
+  const auto shot = [&](int i) -> const Shot& { return data.shots[data.observations[i].shot]; };
+  if (!std::all_of(rows.begin(), rows.end(), [&](int i) { return shot(i).has_time; })) return rows;
+  std::stable_sort(rows.begin(), rows.end(), [&](int a, int b) { return shot(a).time < shot(b).time; });
+  return rows;
+}
+
+std::optional<FarRows> FindMovedRows(const CalibrationProblem& problem) {
+  std::map<int, std::vector<int>> of_station;
+  for (const int i : problem.data().PointsAmong(problem.CalibrationObservations()))
+    of_station[problem.data().shots[problem.data().observations[i].shot].station].push_back(i);
+  for (const auto& [station, listed] : of_station) {
+    const std::vector<int> rows = InOrderOfMeasurement(problem.data(), listed);
+    const auto middle = static_cast<std::ptrdiff_t>(rows.size() / 2);
+    if (middle < kFewestOfHalf) continue;
+    for (const bool is_first : {true, false}) {
+      const std::vector<int> half(is_first ? rows.begin() : rows.begin() + middle,
+                                  is_first ? rows.begin() + middle : rows.end());
+      if (std::optional<FarRows> found = BlockOfHalf(problem, rows, half)) return found;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace sagitta
