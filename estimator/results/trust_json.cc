@@ -40,10 +40,16 @@ Json Iso9283ToJson(const Trust& trust) {
   const PoseAccuracy& accuracy = trust.Quoted().pose_accuracy;
   const PoseRepeatability& repeatability = trust.repeatability;
   Json json = {{"ap_mm", nullptr}, {"rp_mm", nullptr}};
-  if (accuracy.poses > 0)
-    json["ap_mm"] = {{"poses", accuracy.poses}, {"mean", 1e3 * accuracy.mean}, {"max", 1e3 * accuracy.largest}};
+  if (accuracy.poses > 0) {
+    json["ap_mm"] = {{"poses", accuracy.poses},
+                     {"positions", accuracy.positions},
+                     {"mean", 1e3 * accuracy.mean},
+                     {"max", 1e3 * accuracy.largest},
+                     {"readings_scatter", 1e3 * accuracy.scatter}};
+  }
   if (repeatability.poses > 0) {
     json["rp_mm"] = {{"poses", repeatability.poses},
+                     {"positions", repeatability.positions},
                      {"mean", 1e3 * repeatability.mean},
                      {"max", 1e3 * repeatability.largest},
                      {"arrivals", Json::array({repeatability.fewest, repeatability.most})}};

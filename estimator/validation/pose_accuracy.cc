@@ -10,23 +10,29 @@
 namespace sagitta {
 namespace {
 
+// Of points about a first one: differences of metres are lost in the squares of a far frame's coordinates.
 struct Mean {
-  Vector3<double> sum = Vector3<double>::Zero();
+  Vector3<double> first = Vector3<double>::Zero(), sum = Vector3<double>::Zero();
+  double squares = 0.0;
   int count = 0;
   void Add(const Vector3<double>& point) {
-    sum += point;
-    ++count;
+    if (count++ == 0) first = point;
+    sum += point - first;
+    squares += (point - first).squaredNorm();
   }
-  Vector3<double> value() const { return sum / count; }
+  Vector3<double> value() const { return first + sum / count; }
+  // Squared distances from the mean, summed.
+  double scatter() const { return std::max(0.0, squares - sum.squaredNorm() / count); }
 };
 
 using Arrivals = std::vector<Mean>;  // one per visit
 
-// Calls visit(arrivals) for each pose: configuration, marker, station, load and approach.
-void ForEachPose(const CalibrationProblem& problem, const std::vector<int>& observations,
-                 const Eigen::Matrix3Xd& positions, const std::function<void(const Arrivals& arrivals)>& visit) {
+// Calls visit(configuration, arrivals) for each commanded position: configuration, marker, station, load and approach.
+void ForEachPosition(const CalibrationProblem& problem, const std::vector<int>& observations,
+                     const Eigen::Matrix3Xd& positions,
+                     const std::function<void(int configuration, const Arrivals& arrivals)>& visit) {
   const auto row = [&](size_t k) -> const Observation& { return problem.data().observations[observations[k]]; };
-  const auto pose = [&](size_t k) {
+  const auto position = [&](size_t k) {
     const Shot& shot = problem.data().shots[row(k).shot];
     return std::tie(shot.configuration, row(k).marker, shot.station, shot.load, shot.approach);
   };
@@ -34,21 +40,21 @@ void ForEachPose(const CalibrationProblem& problem, const std::vector<int>& obse
   std::vector<size_t> order(observations.size());
   std::iota(order.begin(), order.end(), size_t{0});
   const auto is_before = [&](size_t a, size_t b) {
-    if (pose(a) != pose(b)) return pose(a) < pose(b);
+    if (position(a) != position(b)) return position(a) < position(b);
     return arrival(a) < arrival(b);
   };
   if (!std::is_sorted(order.begin(), order.end(), is_before)) std::stable_sort(order.begin(), order.end(), is_before);
   Arrivals arrivals;
   for (size_t i = 0; i < order.size(); ++i) {
-    const bool same_pose = i > 0 && pose(order[i - 1]) == pose(order[i]);
-    if (!same_pose && i > 0) {
-      visit(arrivals);
+    const bool is_same = i > 0 && position(order[i - 1]) == position(order[i]);
+    if (!is_same && i > 0) {
+      visit(std::get<0>(position(order[i - 1])), arrivals);
       arrivals.clear();
     }
-    if (!same_pose || arrival(order[i - 1]) != arrival(order[i])) arrivals.emplace_back();
+    if (!is_same || arrival(order[i - 1]) != arrival(order[i])) arrivals.emplace_back();
     arrivals.back().Add(positions.col(static_cast<Eigen::Index>(order[i])));
   }
-  if (!arrivals.empty()) visit(arrivals);
+  if (!arrivals.empty()) visit(std::get<0>(position(order.back())), arrivals);
 }
 
 Vector3<double> Barycentre(const Arrivals& arrivals) {
@@ -75,13 +81,23 @@ double Repeatability(const Arrivals& arrivals) {
 PoseAccuracy MeasurePoseAccuracy(const CalibrationProblem& problem, const std::vector<int>& observations,
                                  const Eigen::Matrix3Xd& errors) {
   PoseAccuracy accuracy;
-  ForEachPose(problem, observations, errors, [&accuracy](const Arrivals& arrivals) {
+  int last = -1, repeated = 0;  // positions come by configuration
+  double squares = 0.0;
+  ForEachPosition(problem, observations, errors, [&](int configuration, const Arrivals& arrivals) {
     const double distance = Barycentre(arrivals).norm();
     accuracy.largest = std::max(accuracy.largest, distance);
     accuracy.mean += distance;
-    ++accuracy.poses;
+    ++accuracy.positions;
+    if (configuration != last) ++accuracy.poses;
+    last = configuration;
+    for (const Mean& arrival : arrivals) {
+      if (arrival.count == 1) continue;
+      squares += arrival.scatter();
+      repeated += arrival.count;
+    }
   });
-  accuracy.mean /= std::max(1, accuracy.poses);
+  accuracy.mean /= std::max(1, accuracy.positions);
+  accuracy.scatter = std::sqrt(squares / std::max(1, repeated));
   return accuracy;
 }
 
@@ -96,17 +112,20 @@ PoseRepeatability MeasurePoseRepeatability(const CalibrationProblem& problem) {
     positions.col(static_cast<Eigen::Index>(k)) = problem.data().observations[observations[k]].point_in_station;
   }
   PoseRepeatability repeatability;
-  ForEachPose(problem, observations, positions, [&repeatability](const Arrivals& arrivals) {
+  int last = -1;
+  ForEachPosition(problem, observations, positions, [&](int configuration, const Arrivals& arrivals) {
     const auto n = static_cast<int>(arrivals.size());
     if (n < 2) return;
     const double own = Repeatability(arrivals);
-    repeatability.fewest = repeatability.poses == 0 ? n : std::min(repeatability.fewest, n);
+    repeatability.fewest = repeatability.positions == 0 ? n : std::min(repeatability.fewest, n);
     repeatability.most = std::max(repeatability.most, n);
     repeatability.largest = std::max(repeatability.largest, own);
     repeatability.mean += own;
-    ++repeatability.poses;
+    ++repeatability.positions;
+    if (configuration != last) ++repeatability.poses;
+    last = configuration;
   });
-  repeatability.mean /= std::max(1, repeatability.poses);
+  repeatability.mean /= std::max(1, repeatability.positions);
   return repeatability;
 }
 

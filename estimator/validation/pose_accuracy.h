@@ -1,6 +1,7 @@
 // Positioning in the terms of ISO 9283:1998, "Manipulating industrial robots - Performance criteria and related test
-// methods". A commanded pose is what the model says of one configuration, marker, station, load and approach; its
-// attained positions are those of the n arrivals (visits) there, repeated readings of one arrival averaged.
+// methods". A pose is a configuration. A commanded position is what the model says of one configuration, marker,
+// station, load and approach; its attained positions are those of the n arrivals (visits) there, repeated readings of
+// one arrival averaged. A pose that is seen with three markers has three of them.
 //
 //   7.2.1  AP_p = | barycentre of the attained positions - commanded position |
 //   7.2.2  RP_l = mean(l) + 3 S_l,   l_j = | position j - barycentre |,   S_l^2 = sum_j (l_j - mean(l))^2 / (n - 1)
@@ -18,14 +19,17 @@ namespace sagitta {
 
 struct PoseAccuracy {
   int poses = 0;
-  double mean = 0.0, largest = 0.0;  // AP_p over the poses, m
+  int positions = 0;                 // commanded: each marker, station, load and approach of a pose by itself
+  double mean = 0.0, largest = 0.0;  // AP_p over the positions, m
+  double scatter = 0.0;              // of repeated readings about their arrival's mean, RMS distance, m; 0: none
 };
 
 // RP of ISO 9283, as far as repeated arrivals show it.
 struct PoseRepeatability {
   int poses = 0;                     // with two arrivals or more
+  int positions = 0;                 // commanded ones among them
   int fewest = 0, most = 0;          // arrivals at one of them
-  double mean = 0.0, largest = 0.0;  // RP_l over the poses, m
+  double mean = 0.0, largest = 0.0;  // RP_l over the positions, m
 };
 
 // errors: measured - commanded (3 x N, m), one column per observation, of points.

@@ -63,6 +63,35 @@ TEST(PoseAccuracy, AccuracyIsTheDistanceOfTheBarycentreNotTheMeanDistance) {
   EXPECT_NEAR(accuracy.mean, 3.5e-3, 1e-12);
 }
 
+// Two markers, each with its own commanded position, and under one load more: one pose.
+TEST(PoseAccuracy, MarkersAndLoadsAreNoPoses) {
+  CalibrationProblem problem =
+      Arrivals({{Vector3<double>(0, 0, 0), Vector3<double>(0, 0, 0), Vector3<double>(0, 0, 0)}});
+  Measurements& data = *problem.mutable_data();
+  for (Shot& shot : data.shots) shot.visit = "1";
+  data.markers.push_back("P2");
+  data.observations[1].marker = 1;
+  data.shots[2].load = "V250";
+  Eigen::Matrix3Xd errors = Eigen::Matrix3Xd::Zero(3, 3);
+  errors.row(0) << 1e-3, 2e-3, 6e-3;
+  const PoseAccuracy accuracy = MeasurePoseAccuracy(problem, {0, 1, 2}, errors);
+  EXPECT_EQ(accuracy.poses, 1);
+  EXPECT_EQ(accuracy.positions, 3);
+  EXPECT_NEAR(accuracy.mean, 3e-3, 1e-12);
+  EXPECT_EQ(accuracy.scatter, 0.0);
+}
+
+// Three targets under one name: their mean may be right where each is far off.
+TEST(PoseAccuracy, ReadingsOfOneArrivalThatScatterAreSaid) {
+  CalibrationProblem problem = Arrivals({{Vector3<double>(0, 0, 0), Vector3<double>(0, 0, 0)}});
+  for (Shot& shot : problem.mutable_data()->shots) shot.visit = "1";
+  Eigen::Matrix3Xd errors = Eigen::Matrix3Xd::Zero(3, 2);
+  errors.row(0) << 0.05, -0.05;
+  const PoseAccuracy accuracy = MeasurePoseAccuracy(problem, {0, 1}, errors);
+  EXPECT_NEAR(accuracy.mean, 0.0, 1e-12);
+  EXPECT_NEAR(accuracy.scatter, 0.05, 1e-12);
+}
+
 // Repeated readings of one arrival are one attained position: the instrument's noise is no arrival.
 TEST(PoseAccuracy, RepeatedReadingsAreOneArrival) {
   CalibrationProblem problem = Arrivals({{Vector3<double>(0, 0, 0), Vector3<double>(0, 0, 2e-3)}});
