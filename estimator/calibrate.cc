@@ -7,6 +7,7 @@
 #include "estimator/calibration/unit_guess.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/intervals/intervals.h"
+#include "estimator/report/calibration_words.h"
 #include "estimator/report/validation_words.h"
 #include "estimator/results/residuals_csv.h"
 #include "estimator/results/trust_json.h"
@@ -81,6 +82,8 @@ void JudgeCalibration(const CalibrateOptions& options, std::shared_ptr<const Row
   if (!misfit.empty()) estimate.warnings.push_back(misfit);
   const std::string large = WarningOfLargeCorrections(result->problem, estimate.table);
   if (!large.empty()) estimate.warnings.push_back(large);
+  const bool is_held_for_noise = LeftOpen(estimate).size() < estimate.identifiability.unidentifiable.size();
+  if (is_held_for_noise) estimate.message = HeldAtStatedNoise(estimate.identifiability.unidentifiable.size());
   say("cross-validating");
   result->trust = JudgeTrust(result->problem, fitted, options.seed, &estimate, between);
 }

@@ -100,7 +100,8 @@ MethodResult RunMethod(const CalibrationProblem& problem, Method method, const E
     result.estimate = joint;
   } else if (!obstacle.empty()) {
     result.estimate.parameters = result.estimate.aligned = problem.parameters;
-    result.estimate.message = "not run: " + obstacle;
+    result.estimate.status = Status::kNotRun;
+    result.estimate.message = NotRunBecause(obstacle);
   } else if (method == Method::kFullPose) {
     result.estimate = EstimateFromFullPoses(WithHeld(problem, joint));
   } else if (method == Method::kDifferencing) {

@@ -198,6 +198,7 @@ void StateIntervals(const DifferenceContext& context, const std::vector<int>& el
 Estimate NotRun(const CalibrationProblem& problem, const std::string& why) {
   Estimate estimate;
   estimate.parameters = estimate.aligned = problem.parameters;
+  estimate.status = Status::kNotRun;
   estimate.message = NotRunBecause(why);
   return estimate;
 }

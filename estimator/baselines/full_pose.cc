@@ -283,6 +283,7 @@ Estimate EstimateFromFullPoses(const CalibrationProblem& problem, const FullPose
   const int known_shape = context.tool_is_free() ? context.free_marker_coordinates - 6 : 0;
   const std::string obstacle = PoseObstacle(context, static_cast<int>(coordinates.size()) - known_shape);
   if (!obstacle.empty()) {
+    estimate.status = Status::kNotRun;
     estimate.message = obstacle;
     return estimate;
   }

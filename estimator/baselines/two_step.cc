@@ -202,6 +202,7 @@ TwoStepResult EstimateInTwoSteps(const CalibrationProblem& problem, const TwoSte
   const bool is_exact = options.variant == TwoStepVariant::kExact;
   const std::string obstacle = is_exact ? "" : StepObstacle(problem);
   if (!obstacle.empty()) {
+    estimate.status = Status::kNotRun;
     estimate.message = obstacle;
     return result;
   }

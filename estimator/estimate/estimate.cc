@@ -31,8 +31,35 @@ const char* StatusName(Status status) {
       return "singular";
     case Status::kEquilibriumDiverged:
       return "equilibrium_diverged";
+    case Status::kNotRun:
+      return "not_run";
   }
   return "no_convergence";
+}
+
+namespace {
+
+// A caution is a factor of two or three (an expanded uncertainty, a maximum permissible error) in place of one.
+constexpr double kVeryMuch = 10.0;
+constexpr double kByChance = 0.01;
+
+}  // namespace
+
+double StatedTooLarge(const Estimate& estimate) {
+  const SigmaReport& sigma = estimate.sigma;
+  const bool is_compared = sigma.stated && estimate.dof > 0 && estimate.noise_report.components.empty();
+  if (!is_compared || estimate.fit.rms < kBelowAnyInstrument || !(sigma.a_posteriori > 0.0)) return 1.0;
+  const bool is_small = sigma.a_posteriori * kVeryMuch < 1.0 && 1.0 - sigma.p_value < kByChance;
+  return is_small ? 1.0 / sigma.a_posteriori : 1.0;
+}
+
+std::vector<Direction> LeftOpen(const Estimate& estimate) {
+  const double too_large = StatedTooLarge(estimate);
+  std::vector<Direction> open;
+  for (const Direction& direction : estimate.identifiability.unidentifiable) {
+    if (direction.sigma > too_large || too_large == 1.0) open.push_back(direction);
+  }
+  return open;
 }
 
 ResidualSize MeasureResiduals(const Eigen::Matrix3Xd& residuals) {

@@ -18,7 +18,15 @@
 
 namespace sagitta {
 
-enum class Status { kConverged, kConvergedWithHeldParameters, kNoConvergence, kSingular, kEquilibriumDiverged };
+// kNotRun: a method that cannot be asked on these data, in a comparison.
+enum class Status {
+  kConverged,
+  kConvergedWithHeldParameters,
+  kNoConvergence,
+  kSingular,
+  kEquilibriumDiverged,
+  kNotRun
+};
 // "converged", "converged_with_held_parameters", ...
 const char* StatusName(Status status);
 inline bool IsUsable(Status status) {
@@ -97,6 +105,10 @@ struct SigmaReport {
   double p_value = 1.0;       // of chi-square at the stated sigmas
 };
 
+// m per coordinate: interferometric length measurement in a workshop is not better (1 um and more per metre), and no
+// industrial arm returns to a point within it.
+constexpr double kBelowAnyInstrument = 1e-6;
+
 // What any method returns; pessimistic until it has converged.
 struct Estimate {
   // Compiled once (estimate.cc), not in each file that holds one.
@@ -148,5 +160,13 @@ struct Estimate {
   Eigen::VectorXd leverage;            // mean over the axes of the hat matrix's diagonal
   std::vector<std::string> warnings;
 };
+
+// Times that the stated noise is larger than the residuals show, where these are very much smaller than stated and an
+// instrument's; 1: they are not.
+double StatedTooLarge(const Estimate& estimate);
+
+// Of the directions that are held those that noise of the residuals' size leaves open too. The others are held for a
+// stated noise that is too large alone.
+std::vector<Direction> LeftOpen(const Estimate& estimate);
 
 }  // namespace sagitta

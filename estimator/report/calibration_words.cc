@@ -35,6 +35,11 @@ std::string ConvergedWithHeld(size_t held) {
          " held: the data do not determine " + (held == 1 ? "it" : "them");
 }
 
+std::string HeldAtStatedNoise(size_t held) {
+  return std::to_string(held) + (held == 1 ? " parameter is" : " parameters are") +
+         " held at the stated standard deviations, which are too large for these residuals";
+}
+
 std::string Converged() { return "the remaining Gauss-Newton step is below 1e-5 standard deviations"; }
 
 std::string FoldedShotInWords(const std::string& folded) {

@@ -19,6 +19,7 @@ std::string SingularAtEstimate();
 // steps: of the remaining Gauss-Newton step, in standard deviations; `because`: of the minimiser.
 std::string StoppedBefore(double steps, const std::string& because);
 std::string ConvergedWithHeld(size_t held);
+std::string HeldAtStatedNoise(size_t held);
 std::string Converged();
 // folded: the shot (FoldedShot), "" where it is not known.
 std::string FoldedShotInWords(const std::string& folded);

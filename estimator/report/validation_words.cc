@@ -140,6 +140,14 @@ std::string CorrectionIsLarge(const std::string& name, double correction, bool i
          "maker's table.";
 }
 
+std::string StatedNoiseIsTooLarge(double times, double rms) {
+  // 1000 times: the unit next to it, where the residuals are larger than the noise by less than a factor of three.
+  const bool is_unit = times > 300.0 && times < 3000.0;
+  return "The stated standard deviations are about " + Significant(times, 2) +
+         " times too large: the points fit within " + InMillimetres(rms) + " per coordinate (RMS)" +
+         (is_unit ? "; were micrometres written as millimetres?" : ".");
+}
+
 std::string VerdictInWords(const Trust& trust, double significance, double better, size_t not_measured) {
   std::string words =
       AccuracyInWords(trust, significance, better) +

@@ -34,6 +34,9 @@ std::string RobotStillMisses(double distance_rms, bool has_suspects);
 std::string JointWasNotMeasured(const Joint& joint, double least, double most);
 std::string CorrectionIsLarge(const std::string& name, double correction, bool is_length);
 
+// times: by which the stated noise is larger than the residuals; rms: of these, m per coordinate.
+std::string StatedNoiseIsTooLarge(double times, double rms);
+
 // better: share by which errors have to differ to be called better; not_measured: directions that the data left open.
 std::string VerdictInWords(const Trust& trust, double significance, double better, size_t not_measured);
 

@@ -23,9 +23,6 @@
 namespace sagitta {
 namespace {
 
-// m per coordinate: interferometric length measurement in a workshop is not better (1 um and more per metre), and no
-// industrial arm returns to a point within it.
-constexpr double kBelowAnyInstrument = 1e-6;
 // Share by which errors differ before one is called better: of a hundred points an RMS is known to some 5 %.
 constexpr double kBetter = 0.05;
 // Times that points fit worse than by equal weights before these are wrong: weights that are right hardly lose.
@@ -233,8 +230,10 @@ std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const
   }
   const double worse = WorseThanByEqualWeights(problem, estimate);
   if (worse > kWrongWeights) reasons.push_back(WeightsAreWrong(worse));
-  if (const std::optional<Break> moved = FindBreak(problem, estimate))
-    reasons.push_back(SomethingMoved(problem, *moved));
+  // What is held for noise that is stated far too large is left in the residuals, and looks like a move.
+  std::optional<Break> moved;
+  if (StatedTooLarge(estimate) == 1.0) moved = FindBreak(problem, estimate);
+  if (moved) reasons.push_back(SomethingMoved(problem, *moved));
   if (estimate.fit.distance_rms > SuspiciousMisfit(problem.robot().chain)) {
     reasons.push_back(RobotStillMisses(estimate.fit.distance_rms, !trust.suspects.empty()));
   }
@@ -283,8 +282,11 @@ Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, 
   trust.verdict.reasons = ReasonsAgainst(problem, *estimate, trust);
   trust.verdict.trusted = trust.verdict.reasons.empty();
   trust.limits = LimitsOf(problem, *estimate);
-  trust.verdict.words = VerdictInWords(trust, problem.experiment().significance, kBetter,
-                                       estimate->identifiability.unidentifiable.size());
+  trust.verdict.words = VerdictInWords(trust, problem.experiment().significance, kBetter, LeftOpen(*estimate).size());
+  const double too_large = StatedTooLarge(*estimate);
+  if (too_large > 1.0) {
+    trust.verdict.words = StatedNoiseIsTooLarge(too_large, estimate->fit.rms) + " " + trust.verdict.words;
+  }
   return trust;
 }
 

@@ -18,19 +18,31 @@ constexpr size_t kShownOfRemedy = 3;  // of one remedy
 // Of a length of that size (m) in mm: a micrometre, and two digits of what is smaller.
 int DecimalsOf(double length) { return std::max(3, DecimalsFor(1e3 * length)); }
 
+// "33 poses", "33 poses (144 positions)": each marker, station, load and approach of a pose by itself.
+std::string PosesInWords(int poses, int positions) {
+  std::string words = std::to_string(poses) + (poses == 1 ? " pose" : " poses");
+  if (positions == poses) return words;
+  return words + " (" + std::to_string(positions) + " positions of markers)";
+}
+
 // In the words of ISO 9283:1998.
 std::string IsoInWords(const Trust& trust) {
   const PoseAccuracy& accuracy = trust.Quoted().pose_accuracy;
   const PoseRepeatability& repeatability = trust.repeatability;
   const int decimals = DecimalsOf(trust.Quoted().rms);
   std::string words = "ISO 9283: pose accuracy AP " + Millimetres(accuracy.mean, decimals) + " mm in the mean, " +
-                      Millimetres(accuracy.largest, decimals) + " mm at most, of " + std::to_string(accuracy.poses) +
-                      " poses that were not fitted; ";
+                      Millimetres(accuracy.largest, decimals) + " mm at most, of " +
+                      PosesInWords(accuracy.poses, accuracy.positions) + " not fitted; ";
+  if (accuracy.scatter > accuracy.mean) {
+    words += "the readings of one arrival, of which it goes by the mean, scatter by " +
+             Millimetres(accuracy.scatter, decimals) + " mm (RMS); ";
+  }
   if (repeatability.poses == 0) return words + "pose repeatability RP: no pose was visited again.";
   const std::string fewest = std::to_string(repeatability.fewest), most = std::to_string(repeatability.most);
   return words + "pose repeatability RP " + Millimetres(repeatability.mean, decimals) + " mm in the mean, " +
-         Millimetres(repeatability.largest, decimals) + " mm at most, of " + std::to_string(repeatability.poses) +
-         " poses with " + fewest + (fewest == most ? "" : " to " + most) +
+         Millimetres(repeatability.largest, decimals) + " mm at most, of " +
+         PosesInWords(repeatability.poses, repeatability.positions) + " with " + fewest +
+         (fewest == most ? "" : " to " + most) +
          " arrivals (the standard asks for 30), the instrument's noise included.";
 }
 
@@ -66,11 +78,24 @@ Section Unseen(const Trust& trust) {
   return section;
 }
 
-Section NotMeasured(const Estimate& estimate) {
+std::vector<Section> Held(const Estimate& estimate) {
+  std::vector<Section> sections;
+  const std::vector<Direction> open = LeftOpen(estimate);
+  const size_t for_stated = estimate.identifiability.unidentifiable.size() - open.size();
+  if (!open.empty()) {
+    Section section;
+    section.title = "Not measured (held): " + std::to_string(open.size());
+    section.paragraphs = DirectionsInWords(open, kShownOfRemedy);
+    sections.push_back(section);
+  }
+  if (for_stated == 0) return sections;
   Section section;
-  section.title = "Not measured (held): " + std::to_string(estimate.identifiability.unidentifiable.size());
-  section.paragraphs = DirectionsInWords(estimate.identifiability.unidentifiable, kShownOfRemedy);
-  return section;
+  section.title = "Held for the stated standard deviations alone: " + std::to_string(for_stated);
+  section.paragraphs = {
+      "With noise as small as the residuals these data determine them. Remedy: state the standard deviations that the "
+      "readings have, in the unit of their column, or none, and calibrate again."};
+  sections.push_back(section);
+  return sections;
 }
 
 }  // namespace
@@ -93,14 +118,13 @@ std::vector<Section> FirstScreen(const Calibration& calibration) {
   if (!trust.model_error_words.empty()) first.paragraphs.push_back("Model error: " + trust.model_error_words + ".");
   std::vector<Section> sections = {first};
   if (HasUnseen(trust)) sections.push_back(Unseen(trust));
-  if (!calibration.estimate.identifiability.unidentifiable.empty())
-    sections.push_back(NotMeasured(calibration.estimate));
+  for (Section& section : Held(calibration.estimate)) sections.push_back(std::move(section));
   if (!trust.suspects.empty()) sections.push_back(SuspectRows(trust, ", in estimate.json under suspects"));
   return sections;
 }
 
 size_t SizeOfFirstScreen(const Calibration& calibration) {
-  const size_t not_measured = calibration.estimate.identifiability.unidentifiable.empty() ? 0 : 1;
+  const size_t not_measured = Held(calibration.estimate).size();
   const size_t suspects = calibration.trust.suspects.empty() ? 0 : 1;
   return 1 + (HasUnseen(calibration.trust) ? 1 : 0) + not_measured + suspects;
 }

@@ -94,6 +94,13 @@ std::string StatedSigmaInWords(const Estimate& estimate, double significance) {
   return "The residuals agree with the stated sigmas (p = " + Significant(sigma.p_value, 2) + ").";
 }
 
+// One factor scales what is assumed of both where there are too few readings to estimate two (noise/rotation_noise.h).
+std::string OfRotationsToo(const Estimate& estimate) {
+  if (estimate.fit.rotations == 0) return "";
+  return ", and with it " + Millimetres(estimate.sigma.estimated) +
+         " mrad of every axis of a rotation: 1 mrad to 1 mm is assumed, for so few readings do not determine two";
+}
+
 Section NoiseSection(const CalibrationProblem& problem, const Estimate& estimate) {
   Section section;
   section.title = "Noise";
@@ -102,7 +109,7 @@ Section NoiseSection(const CalibrationProblem& problem, const Estimate& estimate
     section.paragraphs = {"As many equations as unknowns: the data fit by construction and cannot check themselves."};
   } else if (!estimate.sigma.stated) {
     section.paragraphs = {"No standard deviation is stated; one for all coordinates is estimated: " +
-                          Millimetres(estimate.sigma.estimated) + " mm (" + dof + ")."};
+                          Millimetres(estimate.sigma.estimated) + " mm (" + dof + ")" + OfRotationsToo(estimate) + "."};
   } else if (RotationComponent(estimate.noise_report)) {
     section.paragraphs.clear();  // by construction chi-square is what it should be; the report's words say the rest
   } else {
@@ -156,12 +163,12 @@ bool IsConditional(const ParameterEstimate& row, const Identifiability& identifi
   return false;
 }
 
-std::string StateOf(const ParameterEstimate& row, const Identifiability& identifiability) {
-  if (!row.identifiable) return "not measured";
+std::string StateOf(const ParameterEstimate& row, const Estimate& estimate) {
+  if (!row.identifiable) return StatedTooLarge(estimate) > 1.0 ? "held" : "not measured";
   if (!row.free) return "fixed";
-  if (IsConditional(row, identifiability)) return "conditional";
+  if (IsConditional(row, estimate.identifiability)) return "conditional";
   if (row.at_bound) return "at bound";
-  return row.weak ? "weak" : "";
+  return row.weak && StatedTooLarge(estimate) == 1.0 ? "weak" : "";
 }
 
 // "0.034", or "-0.012/+0.034" where the interval is not even about the value.
@@ -214,7 +221,7 @@ Section ParameterSection(const CalibrationProblem& problem, const Estimate& esti
     const auto shown = [&](double value) { return Fixed(value / traits.si_per_unit, decimals); };
     section.rows.push_back({row.name, shown(nominal), shown(correction), shown(nominal + correction),
                             known ? Arms(row, traits.si_per_unit, decimals) : "-", ShownUnit(traits.unit),
-                            StateOf(row, estimate.identifiability)});
+                            StateOf(row, estimate)});
     any_at_bound |= row.at_bound;
   }
   section.paragraphs = {UncertaintyInWords(estimate, model_error),
@@ -222,9 +229,9 @@ Section ParameterSection(const CalibrationProblem& problem, const Estimate& esti
                         "robot fits best. calibrated: nominal + correction."};
   if (!estimate.identifiability.unidentifiable.empty()) {
     section.paragraphs.push_back(
-        "not measured: held where the data fit best; the value means nothing by itself. conditional: moves "
-        "together with one that is not measured; its ± assumes that one to be exact (`unconditional` in estimate.json "
-        "does not).");
+        std::string(StatedTooLarge(estimate) > 1.0 ? "held: at the stated noise" : "not measured: held") +
+        " where the data fit best; the value means nothing by itself. conditional: moves together with one that is "
+        "held; its ± assumes that one to be exact (`unconditional` in estimate.json does not).");
   }
   if (any_at_bound) {
     section.paragraphs.push_back(
@@ -249,10 +256,12 @@ void AddIdentifiability(const CalibrationProblem& problem, const Estimate& estim
   const Identifiability& found = estimate.identifiability;
   Section held, weak;
   held.title = "What the data do not determine (held)";
-  held.paragraphs = DirectionsInWords(found.unidentifiable, found.unidentifiable.size());
+  const std::vector<Direction> open = LeftOpen(estimate);
+  held.paragraphs = DirectionsInWords(open, open.size());
   if (!held.paragraphs.empty()) sections->push_back(held);
   weak.title = "What the data determine poorly (worse than 1 mm, 1 mrad or half its value)";
   for (const Direction& direction : found.weak) {
+    if (direction.sigma < StatedTooLarge(estimate)) continue;  // for the stated noise alone
     weak.paragraphs.push_back("- " + direction.words + " (" + Significant(direction.sigma, 2) +
                               " of that limit). Remedy: " + direction.remedy + ".");
   }
