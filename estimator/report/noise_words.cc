@@ -14,11 +14,13 @@ namespace {
 constexpr double kDominates = 2.0;  // one source over the other
 constexpr size_t kListed = 20;      // outliers named one by one
 
-// Two digits of the uncertainty: "41 +- 3".
-std::string WithUncertainty(double value, double sigma) {
-  if (!(sigma > 0.0)) return Significant(value, 3);
-  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma) + 1e-9)), 0, 9);
-  return Fixed(value, decimals) + " ± " + Fixed(sigma, decimals);
+// "41.2 µrad (95 %: 36 to 47.1)". An interval and no ±, which in the table of parameters is an expanded uncertainty:
+// that of a variance is not even about its value.
+std::string WithInterval(const VarianceComponent& component, double unit, const std::string& name) {
+  const std::string value = Significant(unit * component.value, 3) + name;
+  if (!component.estimated) return value;
+  return value + " (95 %: " + Significant(unit * component.low, 3) + " to " + Significant(unit * component.high, 3) +
+         ")";
 }
 
 std::string SourceName(const CalibrationProblem& problem, const SigmaReport& sigma) {
@@ -50,17 +52,15 @@ std::string ComponentWords(const VarianceComponent& component, bool instrument_i
   const double unit = is_instrument && instrument_is_factor ? 1.0 : 1e6;
   const char* of_instrument = instrument_is_factor ? " times the stated noise" : " µm";
   const std::string name = is_instrument ? of_instrument : (component.is_prismatic ? " µm" : " µrad");
-  const double value = unit * component.value, low = unit * component.low, high = unit * component.high;
-  if (!component.estimated) return component.name + " " + Significant(value, 3) + name + " as stated";
-  const std::string range = " (95 %: " + Significant(low, 3) + " to " + Significant(high, 3) + ")";
+  if (!component.estimated) return component.name + " " + WithInterval(component, unit, name) + " as stated";
   if (component.low == 0.0 && component.value < 0.5 * component.high) {
-    return component.name + " " + Significant(value, 3) + name + ", not distinguished from none, below " +
-           Significant(high, 3) + name + " (95 %)";
+    return component.name + " " + Significant(unit * component.value, 3) + name +
+           ", not distinguished from none, below " + Significant(unit * component.high, 3) + name + " (95 %)";
   }
-  return component.name + " " + WithUncertainty(value, unit * component.sigma) + name + range;
+  return component.name + " " + WithInterval(component, unit, name);
 }
 
-// "the robot, not the tracker, is the noise: 41 +- 3 urad per joint against 10 um"
+// "the robot, not the tracker, is the noise: 41 urad (95 %: 36 to 47) per joint against 10 um"
 std::string WhoIsTheNoise(const NoiseReport& report) {
   const double robot = 1e6 * report.robot_rms, instrument = 1e6 * report.instrument_rms;
   std::string joints;
@@ -68,8 +68,7 @@ std::string WhoIsTheNoise(const NoiseReport& report) {
     if (component.joints.empty() || component.value == 0.0) continue;
     joints += (joints.empty() ? "" : ", ") +
               (report.per_joint || component.joints.size() == 1 ? component.name + " " : std::string()) +
-              WithUncertainty(1e6 * component.value, 1e6 * component.sigma) +
-              (component.is_prismatic ? " µm" : " µrad");
+              WithInterval(component, 1e6, component.is_prismatic ? " µm" : " µrad");
   }
   const std::string moves = " moves a coordinate by " + Significant(robot, 3) + " µm RMS, the instrument reads it to " +
                             Significant(instrument, 3) + " µm";

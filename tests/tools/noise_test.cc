@@ -83,6 +83,11 @@ TEST_F(NoiseTest, VarianceComponentsSayWhoIsTheNoise) {
   EXPECT_NEAR(noise["variance"]["instrument_rms_mm"].get<double>(), 0.1, 0.1 * 4 / std::sqrt(2 * 123.0));
   EXPECT_EQ(noise["variance"]["components"][1]["ci95"][0].get<double>(), 0.0);
   EXPECT_NE(outcome.out.find("The instrument, not the robot, is the noise"), std::string::npos) << outcome.out;
+  // In the table of parameters ± is an expanded uncertainty: nothing else is on the same page.
+  const std::string words = noise["words"].dump();
+  EXPECT_NE(words.find("instrument "), std::string::npos) << words;
+  EXPECT_NE(words.find("(95 %: "), std::string::npos) << words;
+  EXPECT_EQ(words.find("±"), std::string::npos) << words;
 }
 
 TEST_F(NoiseTest, TheTwoStepsKeepTheNoiseThatWasFound) {
