@@ -7,6 +7,7 @@
 #include "estimator/inspection/known_lint.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/report/inspection_known_words.h"
+#include "estimator/results/measured_joints.h"
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
 #include "problems/failure.h"
@@ -145,6 +146,8 @@ Validation Validate(const KnownRobot& known, const Measurements& rows) {
   validation.after = MeasureReadings(rows, all, validation.predicted);
   validation.predicted_rms = ExpectedRms(rows, prediction);
   validation.warnings = rows.warnings;
+  const std::string outside = OutsideMeasuredInWords(known, rows.configurations);
+  if (!outside.empty()) validation.warnings.push_back(outside);
   JudgeErrors(known, rows, prediction, &validation);
   for (const MeasurementFile& file : rows.files) {
     const auto& seen = known.input_hashes;

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "estimator/results/compensation_csv.h"
+#include "estimator/results/measured_joints.h"
 #include "estimator/results/program_compensation.h"
 #include "models/constants.h"
 #include "problems/input_error.h"
@@ -131,6 +132,7 @@ int RunCompensate(const CommandLine& line) {
   // Shares as measured on 20000 targets of a UR5.
   std::string csv;
   std::vector<CompensatedTarget> results;
+  size_t outside = 0;
   {
     Progress progress(FLAGS_quiet, {{"correcting", 9.0}, {"writing", 1.0}});
     const std::string all = " of " + std::to_string(targets.rows.size());
@@ -139,12 +141,14 @@ int RunCompensate(const CommandLine& line) {
     results = Compensate(input, targets.rows, FLAGS_threads, [&](size_t done) {
       if (done % 256 == 0) progress.Say("correcting targets: " + std::to_string(done) + all);
     });
+    outside = AddOutsideMeasured(known, &results);
     progress.Say("writing the rows");
     csv = CompensationToCsv(targets, results);
     CheckInterruption();
   }
   out.Write(csv);
   Summarise(results, FLAGS_out);
+  if (outside > 0) std::cout << TargetsOutsideMeasured(outside) << "\n";
   const std::string model_error = ModelErrorInWords(known);
   if (!model_error.empty()) std::cout << model_error << "\n";
   const bool any = std::any_of(results.begin(), results.end(), [](const CompensatedTarget& r) {

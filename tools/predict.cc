@@ -3,6 +3,7 @@
 #include <iostream>
 #include <optional>
 
+#include "estimator/results/measured_joints.h"
 #include "estimator/sagitta.h"
 #include "problems/interruption.h"
 #include "problems/io/files.h"
@@ -39,11 +40,13 @@ int RunPredict(const CommandLine& line) {
   const std::string csv = PredictionToCsv(rows, prediction);
   const double largest = LargestDeviation(prediction, rows);  // mm
   const std::string open = LeftOpenInWords(known, rows, prediction);
+  const std::string outside = OutsideMeasuredInWords(known, rows.configurations);
   CheckInterruption();
   out.Write(csv);
   progress.reset();
   std::cout << PredictedInWords(rows.NumRows(), largest, FLAGS_out);
   if (!open.empty()) std::cout << "Warning: " << open << "\n";
+  if (!outside.empty()) std::cout << "Warning: " << outside << "\n";
   const std::string model_error = ModelErrorInWords(known);
   if (!model_error.empty()) std::cout << model_error << "\n";
   return 0;

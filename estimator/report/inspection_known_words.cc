@@ -18,12 +18,19 @@ const char* const kCheckBoth =
 
 }  // namespace
 
+std::string CalibrateNewPlace() {
+  return "calibrate the new place with the calibrated robot: 'sagitta calibrate robot.calibrated.yaml' with these rows";
+}
+
+std::string StationIsNew(const std::string& known) {
+  return known + "; where the instrument stands as it stood give these rows its name, else " + CalibrateNewPlace();
+}
+
 Advice StandsElsewhere(double median, double fitted) {
-  return {
-      MissesFitted(median, fitted) +
-          ": the robot, the instrument or a marker stands elsewhere than when it was "
-          "calibrated, or these are the readings of another place",
-      "calibrate the new place with the calibrated robot: 'sagitta calibrate robot.calibrated.yaml' with these rows"};
+  return {MissesFitted(median, fitted) +
+              ": the robot, the instrument or a marker stands elsewhere than when it was "
+              "calibrated, or these are the readings of another place",
+          CalibrateNewPlace()};
 }
 
 Advice NotThisRobot(double median, double fitted) {

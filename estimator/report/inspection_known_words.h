@@ -8,6 +8,11 @@
 
 namespace sagitta {
 
+// What to do about an instrument or a robot that stands elsewhere.
+std::string CalibrateNewPlace();
+// A station of another name is mostly another place; known: names that the estimate has.
+std::string StationIsNew(const std::string& known);
+
 // median: distance of the robot as it stands, m; fitted: RMS with base poses and markers fitted to the rows, m.
 Advice StandsElsewhere(double median, double fitted);
 Advice NotThisRobot(double median, double fitted);

@@ -12,6 +12,23 @@ std::string ModelErrorInWords(const KnownRobot& known) {
          ").";
 }
 
+std::string PosesOutsideMeasured(size_t outside, size_t poses, const std::vector<std::string>& joints) {
+  return std::to_string(outside) + " of " + std::to_string(poses) +
+         (poses == 1 ? " configuration" : " configurations") + (outside == 1 ? " lies" : " lie") +
+         " outside the measured joint ranges (at most " + Enumerate(joints, 4) +
+         "): nothing has checked the estimate there";
+}
+
+std::string TargetOutsideMeasured(const std::vector<std::string>& joints) {
+  return "outside the measured joint ranges: " + Enumerate(joints);
+}
+
+std::string TargetsOutsideMeasured(size_t outside) {
+  return std::to_string(outside) + (outside == 1 ? " target lies" : " targets lie") +
+         " outside the measured joint ranges, where nothing has checked the estimate: the column words names the "
+         "joints.";
+}
+
 std::string InputOfTheEstimate(const std::string& file) {
   return file +
          " is an input of the estimate: unless its rows were held out, these are residuals of the fit, not a "

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace sagitta {
 
@@ -9,6 +10,11 @@ struct KnownRobot;
 
 // Of predictions where the estimate carries model error; "" where it has none.
 std::string ModelErrorInWords(const KnownRobot& known);
+
+// Poses outside the joint ranges of the calibration; joints: "j1 by 100 deg".
+std::string PosesOutsideMeasured(size_t outside, size_t poses, const std::vector<std::string>& joints);
+std::string TargetOutsideMeasured(const std::vector<std::string>& joints);
+std::string TargetsOutsideMeasured(size_t outside);
 
 // A measurement file that is validated against although the estimate was made of it.
 std::string InputOfTheEstimate(const std::string& file);

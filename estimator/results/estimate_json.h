@@ -26,6 +26,11 @@ nlohmann::ordered_json IdentifiabilityToJson(const CalibrationProblem& problem, 
 // Pretty enough to read, one line per parameter.
 std::string DumpJson(const nlohmann::ordered_json& json);
 
+// Where a joint was while the robot was measured, rad or m.
+struct MeasuredJoint {
+  double least = 0.0, most = 0.0;
+};
+
 // A robot with its surroundings, as an estimate or an experiment states it; SI.
 struct KnownRobot {
   // Compiled once (estimate_reader.cc), not in each file that holds one.
@@ -49,6 +54,7 @@ struct KnownRobot {
     double value = 0.0, nominal = 0.0;  // SI
   };
   std::map<std::string, Parameter> parameters;  // by coordinate name
+  std::vector<MeasuredJoint> measured_joints;   // one per joint; empty: the file does not state them
   std::vector<std::string> input_hashes;        // SHA-256 of the files it was estimated from
 };
 

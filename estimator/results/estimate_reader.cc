@@ -6,10 +6,12 @@
 #include <numeric>
 
 #include "estimator/least_squares/linearization.h"
+#include "estimator/report/inspection_known_words.h"
 #include "estimator/results/estimate_json.h"
 #include "estimator/results/intervals_json.h"
 #include "estimator/results/known_loads.h"
 #include "estimator/results/loading_json.h"
+#include "estimator/results/measured_joints.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/json_reader.h"
@@ -41,6 +43,9 @@ class EstimateReader {
     known_.robot = ReadRobotText(root_.Get("robot").json().dump(), known_.file);
     ReadStations(root_.Get("stations"));
     ReadMarkers(root_.Get("markers"));
+    if (const auto joints = root_.Find("measured_joints")) {
+      known_.measured_joints = MeasuredJointsFrom(*joints, known_.robot.chain);
+    }
     if (const auto loading = root_.Find("loading")) ReadLoading(*loading, &known_.loading);
     ReadParameters();
     for (const JsonValue& input : root_.Get("inputs").Items()) {
@@ -220,7 +225,7 @@ void CheckRows(const KnownRobot& known, const Measurements& data) {
     const std::string& marker = data.markers[observation.marker];
     if (known.base_in_station.count(station) == 0) {
       throw InputError(WhereOf(data, observation, "station"), "no pose of station '" + station + "' in " + known.file,
-                       SpellingHint(station, KeysOf(known.base_in_station)));
+                       StationIsNew(SpellingHint(station, KeysOf(known.base_in_station))));
     }
     if (known.markers.count(marker) == 0) {
       throw InputError(WhereOf(data, observation, "marker"), "no point of marker '" + marker + "' in " + known.file,
