@@ -16,6 +16,8 @@
 #include "problems/io/import/universal_robots.h"
 #include "problems/io/output_files.h"
 #include "problems/io/robot_file.h"
+#include "problems/io/urdf_chain.h"
+#include "problems/io/urdf_robot.h"
 #include "problems/io/urdf_writer.h"
 #include "problems/text.h"
 #include "tools/commands.h"
@@ -223,6 +225,14 @@ Robot ReadBack(const std::string& text, const std::string& out, const WriteOptio
   return ReadAnyRobotText(text, out, options).robot;
 }
 
+// Where the chain of a URDF ends, and where it could.
+std::string EndsOf(const std::string& in, const UrdfEnds& asked) {
+  const std::string text = ReadTextFile(in);
+  if (!IsUrdf(in, text)) return "";
+  const UrdfChain chain = ReadUrdfChain(text, in, asked);
+  return ChainRuns(chain.ends.base_link, chain.ends.tip_link, chain.other_tips);
+}
+
 int RunConvert(const CommandLine& line) {
   ExpectArguments(line, ConvertCommand(), 2, 2);
   const std::string& in = line.arguments[0];
@@ -239,6 +249,8 @@ int RunConvert(const CommandLine& line) {
   }
   file.Write(written.text);
   std::cout << in << ": " << reading.format << ", " << reading.robot.num_joints() << " joints\n";
+  const std::string ends = EndsOf(in, options.read.ends);
+  if (!ends.empty()) std::cout << "  " << ends << "\n";
   for (const std::string& note : reading.notes) std::cout << "  " << note << "\n";
   for (const std::string& guess : reading.guesses) std::cout << "  guessed: " << guess << "\n";
   std::cout << out << ": written\n";

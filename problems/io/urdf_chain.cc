@@ -10,6 +10,7 @@
 #include "problems/input_error.h"
 #include "problems/io/robot_checks.h"
 #include "problems/limits.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -105,6 +106,14 @@ class ChainFinder {
     if (ends.tip_link.empty()) ends.tip_link = OnlyTip(ends.base_link);
     CheckLink("tip_link", ends.tip_link);
     return ends;
+  }
+
+  // Links without a child beyond the base, but the tip.
+  std::vector<std::string> OtherTips(const UrdfEnds& ends) const {
+    std::vector<std::string> leaves;
+    CollectLeaves(*model_.getLink(ends.base_link), 0, &leaves);
+    leaves.erase(std::remove(leaves.begin(), leaves.end(), ends.tip_link), leaves.end());
+    return leaves;
   }
 
   std::vector<UrdfJoint> Between(const UrdfEnds& ends) const {
@@ -204,19 +213,37 @@ class ChainFinder {
              });
     };
     std::vector<std::string> candidates;
-    std::string described;
     for (const auto& tip : tips) {
-      if (is_side_branch(tip)) continue;
-      candidates.push_back(tip.first);
-      described += (described.empty() ? "" : ", ") + tip.first + " (" + std::to_string(tip.second.size()) + " joints)";
+      if (!is_side_branch(tip)) candidates.push_back(tip.first);
     }
     if (candidates.size() == 1) return candidates.front();
     if (candidates.empty()) {
       throw InputError({file_, 0, "base_link"}, "no joint that moves lies beyond the link '" + base + "'");
     }
-    throw InputError({file_, 0, "tip_link"}, "beyond '" + base + "' the chain may end at any of: " + described,
+    // Of an arm with a gripper most joints lie before the link where the fingers part; of a torso with two arms beyond.
+    const std::string parting = WhereTheyPart(candidates);
+    const size_t before = MovableJoints(base, parting).size(), all = MovableJoints(base, candidates.front()).size();
+    if (before > 0) candidates.insert(2 * before > all ? candidates.begin() : candidates.end(), parting);
+    std::vector<std::string> described;
+    for (const std::string& tip : candidates) {
+      described.push_back(tip + " (" + std::to_string(MovableJoints(base, tip).size()) + " joints)");
+    }
+    throw InputError({file_, 0, "tip_link"}, "beyond '" + base + "' the chain may end at any of: " + Joined(described),
                      "state it: kinematics: {urdf: {file: …, base_link: " + base + ", tip_link: " + candidates.front() +
                          "}}, or --base_link and --tip_link of 'sagitta convert'");
+  }
+
+  // The last link that the ways from the root to all of these pass.
+  std::string WhereTheyPart(const std::vector<std::string>& tips) const {
+    std::vector<std::string> shared;  // from the root on
+    for (const std::string& tip : tips) {
+      std::vector<std::string> way = {tip};
+      for (const auto& joint : ToRoot(tip)) way.push_back(joint->parent_link_name);
+      std::reverse(way.begin(), way.end());
+      if (shared.empty()) shared = way;
+      shared.erase(std::mismatch(shared.begin(), shared.end(), way.begin(), way.end()).first, shared.end());
+    }
+    return shared.back();
   }
 
   UrdfJoint Describe(const urdf::Joint& joint, bool is_upward) const {
@@ -267,6 +294,7 @@ UrdfChain ReadUrdfChain(const std::string& text, const std::string& file_in_mess
   UrdfChain chain;
   chain.robot_name = model->getName();
   chain.ends = finder.Complete(ends);
+  chain.other_tips = finder.OtherTips(chain.ends);
   chain.joints = finder.Between(chain.ends);
   chain.links = finder.Links(chain.ends, chain.joints);
   if (std::all_of(chain.joints.begin(), chain.joints.end(), [](const UrdfJoint& j) { return j.is_fixed(); })) {

@@ -53,8 +53,9 @@ struct UrdfLink {
 struct UrdfChain {
   std::string robot_name;
   UrdfEnds ends;
-  std::vector<UrdfJoint> joints;  // base to tip, fixed ones included
-  std::vector<UrdfLink> links;    // base to tip, one more: joints[i] is between links[i] and links[i + 1]
+  std::vector<std::string> other_tips;  // links without a child that the chain does not end at
+  std::vector<UrdfJoint> joints;        // base to tip, fixed ones included
+  std::vector<UrdfLink> links;          // base to tip, one more: joints[i] is between links[i] and links[i + 1]
 };
 
 // Throws InputError: not a URDF, a joint that is neither fixed nor revolute nor

@@ -147,6 +147,11 @@ std::string MovesAsBefore(double difference) {
          " mm at 1 m from the flange";
 }
 
+std::string ChainRuns(const std::string& base, const std::string& tip, const std::vector<std::string>& others) {
+  const std::string words = "the chain runs from " + base + " to " + tip;
+  return others.empty() ? words : words + ", not to " + Enumerate(others, 6) + " (--tip_link says another)";
+}
+
 std::string LeftOutOfFormat(const std::string& what) { return "left out, the format has no place for them: " + what; }
 
 std::string NoShippedTables(const std::vector<std::string>& tried) {

@@ -52,6 +52,8 @@ std::string WithoutBeta(double rms, double largest, double largest_length_change
 std::string KeepControllersLines();
 std::string ListsAreReplaced(const std::string& file);
 std::string MovesAsBefore(double difference);
+// Links of a URDF; others: those it could end at.
+std::string ChainRuns(const std::string& base, const std::string& tip, const std::vector<std::string>& others);
 std::string LeftOutOfFormat(const std::string& what);
 
 // Imported files.
