@@ -20,6 +20,7 @@ namespace {
 // Two files may state the same angle in two units.
 constexpr double kSameJointValue = 1e-9;  // rad or m
 constexpr double kLongShot = 600.0;       // s
+constexpr int kFewestCopies = 3;          // readings that agree by chance: one, or two of a coarse display
 constexpr int kMany = 5;                  // rows of one label: the file is no list of single points
 
 int IndexOf(std::string_view name, IdsByText* words, std::vector<std::string>* names) {
@@ -117,6 +118,8 @@ class MeasurementsBuilder {
   };
 
   void RefuseCopy(Repeated* shots);
+  void CountCopiedPoint(const MeasurementRow& row, int first_shot, int marker);
+  void WarnOfRepeated();
   int FirstShot(const Ids& ids);
   bool HasMarker(int shot, int marker) const;
   Repeated RepeatedFrom(int shot) const;
@@ -135,9 +138,11 @@ class MeasurementsBuilder {
   std::unordered_map<int, Repeated> repeats_;  // by the first shot
   std::vector<std::vector<size_t>> headers_;   // hashes of each file's names
   std::vector<int> first_of_configuration_;
-  std::vector<Moment> moments_;  // of the shots
-  int repeated_ = 0;
+  std::vector<Moment> moments_;    // of the shots
+  int repeated_ = 0, copied_ = 0;  // rows of equal ids, those among them that have the point of an earlier row
   std::string first_repeated_;
+  InputError::Where first_copied_;
+  std::string original_;
   int lost_ = 0;  // readings
   std::string first_lost_;
 };
@@ -165,6 +170,18 @@ void MeasurementsBuilder::RefuseCopy(Repeated* shots) {
   if (!SameCells(FileOf(current_), RowOf(current_), FileOf(first), RowOf(first))) return;
   Fail("", "this row equals " + SourceOf(first) + " in every column",
        "a file given twice? repeated shots differ in repeat or in their values");
+}
+
+// Two readings of one place differ in their last digits, in one of three coordinates at least.
+void MeasurementsBuilder::CountCopiedPoint(const MeasurementRow& row, int first_shot, int marker) {
+  if (row.point.isZero(0.0)) return;  // a table of poses to come
+  for (const int i : data_.shots[first_shot].observations) {
+    const Observation& first = data_.observations[i];
+    const bool is_copied = first.marker == marker && first.is_point() && first.point_in_station == row.point;
+    if (!is_copied || copied_++ > 0) continue;
+    first_copied_ = {FileOf(current_).path, RowOf(current_).line, "x_mm"};
+    original_ = SourceOf(i);
+  }
 }
 
 int MeasurementsBuilder::ConfigurationIndex(const MeasurementRow& row) {
@@ -224,7 +241,10 @@ int MeasurementsBuilder::ShotIndex(const MeasurementRow& row, int configuration,
   Repeated& own = repeated->second;
   const size_t occurrence = own.Count(marker);
   RefuseCopy(&own);
-  if (occurrence > 0 && repeated_++ == 0) first_repeated_ = SourceOf(current_);
+  if (occurrence > 0) {
+    if (repeated_++ == 0) first_repeated_ = SourceOf(current_);
+    CountCopiedPoint(row, first, marker);
+  }
   if (occurrence == own.shots.size()) own.shots.push_back(BeginShot(row, configuration, station));
   const int shot = own.shots[occurrence];
   if (!data_.shots[shot].observations.empty()) CheckShot(row, data_.shots[shot]);
@@ -355,6 +375,23 @@ void WarnOfSingleRows(const std::string& what, const std::vector<std::string>& l
   }
 }
 
+// Files that are given twice in another dress (results of a calibration next to its rows) would halve the variance of
+// everything, and repeats that agree to the last digit say that there is no noise.
+void MeasurementsBuilder::WarnOfRepeated() {
+  if (repeated_ == 0) return;
+  if (copied_ >= kFewestCopies && copied_ == repeated_) {
+    throw InputError(first_copied_,
+                     std::to_string(copied_) + " rows have the point of an earlier row of the same ids to the last " +
+                         "digit (the first that of " + original_ + "): these are the same readings given twice",
+                     "leave one of them out; repeated shots that do read alike differ in the column repeat");
+  }
+  data_.warnings.push_back(
+      std::to_string(repeated_) +
+      " rows equal an earlier one in config, visit, marker, load, station and repeat (the first: " + first_repeated_ +
+      (copied_ > 0 ? "; " + std::to_string(copied_) + " of them have its point to the last digit" : "") +
+      "); they count as repeated shots");
+}
+
 Measurements MeasurementsBuilder::Take() {
   WarnOfLetterCase("stations", data_.stations, &data_.warnings);
   WarnOfLetterCase("markers", data_.markers, &data_.warnings);
@@ -366,12 +403,7 @@ Measurements MeasurementsBuilder::Take() {
     data_.warnings.push_back(std::to_string(lost_) + (lost_ == 1 ? " reading is" : " readings are") +
                              " lost (x, y and z are empty): skipped (the first: " + first_lost_ + ")");
   }
-  if (repeated_ > 0) {
-    data_.warnings.push_back(
-        std::to_string(repeated_) +
-        " rows equal an earlier one in config, visit, marker, load, station and repeat (the first: " + first_repeated_ +
-        "); they count as repeated shots");
-  }
+  WarnOfRepeated();
   const auto longest = std::max_element(moments_.begin(), moments_.end(), [](const Moment& a, const Moment& b) {
     return a.latest - a.earliest < b.latest - b.earliest;
   });
