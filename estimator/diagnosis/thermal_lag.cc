@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "estimator/diagnosis/refit.h"
 #include "estimator/statistics/distributions.h"
 #include "models/effects/catalogue.h"
 #include "models/effects/first_order_lag.h"
@@ -13,7 +14,9 @@ namespace sagitta {
 namespace {
 
 constexpr double kLongestLag = 1800.0, kLagSpacing = 60.0;  // s
-constexpr double kBetweenShots = 60.0;                      // s, where no time is stated
+constexpr double kBeyondOwn = 2.0;                          // times the lag that the effect states, where that is more
+constexpr const char* kLagSetting = "lag_s";
+constexpr double kBetweenShots = 60.0;  // s, where no time is stated
 
 // The model refitted with the arm this late.
 struct LaggedFit {
@@ -42,14 +45,48 @@ std::vector<double> ClockOf(const Measurements& data) {
   return clock;
 }
 
+double OwnLag(const EffectSpec& spec) { return spec.NumberSetting(kLagSetting, 0.0); }
+
+EffectSpec WithoutLag(EffectSpec spec) {
+  spec.settings.erase(kLagSetting);
+  return spec;
+}
+
+// The model with the effect at once in place of the effect at its own lag, which no lag of the temperatures undoes.
+DiagnosedModel AtOnce(const DiagnosedModel& final, const EffectSpec& spec) {
+  if (!(OwnLag(spec) > 0.0)) return final;
+  CalibrationProblem problem = *final.problem;
+  problem.parameters.CopyByName(final.estimate.parameters);
+  problem = problem.WithEffects({WithoutLag(spec)});
+  Eigen::VectorXd moves = Eigen::VectorXd::Zero(problem.parameters.num_coordinates());
+  for (int i = 0; i < problem.parameters.num_coordinates(); ++i) {
+    Coordinate& late = problem.parameters.coordinate(i);
+    if (!IsParameterOf(spec, late.name)) continue;
+    const std::string name = WithoutLag(spec).Path() + late.name.substr(spec.Path().size());
+    const int at_once = problem.parameters.FindCoordinate(name);
+    problem.parameters.coordinate(at_once).free = late.free;
+    moves[at_once] = problem.parameters.Value(i);
+    moves[i] = -problem.parameters.Value(i);
+    late.free = false;
+  }
+  problem.parameters.Plus(moves);
+  DiagnosedModel model = final;
+  model.estimate.parameters = problem.parameters;
+  model.problem = std::make_shared<CalibrationProblem>(std::move(problem));
+  return model;
+}
+
 // From no lag on; empty where that one does not converge.
-std::vector<LaggedFit> FitLags(const DiagnosedModel& final) {
+std::vector<LaggedFit> FitLags(const DiagnosedModel& final, const EffectSpec& spec) {
+  const DiagnosedModel model = AtOnce(final, spec);
+  const double longest = std::max(kLongestLag, kBeyondOwn * OwnLag(spec));
+  const double spacing = kLagSpacing * longest / kLongestLag;
   std::vector<LaggedFit> fits;
-  for (double lag = 0.0; lag <= kLongestLag; lag += kLagSpacing) {
-    CalibrationProblem late = *final.problem;
+  for (double lag = 0.0; lag <= longest; lag += spacing) {
+    CalibrationProblem late = *model.problem;
     LagTemperatures(lag, late.mutable_data());
     late.RenewShots();
-    QuickRefit refit = RefitQuickly(late, final.estimate.parameters);
+    QuickRefit refit = RefitQuickly(late, model.estimate.parameters);
     const bool has_converged = IsUsable(refit.estimate.status);
     if (!has_converged && lag == 0.0) break;
     if (has_converged) fits.push_back({lag, std::move(refit)});
@@ -62,20 +99,33 @@ double LeastChiSquare(const std::vector<LaggedFit>& fits) {
   return std::min_element(fits.begin(), fits.end(), less)->chi2();
 }
 
+// Of the fits, the one at the effect's own lag.
+const LaggedFit& AtOwnLag(const std::vector<LaggedFit>& fits, const EffectSpec& spec) {
+  const auto off = [&](const LaggedFit& fit) { return std::abs(fit.lag - OwnLag(spec)); };
+  return *std::min_element(fits.begin(), fits.end(),
+                           [&](const LaggedFit& a, const LaggedFit& b) { return off(a) < off(b); });
+}
+
+// Of the fits, the coordinate of a row of the effect.
+int CoordinateOf(const std::vector<LaggedFit>& fits, const EffectSpec& spec, const ParameterEstimate& row) {
+  const std::string name = WithoutLag(spec).Path() + row.name.substr(spec.Path().size());
+  return fits[0].refit.estimate.parameters.FindCoordinate(name);
+}
+
 // Of the noise that the row's interval goes by, in that of the refits; 0 where they do not determine the row.
-double ScaleOfFits(const std::vector<LaggedFit>& fits, const ParameterEstimate& row) {
-  const int c = fits[0].refit.estimate.parameters.FindCoordinate(row.name);
-  const double sigma = c < 0 ? 0.0 : fits[0].refit.sigmas[c];
+double ScaleOfFits(const std::vector<LaggedFit>& fits, const EffectSpec& spec, const ParameterEstimate& row) {
+  const int c = CoordinateOf(fits, spec, row);
+  const double sigma = c < 0 ? 0.0 : AtOwnLag(fits, spec).refit.sigmas[c];
   return sigma > 0.0 ? row.sigma / sigma : 0.0;
 }
 
 // The profile likelihood of one parameter: all values v with, for some lag,
 //   chi2(lag) + (v - v(lag))^2 / sigma(lag)^2 <= least + q^2,
-// joined with the interval at no lag, of which q is.
-void Widen(const std::vector<LaggedFit>& fits, double least, ParameterEstimate* row) {
-  const double noise = ScaleOfFits(fits, *row);
+// joined with the interval at the effect's own lag, of which q is.
+void Widen(const std::vector<LaggedFit>& fits, const EffectSpec& spec, double least, ParameterEstimate* row) {
+  const double noise = ScaleOfFits(fits, spec, *row);
   if (!(noise > 0.0)) return;
-  const int c = fits[0].refit.estimate.parameters.FindCoordinate(row->name);
+  const int c = CoordinateOf(fits, spec, *row);
   const double q = 0.5 * (row->ci95.high - row->ci95.low) / row->sigma;
   for (const LaggedFit& fit : fits) {
     const double left = q * q - (fit.chi2() - least) / (noise * noise);
@@ -108,18 +158,18 @@ void LagTemperatures(double lag, Measurements* data) {
 std::optional<ThermalLag> AllowForLag(const DiagnosedModel& final, const EffectSpec& spec,
                                       std::vector<ParameterEstimate>* rows) {
   if (rows->empty() || !IsDrivenByTemperature(final.problem->robot(), spec)) return std::nullopt;
-  const std::vector<LaggedFit> fits = FitLags(final);
+  const std::vector<LaggedFit> fits = FitLags(final, spec);
   if (fits.size() < 2) return std::nullopt;
-  const double least = LeastChiSquare(fits), noise = ScaleOfFits(fits, rows->front());
+  const double least = LeastChiSquare(fits), noise = ScaleOfFits(fits, spec, rows->front());
   const double within = ChiSquareQuantile(0.95, 1.0) * noise * noise;
-  ThermalLag lag{0.0, kLongestLag, 0.0, IsTimed(final.problem->data())};
+  ThermalLag lag{0.0, fits.back().lag, 0.0, IsTimed(final.problem->data())};
   for (const LaggedFit& fit : fits) {
     if (fit.chi2() == least) lag.best = fit.lag;
     if (fit.chi2() > least + within) continue;
     lag.shortest = std::min(lag.shortest, fit.lag);
     lag.longest = std::max(lag.longest, fit.lag);
   }
-  for (ParameterEstimate& row : *rows) Widen(fits, least, &row);
+  for (ParameterEstimate& row : *rows) Widen(fits, spec, least, &row);
   return lag;
 }
 

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
+#include <string>
 
 #include "estimator/diagnosis/diagnose.h"
 #include "estimator/diagnosis/refit.h"
@@ -59,9 +61,10 @@ struct Grown {
   std::optional<ThermalLag> lag;
 };
 
-Grown FitGrowth(const CalibrationProblem& problem) {
+// settings: of the effect, as a lag of its own.
+Grown FitGrowth(const CalibrationProblem& problem, const std::map<std::string, std::string>& settings = {}) {
   Grown grown;
-  grown.effect.spec = {"thermal_growth", "robot", {}, {}};
+  grown.effect.spec = {"thermal_growth", "robot", settings, {}};
   grown.model = Extend(FitFully(problem, JointOptions()), {grown.effect}, JointOptions());
   grown.model =
       JudgeFully(grown.model.problem, grown.model.estimate.parameters, grown.model.estimate.parameters, JointOptions());
@@ -95,6 +98,20 @@ TEST(ThermalLag, AnArmThatIsNotIsAllowedLittle) {
   EXPECT_EQ(grown.lag->shortest, 0.0);
   EXPECT_LE(grown.lag->longest, 300.0);
   EXPECT_TRUE(Holds(grown.after.ci95, kGrowth));
+}
+
+// An effect with a lag of its own: what is possible counts from the thermometer, not from that lag.
+TEST(ThermalLag, AnEffectWithALagOfItsOwn) {
+  for (const double lag : {0.0, 420.0}) {
+    const Grown grown = FitGrowth(Warming(lag), {{"lag_s", "1200"}});
+    EXPECT_FALSE(Holds(grown.before.ci95, kGrowth)) << lag;
+    EXPECT_TRUE(Holds(grown.after.ci95, kGrowth))
+        << lag << ": " << grown.after.ci95.low << " " << grown.after.ci95.high;
+    ASSERT_TRUE(grown.lag);
+    EXPECT_LE(grown.lag->shortest, lag);
+    EXPECT_GE(grown.lag->longest, lag);
+    EXPECT_LT(grown.lag->longest, 1200.0);
+  }
 }
 
 TEST(ThermalLag, WithoutTimeTheOrderOfTheShotsHasToDo) {
