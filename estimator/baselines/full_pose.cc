@@ -212,7 +212,7 @@ void TakeStep(const Eigen::VectorXd& step, const std::vector<int>& coordinates, 
 
 // This method's own standard deviations in place of the joint ones.
 void TakeCovariance(const Eigen::MatrixXd& covariance, Estimate* estimate) {
-  const double scale = NoiseScale(estimate->sigma);
+  const double scale = AppliedNoise(estimate->sigma);
   estimate->covariance = scale * scale * covariance;
   estimate->intervals = IntervalReport();
   for (size_t c = 0; c < estimate->estimated.size(); ++c) {

@@ -395,7 +395,7 @@ void JudgeFit(const CalibrationProblem& problem, const NormalEquations* equation
   }
   estimate->cost = 0.5 * fit.residual.squaredNorm();
   JudgeNoise(problem, problem.weight_roots.empty() ? fitted : fitted_by(noise), estimate);
-  const double scale = NoiseScale(estimate->sigma);
+  const double scale = AppliedNoise(estimate->sigma);
   Eigen::MatrixXd normal_root;
   if (!JudgeCovariance(problem, fit, scale, &normal_root, estimate)) {
     estimate->status = Status::kSingular;

@@ -61,7 +61,7 @@ Background MakeBackground(const CalibrationProblem& problem, const Estimate& est
   Background background;
   background.columns = estimate.estimated;
   background.columns.push_back(held);
-  const double scale = NoiseScale(estimate.sigma);
+  const double scale = AppliedNoise(estimate.sigma);
   background.covariance = estimate.model_covariance / (scale * scale);
   const std::vector<int> rows = problem.CalibrationObservations();
   Linearization here = Linearize(problem, estimate.parameters, rows, background.columns,
@@ -148,7 +148,7 @@ LoadPlan ChooseBest(const CalibrationProblem& problem, const Estimate& estimate,
     chosen.push_back(best);
     plan.configurations.push_back(problem.data().configurations[best->configuration].id);
     plan.wrenches.push_back(best->wrench);
-    plan.sigma = NoiseScale(estimate.sigma) / std::sqrt(most);
+    plan.sigma = AppliedNoise(estimate.sigma) / std::sqrt(most);
   }
   return plan;
 }

@@ -73,7 +73,7 @@ bool IsEven(const ParameterEstimate& row) {
   return std::abs(up - down) <= kEven * (up + down) && !row.open_low && !row.open_high;
 }
 
-double NoiseScale(const SigmaReport& sigma) {
+double AppliedNoise(const SigmaReport& sigma) {
   if (!sigma.stated) return sigma.estimated / kFallbackSigma;
   return sigma.scaled ? sigma.a_posteriori : 1.0;
 }

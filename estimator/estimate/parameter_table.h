@@ -19,6 +19,6 @@ bool IsEven(const ParameterEstimate& row);
 
 // The noise that the estimate goes by over the one that rows were whitened with: covariances are multiplied by its
 // square.
-double NoiseScale(const SigmaReport& sigma);
+double AppliedNoise(const SigmaReport& sigma);
 
 }  // namespace sagitta

@@ -239,7 +239,7 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStr
   std::vector<Eigen::MatrixXd> of_fits;
   for (Fold& fold : folds) {
     Eigen::MatrixXd left = sums - fold.total;
-    fold.loses = AddRest(problem, estimate, columns, NoiseScale(estimate.sigma), &left);
+    fold.loses = AddRest(problem, estimate, columns, AppliedNoise(estimate.sigma), &left);
     of_fits.push_back(Leave(left, scale, &fold));
   }
 
@@ -278,7 +278,7 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStr
   }
   PredictedSquares predicted;
   for (int f = 0; f < count; ++f) {
-    const PredictedSquares own = folds[f].predicted.Squares(NoiseScale(estimate.sigma) * of_fits[f]);
+    const PredictedSquares own = folds[f].predicted.Squares(AppliedNoise(estimate.sigma) * of_fits[f]);
     predicted.trace += own.trace;
     predicted.trace_of_square += own.trace_of_square;
   }

@@ -176,7 +176,7 @@ std::optional<BelowBound> LowestBelowBound(const CalibrationProblem& problem, co
       FittedOnce(problem, estimate.parameters, problem.CalibrationObservations(), estimate.estimated, roots);
   const double least = estimate.sigma.stated ? model_error : 0.0;
   const std::vector<BelowBound> found =
-      FindBelowBounds(fitted.rows, estimate.parameters, model_error * NoiseScale(estimate.sigma), least);
+      FindBelowBounds(fitted.rows, estimate.parameters, model_error * AppliedNoise(estimate.sigma), least);
   if (found.empty()) return std::nullopt;
   return *std::max_element(found.begin(), found.end(),
                            [](const BelowBound& a, const BelowBound& b) { return a.sigmas < b.sigmas; });
