@@ -43,4 +43,16 @@ std::string PointsAreCorrected(const std::string& dialect, int corrected, size_t
          "; 95 % uncertainty of the estimate at most " + InMillimetres(u95);
 }
 
+std::string MotionsAreCorrected(int corrected, size_t motions) {
+  return "Motions: " + std::to_string(corrected) + " of " + std::to_string(motions) + " go to corrected points";
+}
+
+std::string PointStaysInWords(const std::string& point, int line) {
+  return point + " stays as it is (line " + std::to_string(line) + ")";
+}
+
+std::string OffsetAdoptsInWords(int line, const std::string& motion, const std::string& point) {
+  return "line " + std::to_string(line) + ", " + motion + ": it goes on from " + point + " and adopts its correction";
+}
+
 }  // namespace sagitta

@@ -22,4 +22,13 @@ std::string InputOfTheEstimate(const std::string& file);
 // Of a program's points; largest distance off target before, largest 95 % uncertainty, m.
 std::string PointsAreCorrected(const std::string& dialect, int corrected, size_t points, double before, double u95);
 
+// Of the targets of all motions of the program; a circle has two.
+std::string MotionsAreCorrected(int corrected, size_t motions);
+
+// What a motion to it says of a point that is not corrected, where the point is listed.
+std::string PointStaysInWords(const std::string& point, int line);
+
+// A motion that goes on from a corrected point.
+std::string OffsetAdoptsInWords(int line, const std::string& motion, const std::string& point);
+
 }  // namespace sagitta

@@ -251,14 +251,48 @@ CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram progr
   return result;
 }
 
+namespace {
+
+// What is said of a line of the program.
+using LineWords = std::pair<int, std::string>;
+
+// Motions to named points. What stands in the motion itself is listed as the point that it is.
+std::string MotionsToUntouched(const CompensatedProgram& result, std::vector<LineWords>* untouched) {
+  const std::vector<ProgramMotion>& motions = result.program.motions;
+  if (motions.empty()) return "";
+  int corrected = 0;
+  std::string notes;
+  for (const ProgramMotion& motion : motions) {
+    const size_t index = static_cast<size_t>(motion.point);
+    const ProgramPoint& point = result.program.points[index];
+    const bool is_corrected = result.results[index].untouched.empty();
+    corrected += is_corrected;
+    if (is_corrected && motion.is_offset) {
+      notes += "Note: " + OffsetAdoptsInWords(motion.line, motion.name, point.name) + "\n";
+    }
+    if (is_corrected || point.line == motion.line) continue;
+    untouched->emplace_back(motion.line, motion.name + ": " + PointStaysInWords(point.name, point.line));
+  }
+  return MotionsAreCorrected(corrected, motions.size()) + "\n" + notes;
+}
+
+std::string ListOf(std::vector<LineWords> lines) {
+  std::stable_sort(lines.begin(), lines.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::string text;
+  for (const auto& [line, words] : lines) text += "  line " + std::to_string(line) + ", " + words + "\n";
+  return text;
+}
+
+}  // namespace
+
 std::string SummaryOf(const CompensatedProgram& result) {
   int corrected = 0;
   double before = 0.0, u95 = 0.0;
-  std::string untouched;
+  std::vector<LineWords> untouched;
   for (const ProgramPointResult& point : result.results) {
     const ProgramPoint& read = result.program.points[static_cast<size_t>(point.point)];
     if (!point.untouched.empty()) {
-      untouched += "  line " + std::to_string(read.line) + ", " + read.name + ": " + point.untouched + "\n";
+      untouched.emplace_back(read.line, read.name + ": " + point.untouched);
       continue;
     }
     ++corrected;
@@ -267,7 +301,8 @@ std::string SummaryOf(const CompensatedProgram& result) {
   }
   std::string text =
       PointsAreCorrected(DialectName(result.program.dialect), corrected, result.results.size(), before, u95) + "\n";
-  if (!untouched.empty()) text += "Left as they are\n" + untouched;
+  text += MotionsToUntouched(result, &untouched);
+  if (!untouched.empty()) text += "Left as they are\n" + ListOf(untouched);
   for (const std::string& note : result.program.notes) text += "Note: " + note + "\n";
   return text;
 }

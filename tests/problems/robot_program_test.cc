@@ -165,8 +165,12 @@ TEST_F(RobotProgramTest, Rapid) {
   EXPECT_THAT(PointNamed(program, "pMany").untouched, HasSubstr("array"));
   EXPECT_THAT(PointNamed(program, "MOVEJ of line 19").untouched, HasSubstr("moved by another unit"));
   EXPECT_EQ(program.points.size(), 6U);
-  ASSERT_EQ(program.notes.size(), 1U);
-  EXPECT_THAT(program.notes[0], HasSubstr("line 16"));
+  EXPECT_THAT(program.notes, ::testing::IsEmpty());
+  std::vector<int> lines;
+  for (const ProgramMotion& motion : program.motions) {
+    if (motion.is_offset) lines.push_back(motion.line);
+  }
+  EXPECT_THAT(lines, ::testing::ElementsAre(16));
 }
 
 constexpr char kUr[] = R"(def weld():
@@ -354,6 +358,70 @@ TEST_F(RobotProgramTest, OnlyTheNumbersOfAPointChange) {
       EXPECT_EQ(text.substr(old_end), changed.substr(new_end));
     }
   }
+}
+
+// "line name: reason" of every motion to what is not corrected, "line name" of the others.
+std::vector<std::string> MotionsOf(const RobotProgram& program) {
+  std::vector<std::string> lines;
+  for (const ProgramMotion& motion : program.motions) {
+    const ProgramPoint& point = program.points[static_cast<size_t>(motion.point)];
+    lines.push_back(std::to_string(motion.line) + " " + motion.name +
+                    (point.untouched.empty() ? "" : ": " + point.untouched));
+  }
+  return lines;
+}
+
+// A target without numbers in this file is a point too: one that stays as it is.
+TEST_F(RobotProgramTest, EveryMotionIsCounted) {
+  EXPECT_THAT(MotionsOf(ReadAs("a.script",
+                               "movej([d2r(10), 0, 0, 0, 0, 0])\nmovej(q1, a=1)\nmovej([q1, 0, 0, 0, 0, 0])\n"
+                               "movec(p[1,2,3,0,0,0], pose=p[1,2,4,0,0,0])\nservoc(there())\n")),
+              ::testing::ElementsAre("1 movej [d2r(10), 0, 0, 0, 0, 0]: it is computed: [d2r(10), 0, 0, 0, 0, 0]",
+                                     "2 movej q1: this file gives it no numbers",
+                                     "3 movej [q1, 0, 0, 0, 0, 0]: it is computed: [q1, 0, 0, 0, 0, 0]",
+                                     "4 movec p[1,2,3,0,0,0]", "4 movec p[1,2,4,0,0,0]",
+                                     "5 servoc there(): it is computed: there()"));
+  EXPECT_THAT(
+      MotionsOf(ReadAs("a.src",
+                       "XP2={A1 1,A2 2,A3 3,A4 4,A5 5,A6 6}\nPTP XP1 C_PTP\nPTP XP2\nPTP XP2:XOFF\nLIN XP[3] "
+                       "C_DIS\nSCIRC XP2, XP1, CA 90\nPTP_REL XREL\nPTP {E1 100}\n")),
+      ::testing::ElementsAre("2 PTP XP1 C_PTP: this file gives it no numbers", "3 PTP XP2",
+                             "4 PTP XP2:XOFF: it is computed: XP2:XOFF", "5 LIN XP[3] C_DIS: it is one of an array",
+                             "6 SCIRC XP2", "6 SCIRC XP1: this file gives it no numbers",
+                             "7 PTP_REL XREL: a relative motion: it goes on from where the arm is",
+                             "8 PTP {E1 100}: it states only a part of the pose"));
+  const std::string p1 = "CONST robtarget p1:=[[1,2,3],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n";
+  EXPECT_THAT(MotionsOf(ReadAs(
+                  "a.mod", p1 + "VAR robtarget p2;\nMoveL p2,v100,fine,tool0;\nMoveL \\Conc,p1,v100,fine,tool0;\n"
+                                "MoveC p1,pElsewhere,v100,fine,tool0;\nMoveJ pMany{2},v100,fine,tool0;\n"
+                                "MoveL Offs(p2,0,0,1),v100,fine,tool0;\nSearchL di1,found,p1,v100,tool0;\n"
+                                "TriggIO gunon,0.2;\nMoveJ CRobT(),v100,fine,tool0;\nArcL p3,v100,s,w,fine,tool0;\n")),
+              ::testing::ElementsAre(
+                  "3 MoveL p2: this file gives it no numbers", "4 MoveL p1", "5 MoveC p1",
+                  "5 MoveC pElsewhere: this file gives it no numbers", "6 MoveJ pMany{2}: it is one of an array",
+                  "7 MoveL Offs(p2,0,0,1): this file gives it no numbers", "8 SearchL p1",
+                  "10 MoveJ CRobT(): it is computed: CRobT()", "11 ArcL p3: this file gives it no numbers"));
+  std::string fanuc = kFanuc;
+  fanuc.replace(fanuc.find("/POS"), 0,
+                "   3:L PR[3] 100mm/sec FINE Offset,PR[4]    ;\n   4:C P[1]    \n    :  P[9] 100mm/sec FINE    ;\n"
+                "   5:L P[R[1]] 100mm/sec FINE    ;\n   6:L P[3] 100mm/sec FINE INC    ;\n   7:  PR[1]=P[2]    ;\n");
+  EXPECT_THAT(MotionsOf(ReadAs("a.ls", fanuc)),
+              ::testing::ElementsAre("3 J P[1]", "4 L P[2: ]", "5 L PR[3]: its numbers are in the controller",
+                                     "6 C P[1]", "7 C P[9]: this file gives it no numbers",
+                                     "8 L P[R[1]]: which point it is, is chosen as the program runs",
+                                     "9 L P[3]: an incremental motion goes on from where the arm is"));
+}
+
+// A point of which the program changes a part does not hold its numbers everywhere.
+TEST_F(RobotProgramTest, PointsThatChangeAsTheProgramRunsStay) {
+  const std::string joints = "{A1 1,A2 2,A3 3,A4 4,A5 5,A6 6}\n";
+  EXPECT_THAT(MotionsOf(ReadAs("a.src", "XP1=" + joints + "XP1.A1=2\nPTP XP1\nPTP " + joints))[0],
+              HasSubstr("changes"));
+  EXPECT_THAT(MotionsOf(ReadAs("a.script", "a=[1,2,3,4,5,6]\na[1] = 0.2\nmovej(a)\n"))[0], HasSubstr("more than once"));
+  const std::string home = "VAR jointtarget home:=[[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n";
+  for (const char* change : {"home:=CJointT();\n", "home.robax.rax_1 := 3;\n"})
+    EXPECT_THAT(MotionsOf(ReadAs("a.mod", home + change + "MoveAbsJ home,v100,fine,tool0;\n"))[0],
+                HasSubstr("changes"));
 }
 
 TEST_F(RobotProgramTest, AnglesStayNearThoseOfTheFile) {

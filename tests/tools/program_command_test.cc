@@ -32,6 +32,7 @@ TEST_F(ProgramCommandTest, SameCorrectionAsOfATable) {
       Compensate({"--program=" + Path("p.src"), "--program_out=" + Path("new/p.src"), "--out=" + Path("rows.csv")});
   ASSERT_EQ(done.status, 0) << done.err;
   EXPECT_THAT(done.out, HasSubstr("1 of 2 points corrected"));
+  EXPECT_THAT(done.out, HasSubstr("Motions: 1 of 2 go to corrected points"));
   EXPECT_THAT(done.out, HasSubstr("line 3, PTP_REL of line 3"));
   const auto rows = test::Cells(Read("t_out.csv")), of_program = test::Cells(Read("rows.csv"));
   std::string expected = kJoints;
@@ -78,6 +79,23 @@ TEST_F(ProgramCommandTest, ALoadOfUnknownWeightIsAskedForByItsName) {
   for (const char* part : {"--load", "what load 'V250' weighs", "loads: {V250: {mass_kg"})
     EXPECT_THAT(asked.err, HasSubstr(part));
   EXPECT_FALSE(Exists("new"));
+}
+
+// A motion to a point that stays is listed where it stands, and no offset adopts what is not there.
+TEST_F(ProgramCommandTest, NoMotionIsLeftOutOfTheList) {
+  Write("p.mod",
+        "MODULE M\nCONST robtarget p1:=[[1519,969,888],[1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n"
+        "MoveAbsJ [[10,-80,80,0,45,0],[9E9,9E9,9E9,9E9,9E9,9E9]]\\NoEOffs,v100,fine,tool0;\n"
+        "MoveL Offs(p1,0,0,100),v100,fine,tool0;\nMoveL p2,v100,fine,tool0;\nMoveL p2,v50,fine,tool0;\nENDMODULE\n");
+  const test::Outcome done = Compensate({"--program=" + Path("p.mod"), "--program_out=" + Path("o.mod")});
+  ASSERT_EQ(done.status, 0) << done.err;
+  for (const char* part :
+       {"1 of 3 points corrected", "Motions: 1 of 4 go to corrected points",
+        "  line 4, MoveL Offs(p1,0,0,100): p1 stays as it is (line 2)\n",
+        "  line 5, p2: this file gives it no numbers\n", "  line 6, MoveL p2: p2 stays as it is (line 5)\n"}) {
+    EXPECT_THAT(done.out, HasSubstr(part));
+  }
+  EXPECT_THAT(done.out, ::testing::Not(HasSubstr("adopts")));
 }
 
 TEST_F(ProgramCommandTest, NothingCorrectedIsANumericalFailure) {

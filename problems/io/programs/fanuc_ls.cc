@@ -26,6 +26,8 @@ class FanucReader {
   std::string FrameNumber(const std::string& name, const char* zero, size_t begin, size_t end) const;
   void ReadConfiguration(size_t begin, size_t end, ProgramPoint* point) const;
   void ReadMotions(size_t end);
+  void ReadCommands(size_t end);
+  int PointOf(const std::string& name, TextRange place);
 
   const int joints_;
   RobotProgram& program_;
@@ -99,6 +101,46 @@ void FanucReader::ReadMotions(size_t end) {
   }
 }
 
+// "P[2]", "PR[3]", "P[R[1]]"
+int FanucReader::PointOf(const std::string& name, TextRange place) {
+  if (const auto found = named_.find(name); found != named_.end()) return static_cast<int>(found->second);
+  const int line = LineAt(code_, place.first);
+  const int index = AddPointElsewhere(name, line, place.first, &program_);
+  ProgramPoint& point = program_.points.back();
+  if (name.compare(0, 2, "PR") == 0) point.untouched = "its numbers are in the controller";
+  if (name.find('[') != name.rfind('[')) point.untouched = "which point it is, is chosen as the program runs";
+  named_[name] = static_cast<size_t>(index);
+  return index;
+}
+
+// "3:L P[2] 100mm/sec FINE ;", "4:C P[3] : P[4] 100mm/sec FINE ;": J, L, A and S go to one point, C to two. INC says
+// that the numbers of the point are an increment.
+void FanucReader::ReadCommands(size_t end) {
+  static const std::regex command = MakePattern("(?:^|\\n)[ \\t]*\\d*[ \\t]*:[ \\t]*([JLCAS])[ \\t]+(?=PR?[ \\t]*\\[)");
+  static const std::regex target =
+      MakePattern("\\b(PR?)\\s*\\[\\s*(?:GP1\\s*:\\s*)?(\\d+|[A-Z]+\\s*\\[[^\\]]*\\])[^\\]]*\\]");
+  static const std::regex incremental = MakePattern("\\bINC\\b");
+  const auto stop = code_.begin() + static_cast<std::ptrdiff_t>(end);
+  for (const std::smatch& match : AllMatches(code_.begin(), stop, command)) {
+    const size_t begin = static_cast<size_t>(match.position(0) + match.length(0));
+    const size_t until = std::min(code_.find(';', begin), end);
+    const std::string body = code_.substr(begin, until - begin);
+    const auto targets = AllMatches(body.begin(), body.end(), target);
+    std::smatch found;
+    const bool is_increment = SearchPattern(body, &found, incremental);
+    for (size_t i = 0; i < targets.size() && i < (match[1] == "C" ? 2U : 1U); ++i) {
+      const size_t at = begin + static_cast<size_t>(targets[i].position(0));
+      const TextRange place = {at, at + static_cast<size_t>(targets[i].length(0))};
+      ProgramMotion motion = MotionTo(match[1], code_, place);
+      motion.point = PointOf(targets[i][1].str() + "[" + targets[i][2].str() + "]", place);
+      program_.motions.push_back(motion);
+      ProgramPoint& point = program_.points[static_cast<size_t>(motion.point)];
+      if (is_increment && point.untouched.empty())
+        point.untouched = "an incremental motion goes on from where the arm is";
+    }
+  }
+}
+
 void FanucReader::ReadPosition(const std::string& name, size_t open, size_t end) {
   ProgramPoint point;
   point.name = name;
@@ -144,6 +186,7 @@ void FanucReader::Read() {
     ReadPosition("P[" + match[1].str() + "]", open, end);
   }
   ReadMotions(section);
+  ReadCommands(section);
 }
 
 }  // namespace

@@ -34,7 +34,9 @@ class KrlReader {
   void AddPoint(const std::string& name, size_t open);
   void FillJoints(const Fields& fields, ProgramPoint* point) const;
   void FillPose(const Fields& fields, ProgramPoint* point) const;
-  void UseHere(const std::string& name, size_t at);
+  int LiteralPoint(const std::string& word, TextRange place);
+  int NamedPoint(const std::string& word, TextRange place);
+  void UseHere(int index, size_t at);
   std::string NameOf(const std::string& text, size_t at, const char* null_name,
                      std::map<std::string, Pose<double>>* stated);
 
@@ -121,18 +123,17 @@ void KrlReader::AddPoint(const std::string& name, size_t open) {
   has_joints ? FillJoints(fields, &point) : FillPose(fields, &point);
   point.used_at = open;
   named_[name] = program_.points.size();
-  used_.push_back(false);
   program_.points.push_back(point);
 }
 
 // A motion to a declared point: with the tool and base that are set.
-void KrlReader::UseHere(const std::string& name, size_t at) {
-  const auto found = named_.find(name);
-  if (found == named_.end()) return;
-  ProgramPoint& point = program_.points[found->second];
-  if (!used_[found->second]) point.used_at = at;
-  if (loaded_.count(found->second) == 0) UseLoad(load_, !used_[found->second], &point);
-  used_[found->second] = true;
+void KrlReader::UseHere(int index, size_t at) {
+  const size_t i = static_cast<size_t>(index);
+  used_.resize(program_.points.size(), false);
+  ProgramPoint& point = program_.points[i];
+  if (!used_[i]) point.used_at = at;
+  if (loaded_.count(i) == 0) UseLoad(load_, !used_[i], &point);
+  used_[i] = true;
   if (point.is_joints || !point.untouched.empty()) return;
   const bool fits = (point.tool.empty() || point.tool == tool_) && (point.frame.empty() || point.frame == base_);
   if (!fits) {
@@ -225,7 +226,7 @@ void KrlReader::ReadScene(const std::string& line, size_t begin) {
   }
 }
 
-// Other values of what is stated: LOAD_DATA[1].M = 5, TOOL_DATA[2] = X, GRIPPER.CM.X = 10, $TOOL.Z = 3.
+// Other values of what is stated: LOAD_DATA[1].M = 5, TOOL_DATA[2] = X, GRIPPER.CM.X = 10, $TOOL.Z = 3, XP1.Z = 4.
 bool KrlReader::ReadChange(const std::string& line, size_t begin) {
   static const std::regex change = MakePattern(
       "^\\s*(?:\\$(TOOL|BASE|LOAD)|\\$?(TOOL|BASE|LOAD)_DATA\\s*\\[\\s*(\\w+)\\s*\\]|(\\w+))\\s*((?:\\.\\s*\\w+\\s*)*)"
@@ -238,6 +239,11 @@ bool KrlReader::ReadChange(const std::string& line, size_t begin) {
     if (!is_part) return false;
     const std::string here = "$" + match[1].str() + " of line " + std::to_string(LineAt(code_, begin));
     (match[1] == "TOOL" ? tool_ : match[1] == "BASE" ? base_ : load_) = here;
+    return true;
+  }
+  const auto changed = is_literal ? named_.end() : named_.find(match[4]);
+  if (changed != named_.end()) {
+    program_.points[changed->second].untouched = "the program changes it as it runs";
     return true;
   }
   if (match[4].matched) {
@@ -275,24 +281,53 @@ void KrlReader::ReadFrameData(const std::string& name, size_t open) {
   }
 }
 
+int KrlReader::LiteralPoint(const std::string& word, TextRange place) {
+  const int line = LineAt(code_, place.first);
+  const std::string name = word + " of line " + std::to_string(line);
+  const size_t before = program_.points.size();
+  AddPoint(name, place.first);
+  if (program_.points.size() == before) {
+    return AddComputedPoint(name, line, place.first, "it states only a part of the pose", &program_);
+  }
+  ProgramPoint& point = program_.points.back();
+  point.tool = tool_;
+  point.frame = base_;
+  point.load = load_;
+  return static_cast<int>(before);
+}
+
+// XP1, and what is computed of one: XP1:XOFF, XP[I], PLACE(3).
+int KrlReader::NamedPoint(const std::string& word, TextRange place) {
+  size_t stop = place.first;
+  while (stop < place.second && IsWordCharacter(code_[stop])) ++stop;
+  const size_t next = code_.find_first_not_of(' ', stop);
+  const int line = LineAt(code_, place.first);
+  if (next < place.second && std::string_view(":[(.").find(code_[next]) != std::string_view::npos) {
+    const std::string why =
+        code_[next] == '[' ? "it is one of an array" : "it is computed: " + Quoted(code_, {place.first, place.second});
+    return AddComputedPoint(word + " of line " + std::to_string(line), line, place.first, why, &program_);
+  }
+  const std::string name = code_.substr(place.first, stop - place.first);
+  if (named_.count(name) == 0) {
+    named_[name] = static_cast<size_t>(AddPointElsewhere(name, line, place.first, &program_));
+  }
+  const int index = static_cast<int>(named_[name]);
+  UseHere(index, place.first);
+  return index;
+}
+
+// PTP and LIN go to the first part, CIRC over the first to the second; what follows says how.
 void KrlReader::ReadMotion(const std::string& word, size_t begin, size_t end) {
   const bool is_relative = word.find("REL") != std::string::npos;
-  for (const TextRange& part : PartsOf(code_, begin, end)) {
-    if (part.first >= part.second) continue;
-    if (code_[part.first] != '{') {
-      size_t stop = part.first;
-      while (stop < part.second && IsWordCharacter(code_[stop])) ++stop;
-      UseHere(code_.substr(part.first, stop - part.first), part.first);
-      continue;
-    }
-    const size_t before = program_.points.size();
-    AddPoint(word + " of line " + std::to_string(LineAt(code_, part.first)), part.first);
-    if (program_.points.size() == before) continue;
-    ProgramPoint& point = program_.points.back();
-    point.tool = tool_;
-    point.frame = base_;
-    point.load = load_;
-    if (is_relative) point.untouched = "a relative motion: it goes on from a corrected point";
+  const size_t targets = word.find("CIRC") != std::string::npos ? 2 : 1;
+  const std::vector<TextRange> parts = PartsOf(code_, begin, end);
+  for (size_t i = 0; i < parts.size() && i < targets; ++i) {
+    if (parts[i].first >= parts[i].second) continue;
+    ProgramMotion motion = MotionTo(word, code_, parts[i]);
+    motion.point = code_[parts[i].first] == '{' ? LiteralPoint(word, parts[i]) : NamedPoint(word, parts[i]);
+    program_.motions.push_back(motion);
+    std::string& untouched = program_.points[static_cast<size_t>(motion.point)].untouched;
+    if (is_relative) untouched = "a relative motion: it goes on from where the arm is";
   }
 }
 

@@ -81,6 +81,23 @@ bool NumberAt(std::string_view code, TextRange range, TextNumber* number) {
   return true;
 }
 
+std::string Quoted(std::string_view code, TextRange range) {
+  constexpr size_t kLongest = 40;
+  std::string text;
+  for (size_t i = range.first; i < range.second; ++i) {
+    const bool is_blank = std::isspace(static_cast<unsigned char>(code[i])) != 0;
+    if (!is_blank || (!text.empty() && text.back() != ' ')) text += is_blank ? ' ' : code[i];
+  }
+  return text.size() > kLongest ? text.substr(0, kLongest) + "…" : text;
+}
+
+ProgramMotion MotionTo(const std::string& command, const std::string& code, TextRange target) {
+  ProgramMotion motion;
+  motion.name = command + " " + Quoted(code, target);
+  motion.line = LineAt(code, target.first);
+  return motion;
+}
+
 std::vector<TextNumber> NumbersInBracket(std::string_view code, size_t open) {
   const size_t end = EndOfBracket(code, open);
   std::vector<TextNumber> numbers;

@@ -29,6 +29,12 @@ std::vector<TextRange> PartsOf(std::string_view code, size_t begin, size_t end);
 // The range as one number. False: it is anything else.
 bool NumberAt(std::string_view code, TextRange range, TextNumber* number);
 
+// code[range] on one line, cut where it is long.
+std::string Quoted(std::string_view code, TextRange range);
+
+// The target of a motion command as it is written at `target`. Its point is still to be found.
+ProgramMotion MotionTo(const std::string& command, const std::string& code, TextRange target);
+
 // The numbers of "[1, 2, 3]" at `open`, nested brackets flattened. Empty: something in it is no number.
 std::vector<TextNumber> NumbersInBracket(std::string_view code, size_t open);
 

@@ -25,7 +25,7 @@ class RapidReader {
 
  private:
   void ReadDeclarations();
-  void ReadChanges();  // of tools, work objects and loads as the program runs
+  void ReadChanges();  // of tools, work objects, loads and targets as the program runs
   void ReadMotions();
   bool ReadStatement(size_t begin, size_t end);  // false: it is no motion
   void AddTarget(const std::string& name, size_t open, bool is_joints);
@@ -33,7 +33,8 @@ class RapidReader {
   void AddWorkObject(const std::string& name, size_t open);
   void ReadGripLoad(size_t begin, size_t end);
   std::string LoadWith(const std::string& tool, const std::string& total);
-  void Use(ProgramPoint* point, const std::string& tool, const std::string& frame, const std::string& load);
+  void ReadTarget(const std::string& command, TextRange part, bool is_joints);
+  void Use(int index_of_point, const std::string& tool, const std::string& frame, const std::string& load);
 
   const int joints_;
   RobotProgram& program_;
@@ -73,7 +74,6 @@ void RapidReader::AddTarget(const std::string& name, size_t open, bool is_joints
   }
   named_[UpperCase(name)] = program_.points.size();
   program_.points.push_back(point);
-  used_.push_back(false);
 }
 
 Pose<double> PoseOf(const std::vector<TextNumber>& numbers, size_t first) {
@@ -179,7 +179,6 @@ void RapidReader::ReadDeclarations() {
       array.line = LineAt(code_, open);
       array.untouched = "it is an array of targets";
       program_.points.push_back(array);
-      used_.push_back(true);
     } else if (type == "TOOLDATA") {
       AddTool(name, open);
     } else if (type == "WOBJDATA") {
@@ -197,7 +196,7 @@ void RapidReader::ReadDeclarations() {
 // gun.tload.mass := 7; piece := other;   a word before the name is a type only in a declaration.
 void RapidReader::ReadChanges() {
   static const std::regex change = MakePattern("(?:\\b(\\w+)\\s+)?\\b(\\w+)((?:\\s*\\.\\s*\\w+)*)\\s*:=");
-  static const std::set<std::string> types = {"TOOLDATA", "WOBJDATA", "LOADDATA"};
+  static const std::set<std::string> types = {"TOOLDATA", "WOBJDATA", "LOADDATA", "ROBTARGET", "JOINTTARGET"};
   for (const std::smatch& match : AllMatches(upper_.begin(), upper_.end(), change)) {
     const size_t at = static_cast<size_t>(match.position(2));
     if (types.count(match[1]) > 0 || (at > 0 && upper_[at - 1] == '\\')) continue;
@@ -210,11 +209,14 @@ void RapidReader::ReadChanges() {
       stated_tools_.Change(name, &program_.tools);
     }
     if (program_.frames.count(name) > 0) stated_frames_.Change(name, &program_.frames);
+    if (named_.count(name) > 0) program_.points[named_[name]].untouched = "the program changes it as it runs";
   }
 }
 
-void RapidReader::Use(ProgramPoint* point, const std::string& tool, const std::string& frame, const std::string& load) {
-  const size_t index = static_cast<size_t>(point - program_.points.data());
+void RapidReader::Use(int index_of_point, const std::string& tool, const std::string& frame, const std::string& load) {
+  const size_t index = static_cast<size_t>(index_of_point);
+  used_.resize(program_.points.size(), false);
+  ProgramPoint* point = &program_.points[index];
   if (used_[index] && (point->tool != tool || point->frame != frame) && point->untouched.empty()) {
     point->untouched = "the program moves to it with more than one tool or work object";
   }
@@ -229,15 +231,15 @@ void RapidReader::Use(ProgramPoint* point, const std::string& tool, const std::s
 
 // MoveL p10, v1000, z50, tool1 \WObj := wobj1
 bool RapidReader::ReadStatement(size_t begin, size_t end) {
-  static const std::regex motion =
-      MakePattern("^(?:[^;]*\\b(?:THEN|ELSE|DO)\\b)?\\s*((?:MOVE|TRIGG|SEARCH)(\\w*))\\s+");
+  static const std::regex motion = MakePattern(
+      "^(?:[^;]*\\b(?:THEN|ELSE|DO)\\b)?\\s*((?:MOVE|TRIGG|(SEARCH)|ARC|SPOT|DISP)(ABSJ|[JLC])(?:[DAG]O|SYNC|IOS|START|"
+      "END)?\\d?)(?=[\\s\\\\])\\s*");
   static const std::regex object = MakePattern("\\\\\\s*WOBJ\\s*:=\\s*(\\w+)");
   static const std::regex tool_at_end = MakePattern("^(\\w+)");
   static const std::regex total_load = MakePattern("\\\\\\s*TLOAD\\s*:=\\s*(\\w+)");
   const std::string statement = upper_.substr(begin, end - begin);
   std::smatch match;
   if (!SearchPattern(statement, &match, motion)) return false;
-  const bool is_joints = match[2] == "ABSJ";
   std::smatch with_object;
   const std::string frame_name = SearchPattern(statement, &with_object, object) ? with_object[1].str() : "WOBJ0";
   const std::string frame = frame_name == "WOBJ0" ? kWorldName : frame_name;
@@ -249,29 +251,47 @@ bool RapidReader::ReadStatement(size_t begin, size_t end) {
   std::smatch total;
   const std::string load =
       LoadWith(tool, SearchPattern(statement, &total, total_load) ? total[1].str() : std::string());
+  size_t to_skip = match[2].matched ? 2 : 0, targets = match[3] == "C" ? 2 : 1;  // SearchL signal, place, target
   for (const TextRange& part : parts) {
-    const std::string text = upper_.substr(part.first, part.second - part.first);
-    if (!text.empty() && text[0] == '[') {  // "[...] \NoEOffs" too; speeds and zones in numbers are no targets
-      const size_t count = NumbersInBracket(code_, part.first).size();
-      if (count != (is_joints ? 12U : 17U)) continue;
-      AddTarget(match[1].str() + " of line " + std::to_string(LineAt(code_, part.first)), part.first, is_joints);
-      Use(&program_.points.back(), tool, frame, load);
+    if (part.first >= part.second || code_[part.first] == '\\') continue;  // \Conc
+    if (to_skip > 0) {
+      --to_skip;
       continue;
     }
-    std::smatch word;
-    if (!SearchPattern(text, &word, tool_at_end)) continue;
-    const auto found = named_.find(word[1]);
-    if (found != named_.end()) Use(&program_.points[found->second], tool, frame, load);
-    if (word[1] == "OFFS" || word[1] == "RELTOOL") {
-      program_.notes.push_back("line " + std::to_string(LineAt(code_, part.first)) + ": " +
-                               (word[1] == "OFFS" ? "Offs" : "RelTool") +
-                               " goes on from a corrected point and adopts its correction");
-      for (const auto& [name, index] : named_) {
-        if (SearchPattern(text, MakePattern("\\b" + name + "\\b"))) Use(&program_.points[index], tool, frame, load);
-      }
-    }
+    if (targets-- == 0) break;
+    ReadTarget(code_.substr(begin + static_cast<size_t>(match.position(1)), static_cast<size_t>(match.length(1))), part,
+               match[3] == "ABSJ");
+    Use(program_.motions.back().point, tool, frame, load);
   }
   return true;
+}
+
+// p10, [[...]], Offs(p10, ...), RelTool(p10, ...), and what is computed: p{3}, CRobT().
+void RapidReader::ReadTarget(const std::string& command, TextRange part, bool is_joints) {
+  static const std::regex offset = MakePattern("^(?:OFFS|RELTOOL)\\s*\\(\\s*(\\w+)\\s*,");
+  static const std::regex name_alone = MakePattern("^(\\w+)\\s*(?=\\\\|$)");  // \NoEOffs, \ID may follow
+  ProgramMotion motion = MotionTo(command, code_, part);
+  const std::string text = upper_.substr(part.first, part.second - part.first);
+  const std::string in_motion = UpperCase(command) + " of line " + std::to_string(motion.line);
+  std::smatch word;
+  motion.is_offset = SearchPattern(text, &word, offset);
+  if (motion.is_offset || SearchPattern(text, &word, name_alone)) {
+    if (named_.count(word[1]) == 0) {
+      const std::string name =
+          code_.substr(part.first + static_cast<size_t>(word.position(1)), static_cast<size_t>(word.length(1)));
+      named_[word[1]] = static_cast<size_t>(AddPointElsewhere(name, motion.line, part.first, &program_));
+    }
+    motion.point = static_cast<int>(named_[word[1]]);
+  } else if (text[0] == '[') {
+    AddTarget(in_motion, part.first, is_joints);
+    motion.point = static_cast<int>(program_.points.size()) - 1;
+  } else {
+    const size_t bracket = text.find_first_of("{(");
+    const bool is_element = bracket != std::string::npos && text[bracket] == '{';
+    const std::string why = is_element ? "it is one of an array" : "it is computed: " + Quoted(code_, part);
+    motion.point = AddComputedPoint(in_motion, motion.line, part.first, why, &program_);
+  }
+  program_.motions.push_back(motion);
 }
 
 void RapidReader::ReadMotions() {

@@ -53,6 +53,22 @@ void UseLoad(const std::string& load, bool is_first, ProgramPoint* point) {
   }
 }
 
+int AddComputedPoint(const std::string& name, int line, size_t used_at, const std::string& why, RobotProgram* program) {
+  ProgramPoint point;
+  point.name = name;
+  point.line = line;
+  point.used_at = used_at;
+  point.untouched = why;
+  program->points.push_back(point);
+  return static_cast<int>(program->points.size()) - 1;
+}
+
+int AddPointElsewhere(const std::string& name, int line, size_t used_at, RobotProgram* program) {
+  const int index = AddComputedPoint(name, line, used_at, kPointElsewhere, program);
+  program->points.back().is_elsewhere = true;
+  return index;
+}
+
 const char* DialectName(ProgramDialect dialect) {
   switch (dialect) {
     case ProgramDialect::kKrl:
@@ -130,7 +146,7 @@ RobotProgram ReadRobotProgram(const std::string& path, int joints) {
       ReadFanuc(joints, &program);
       break;
   }
-  if (program.points.empty()) {
+  if (std::all_of(program.points.begin(), program.points.end(), [](const auto& p) { return p.is_elsewhere; })) {
     throw InputError({path, 0, ""}, std::string("there is no target in this ") + DialectName(program.dialect) + " file",
                      "points that stand in another file (a .dat next to a .src) are corrected there");
   }

@@ -71,7 +71,16 @@ struct ProgramPoint {
   std::string other_load;           // of another motion to it; "": there is none
   size_t used_at = 0;  // byte where the first motion goes to it, else where it stands: the order of the way
   StatedBranch branch;
-  std::string untouched;  // why it stays as it is; "": it is corrected
+  std::string untouched;      // why it stays as it is; "": it is corrected
+  bool is_elsewhere = false;  // a motion names it; this file has no numbers of it
+};
+
+// A target of a motion command; a circle has two of them.
+struct ProgramMotion {
+  std::string name;  // "MoveL p10"
+  int line = 0;
+  int point = -1;          // of the program
+  bool is_offset = false;  // it goes on from the point, as Offs and RelTool do
 };
 
 struct RobotProgram {
@@ -80,6 +89,7 @@ struct RobotProgram {
   std::string text;
   PoseNotation notation = PoseNotation::kAbcDegrees;
   std::vector<ProgramPoint> points;            // in the order of the text
+  std::vector<ProgramMotion> motions;          // every one that the text has
   std::map<std::string, Pose<double>> frames;  // in the world frame, stated by the file
   std::map<std::string, Pose<double>> tools;   // in the flange, stated by the file
   std::map<std::string, ProgramLoad> loads;    // stated by the file; points may name others
@@ -118,6 +128,12 @@ class StatedOnce {
 
 // A motion goes to the point with this load.
 void UseLoad(const std::string& load, bool is_first, ProgramPoint* point);
+
+// A motion goes to what this file has no numbers of. Its index as a point that stays as it is.
+int AddPointElsewhere(const std::string& name, int line, size_t used_at, RobotProgram* program);
+constexpr const char* kPointElsewhere = "this file gives it no numbers";
+// The same for what is computed or chosen as the program runs.
+int AddComputedPoint(const std::string& name, int line, size_t used_at, const std::string& why, RobotProgram* program);
 
 // The text with the numbers of some points replaced: joints in rad, poses in their frame and for their tool.
 struct CorrectedPoint {

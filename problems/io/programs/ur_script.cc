@@ -2,6 +2,7 @@
 // what a motion goes to is a target: other lists and poses are tools, frames. set_payload(m, [x, y, z]) states all that
 // hangs on the flange, in m of the flange; without the list its centre of mass is the tool centre point. After
 // set_payload_mass or set_payload_cog, which change a part of it, the user states it.
+#include <algorithm>
 #include <optional>
 #include <set>
 
@@ -21,8 +22,13 @@ class UrReader {
 
  private:
   void ReadAssignments();
+  void RefuseChanged();
   void ReadCalls();
-  void ReadTarget(const std::string& motion, TextRange argument, bool only_start);
+  void ReadArgument(const std::string& motion, TextRange argument);
+  void ReadTarget(const std::string& motion, TextRange argument);
+  void ReadStart(TextRange argument);
+  TextRange WithoutKeyword(TextRange argument) const;
+  int PointOf(const std::string& motion, TextRange argument);
   void SetTool(size_t open);
   void SetLoad(const std::string& call, size_t open);
   std::string LoadHere();
@@ -36,6 +42,8 @@ class UrReader {
   std::set<int> used_;                  // points that a motion goes to
   std::map<std::string, int> named_;    // index of a point
 };
+
+constexpr const char* kOnlyStarts = "it only starts an inverse kinematics";
 
 bool IsPoseAt(const std::string& code, size_t at) { return code.compare(at, 2, "p[") == 0; }
 
@@ -60,21 +68,27 @@ int UrReader::AddLiteral(const std::string& name, size_t at) {
   return static_cast<int>(program_.points.size()) - 1;
 }
 
-// name = p[...]: a target once a motion uses it.
+// name = p[...]: a target once a motion uses it. A name that is set again, to anything, or in part (name[2] = 0.1),
+// does not hold these numbers everywhere.
 void UrReader::ReadAssignments() {
   static const std::regex assignment =
       MakePattern("(?:^|\\n)[ \\t]*(?:global[ \\t]+|local[ \\t]+)?([A-Za-z_]\\w*)[ \\t]*=[ \\t]*(p?\\[)");
   for (const std::smatch& match : AllMatches(code_.begin(), code_.end(), assignment)) {
     const int index = AddLiteral(match[1], static_cast<size_t>(match.position(2)));
     if (index < 0) continue;
-    if (named_.count(match[1]) > 0) {
-      for (const int again : {index, named_[match[1]]}) {
-        program_.points[static_cast<size_t>(again)].untouched = "the variable is set more than once";
-      }
-      continue;
-    }
     program_.points.back().untouched = "no motion in this file goes to it";
     named_[match[1]] = index;
+  }
+  RefuseChanged();
+}
+
+void UrReader::RefuseChanged() {
+  static const std::regex any = MakePattern(
+      "(?:^|\\n)[ \\t]*(?:global[ \\t]+|local[ \\t]+)?([A-Za-z_]\\w*)[ \\t]*(?:\\[[^\\]\\n]*\\])?[ \\t]*=(?!=)");
+  std::map<std::string, int> times;
+  for (const std::smatch& match : AllMatches(code_.begin(), code_.end(), any)) ++times[match[1]];
+  for (ProgramPoint& point : program_.points) {
+    if (times[point.name] > 1) point.untouched = "the variable is set more than once";
   }
 }
 
@@ -116,42 +130,77 @@ std::string UrReader::LoadHere() {
   return name;
 }
 
-void UrReader::ReadTarget(const std::string& motion, TextRange argument, bool only_start) {
+// The point of a target; what has no numbers here is one that stays as it is.
+int UrReader::PointOf(const std::string& motion, TextRange argument) {
   const std::string text = code_.substr(argument.first, argument.second - argument.first);
-  const std::string name = motion + " of line " + std::to_string(LineAt(code_, argument.first));
-  int index = -1;
-  if (const auto found = named_.find(text); found != named_.end()) {
-    index = found->second;
-  } else if (!text.empty() && (text[0] == '[' || IsPoseAt(code_, argument.first))) {
-    index = AddLiteral(name, argument.first);
-  } else if (text.find("p[") != std::string::npos || text.find('(') != std::string::npos) {
-    ProgramPoint computed;
-    computed.name = name;
-    computed.line = LineAt(code_, argument.first);
-    computed.untouched = "it is computed: " + text.substr(0, 40);
-    program_.points.push_back(computed);
+  if (const auto found = named_.find(text); found != named_.end()) return found->second;
+  const int line = LineAt(code_, argument.first);
+  const std::string name = motion + " of line " + std::to_string(line);
+  if (!text.empty() && (text[0] == '[' || IsPoseAt(code_, argument.first))) {
+    const int index = AddLiteral(name, argument.first);
+    if (index >= 0) return index;
   }
-  if (index < 0) return;
+  if (std::all_of(text.begin(), text.end(), IsWordCharacter)) {
+    return named_[text] = AddPointElsewhere(text, line, argument.first, &program_);
+  }
+  return AddComputedPoint(name, line, argument.first, "it is computed: " + Quoted(code_, argument), &program_);
+}
+
+void UrReader::ReadTarget(const std::string& motion, TextRange argument) {
+  ProgramMotion to = MotionTo(motion, code_, argument);
+  const int index = to.point = PointOf(motion, argument);
+  program_.motions.push_back(to);
   ProgramPoint& point = program_.points[static_cast<size_t>(index)];
-  if (only_start) {
-    if (!point.untouched.empty()) point.untouched = "it only starts an inverse kinematics";
-    return;
-  }
   if (!point.is_joints && point.untouched.empty() && !point.tool.empty() && point.tool != tool_) {
     point.untouched = "the program moves to it with more than one tool";
     return;
   }
   UseLoad(LoadHere(), used_.insert(index).second, &point);
   if (!point.untouched.empty()) point.used_at = argument.first;
-  if (point.untouched.find("no motion") == 0 || point.untouched.find("it only starts") == 0) point.untouched.clear();
+  if (point.untouched.find("no motion") == 0 || point.untouched.find(kOnlyStarts) == 0) point.untouched.clear();
   if (!point.is_joints) point.tool = tool_;
+}
+
+// Where an inverse kinematics starts from.
+void UrReader::ReadStart(TextRange argument) {
+  const auto found = named_.find(code_.substr(argument.first, argument.second - argument.first));
+  if (found == named_.end()) return;
+  ProgramPoint& point = program_.points[static_cast<size_t>(found->second)];
+  if (point.untouched.find("no motion") == 0) point.untouched = kOnlyStarts;
+}
+
+// get_inverse_kin(x=p[...], qnear=...) goes to its first argument.
+void UrReader::ReadArgument(const std::string& motion, TextRange argument) {
+  static const std::regex inverse = MakePattern("^get_inverse_kin\\s*\\(");
+  argument = WithoutKeyword(argument);
+  const std::string text = code_.substr(argument.first, argument.second - argument.first);
+  std::smatch kinematics;
+  if (!SearchPattern(text, &kinematics, inverse)) {
+    ReadTarget(motion, argument);
+    return;
+  }
+  const size_t inner = argument.first + static_cast<size_t>(kinematics.length(0)) - 1;
+  const std::vector<TextRange> arguments = PartsOf(code_, inner + 1, EndOfBracket(code_, inner) - 1);
+  for (size_t a = 0; a < arguments.size(); ++a) {
+    const TextRange value = WithoutKeyword(arguments[a]);
+    a == 0 ? ReadTarget(motion, value) : ReadStart(value);
+  }
+}
+
+// "qnear=Waypoint_1_q" -> "Waypoint_1_q"
+TextRange UrReader::WithoutKeyword(TextRange argument) const {
+  size_t word = argument.first;
+  while (word < argument.second && IsWordCharacter(code_[word])) ++word;
+  const size_t equals = code_.find_first_not_of(" \t", word);
+  if (equals >= argument.second || code_[equals] != '=' || code_[equals + 1] == '=') return argument;
+  return {std::min(code_.find_first_not_of(" \t", equals + 1), argument.second), argument.second};
 }
 
 void UrReader::ReadCalls() {
   static const std::regex call = MakePattern(
-      "\\b(movej|movel|movep|movec|servoj|set_tcp|set_payload|set_payload_mass|set_payload_cog|set_target_payload)"
+      "\\b(movej|movel|movep|movec|servoj|servoc|set_tcp|set_payload|set_payload_mass|set_payload_cog|set_target_"
+      "payload)"
       "\\s*(\\()");
-  static const std::regex inverse = MakePattern("^get_inverse_kin\\s*\\(");
   for (const std::smatch& match : AllMatches(code_.begin(), code_.end(), call)) {
     const size_t open = static_cast<size_t>(match.position(2));
     const size_t end = EndOfBracket(code_, open);
@@ -168,22 +217,7 @@ void UrReader::ReadCalls() {
       continue;
     }
     const std::vector<TextRange> parts = PartsOf(code_, open + 1, end - 1);
-    for (size_t i = 0; i < parts.size() && i < (motion == "movec" ? 2U : 1U); ++i) {
-      const std::string text = code_.substr(parts[i].first, parts[i].second - parts[i].first);
-      std::smatch kinematics;
-      if (!SearchPattern(text, &kinematics, inverse)) {
-        ReadTarget(motion, parts[i], false);
-        continue;
-      }
-      const size_t inner = parts[i].first + static_cast<size_t>(kinematics.length(0)) - 1;
-      const std::vector<TextRange> arguments = PartsOf(code_, inner + 1, EndOfBracket(code_, inner) - 1);
-      for (size_t a = 0; a < arguments.size(); ++a) {
-        TextRange argument = arguments[a];
-        const size_t equals = code_.find('=', argument.first);
-        if (equals < argument.second) argument.first = code_.find_first_not_of(" \t", equals + 1);
-        ReadTarget(motion, argument, a > 0);
-      }
-    }
+    for (size_t i = 0; i < parts.size() && i < (motion == "movec" ? 2U : 1U); ++i) ReadArgument(motion, parts[i]);
   }
 }
 
