@@ -71,21 +71,23 @@ ReadingLint LintReadings(const CalibrationProblem& problem) {
   lint.is_suspicious = !(errors.left <= suspicious && errors.relative <= kLargestError);
   if (!lint.is_suspicious) return lint;
   double spread = 0.0;
-  if (AreAllOnePoint(problem, &spread)) {
-    const std::optional<Finding> robot = LongRobot(problem, sample, spread);
-    lint.findings.push_back(robot ? *robot : OnePointInWords(spread));
-    lint.is_explained = true;
-    return lint;
-  }
-  if (const auto unit = GuessWrongUnit(problem)) {
+  const bool is_one_point = AreAllOnePoint(problem, &spread);
+  const std::optional<Finding> robot = is_one_point ? LongRobot(problem, sample, spread) : std::nullopt;
+  // Metres that are called mm lie within millimetres of each other, too.
+  const auto unit = robot ? std::nullopt : GuessWrongUnit(problem);
+  if (robot) {
+    lint.findings.push_back(*robot);
+  } else if (unit) {
     lint.findings.push_back({Severity::kSerious,
                              "unit",
                              unit->column + ": " + unit->words,
                              unit->hint,
                              {unit->file + ":" + std::to_string(unit->line)}});
-    lint.is_explained = true;
-    return lint;
+  } else if (is_one_point) {
+    lint.findings.push_back(OnePointInWords(spread));
   }
+  lint.is_explained = !lint.findings.empty();
+  if (lint.is_explained) return lint;
   std::vector<Reading> readings = AllReadings(problem);
   const CalibrationProblem sampled = SampledProblem(problem);
   const std::vector<int> some = SampleOfRows(sampled);
