@@ -7,13 +7,16 @@
 #include <filesystem>
 #include <iostream>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 
 #include "models/constants.h"
 #include "problems/input_error.h"
+#include "problems/io/files.h"
 #include "problems/io/import/import_plan.h"
 #include "problems/io/import/imported_rows.h"
+#include "problems/io/import/marker_column.h"
 #include "problems/io/import/robot_reading.h"
 #include "problems/io/measurement_file.h"
 #include "problems/io/output_files.h"
@@ -153,7 +156,7 @@ FoundRobot RobotOf(const std::vector<std::string>& robot_files, const std::strin
 
 std::string FirstValue(const TextTable& table, const PlannedColumn& column) {
   const auto& cells = table.rows.front().cells;
-  std::string value = cells[column.source];
+  std::string value = PartOfName(cells[column.source], column.part);
   if (column.second >= 0) value += (column.sign > 0 ? " + " : " - ") + cells[column.second];
   return value;
 }
@@ -172,7 +175,7 @@ void PrintPlan(const TextTable& table, const Choice& choice) {
   if (choice.misfit < std::numeric_limits<double>::infinity()) {
     std::cout << "  " << ColumnsFit(InMillimetres(choice.misfit)) << "\n";
   } else {
-    std::cout << "  too few rows to check the columns against the robot\n";
+    std::cout << "  " << TooFewPoses(DifferentPoses(table, choice.plan)) << "\n";
   }
   if (choice.plan.rotation) {
     std::cout << "  rotation: " << choice.plan.rotation->Words();
@@ -185,9 +188,10 @@ void PrintPlan(const TextTable& table, const Choice& choice) {
   }
 }
 
-void PrintWhatLoadsNeed(const std::set<std::string>& loads) {
+void PrintWhatLoadsNeed(const std::set<std::string>& loads, const std::map<std::string, double>& masses) {
   for (const std::string& load : loads) {
-    std::cout << LoadNeedsPoint(load) << "\n";
+    const auto stated = masses.find(load);
+    std::cout << (stated == masses.end() ? LoadNeedsPoint(load) : WeighedLoadNeedsPoint(load, stated->second)) << "\n";
   }
 }
 
@@ -218,8 +222,11 @@ std::vector<std::string> Labels(const std::vector<TextTable>& tables) {
   return labels;
 }
 
-std::string ExperimentText() {
-  return "schema: sagitta/experiment/1\nrobot: robot.yaml\nmeasurements: [measurements.csv]\n";
+std::string ExperimentText(const std::map<std::string, double>& masses) {
+  std::string text = "schema: sagitta/experiment/1\nrobot: robot.yaml\nmeasurements: [measurements.csv]\n";
+  if (!masses.empty()) text += "loads:\n";
+  for (const auto& [load, mass] : masses) text += "  " + load + ": {mass_kg: " + FormatNumber(mass) + "}\n";
+  return text;
 }
 
 int RunImport(const CommandLine& line) {
@@ -256,7 +263,7 @@ int RunImport(const CommandLine& line) {
   const std::vector<std::string> labels = Labels(tables);
   for (size_t t = 0; t < tables.size(); ++t) {
     progress->Say("interpreting the readings of " + labels[t]);
-    choices.push_back(ChoosePlan(robot, tables[t], PossiblePlans(tables[t], robot.chain.joints, columns)));
+    choices.push_back(ChoosePlan(robot, tables[t], PossiblePlans(tables[t], robot.chain.joints, columns), true));
     RefuseComputedPoints(tables[t], choices.back(),
                          columns.count("x_mm") + columns.count("x_m") + columns.count("x_um") > 0);
     DecideRotation(robot, tables[t], FLAGS_rotation, &choices.back());
@@ -281,7 +288,9 @@ int RunImport(const CommandLine& line) {
   const std::string csv = rows.ToCsv(robot.num_joints());
   progress->Say("checking what was written");
   const std::set<std::string> loads = LoadsIn(robot, csv);  // before anything is written: it may be interrupted
-  out.Write({{"robot.yaml", RobotToYaml(robot)}, {"measurements.csv", csv}, {"experiment.yaml", ExperimentText()}});
+  out.Write({{"robot.yaml", RobotToYaml(robot)},
+             {"measurements.csv", csv},
+             {"experiment.yaml", ExperimentText(rows.masses())}});
   progress.reset();
   std::cout << "Robot: " << found.words << ", " << found.reading.format << ", " << robot.num_joints() << " joints"
             << (robot.name.empty() ? "" : ", " + robot.name) << "\n";
@@ -292,7 +301,7 @@ int RunImport(const CommandLine& line) {
   PrintGuesses(guesses);
   std::cout << "\n"
             << rows.size() << " readings in " << FLAGS_out << ": robot.yaml, measurements.csv, experiment.yaml\n";
-  PrintWhatLoadsNeed(loads);
+  PrintWhatLoadsNeed(loads, rows.masses());
   std::cout << "Next: sagitta calibrate " << FLAGS_out << "/experiment.yaml --out=results\n";
   return 0;
 }

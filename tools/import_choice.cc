@@ -7,12 +7,16 @@
 #include <optional>
 
 #include "estimator/alignment/aligned_misfit.h"
+#include "estimator/inspection/reading_lint.h"
 #include "models/constants.h"
 #include "problems/calibration_problem.h"
 #include "problems/input_error.h"
 #include "problems/io/import/imported_rows.h"
+#include "problems/io/import/marker_column.h"
 #include "problems/io/measurement_file.h"
+#include "problems/io/units.h"
 #include "problems/text.h"
+#include "tools/report/command_words.h"
 
 namespace sagitta {
 namespace {
@@ -55,18 +59,52 @@ std::set<std::string> LoadsOf(const Measurements& data) {
   return loads;
 }
 
-Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<ImportPlan>& plans) {
+namespace {
+
+// Several markers, loads or stations as one.
+void RefuseRowsApart(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
+  const ApartRows apart = RowsOfOneMarker(table, plan);
+  const double distance = UnitNamed(plan.Find("x")->unit).ToSi(apart.distance);
+  if (distance <= SuspiciousMisfit(robot.chain)) return;
+  throw InputError({table.path, apart.other_line, "marker"}, RowsLieApart(apart.line, InMillimetres(distance)),
+                   "--map=marker=HEADER, or a column 'marker'; columns 'load' and 'station' distinguish the others");
+}
+
+// Why the robot cannot have made the readings, where that is found.
+std::optional<Finding> WhyNot(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
+  try {
+    ImportedRows rows;
+    rows.Add(table, plan, {});
+    const Measurements data = ReadMeasurementsText(robot, rows.ToCsv(robot.num_joints()), table.path);
+    const ReadingLint lint = LintReadingsOfGoodRows(MakeCalibrationProblem(robot, data, WithWeightlessLoads(data)));
+    if (lint.is_suspicious && lint.is_explained) return lint.findings.front();
+  } catch (const InputError&) {  // nothing more can be said
+  }
+  return std::nullopt;
+}
+
+[[noreturn]] void RefuseRobot(const Robot& robot, const TextTable& table, const ImportPlan& plan, double misfit,
+                              bool says_why) {
+  const std::string words = "this robot cannot have made these readings: ";
+  const std::optional<Finding> why = says_why ? WhyNot(robot, table, plan) : std::nullopt;
+  if (why) throw InputError({table.path, table.header_line, ""}, words + why->words, why->remedy);
+  throw InputError({table.path, table.header_line, ""},
+                   words + "at best its nominal geometry misses them by " + InMillimetres(misfit) + " (RMS)",
+                   "check robot, units and which columns hold measured points; --map=… says it");
+}
+
+}  // namespace
+
+Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<ImportPlan>& plans, bool says_why) {
   std::vector<double> misfits;
   for (const ImportPlan& plan : plans) misfits.push_back(MisfitOf(robot, table, plan));
   const size_t best = std::min_element(misfits.begin(), misfits.end()) - misfits.begin();
-  if (!(misfits[best] < std::numeric_limits<double>::infinity())) return {plans[PlanBySize(table, plans)]};
+  const bool fits_decide = misfits[best] < std::numeric_limits<double>::infinity();
+  const ImportPlan& chosen = plans[fits_decide ? best : PlanBySize(table, plans)];
+  RefuseRowsApart(robot, table, chosen);
+  if (!fits_decide) return {chosen};
   const double tolerance = kSuspicious * Reach(robot.chain);
-  if (misfits[best] > tolerance) {
-    throw InputError({table.path, table.header_line, ""},
-                     "this robot cannot have made these readings: at best its nominal geometry misses them by " +
-                         InMillimetres(misfits[best]) + " (RMS)",
-                     "check robot, units and which columns hold measured points; --map=… says it");
-  }
+  if (misfits[best] > tolerance) RefuseRobot(robot, table, chosen, misfits[best], says_why);
   for (size_t i = 0; i < plans.size(); ++i) {
     if (i == best || misfits[i] > kBetter * std::max(misfits[best], kComputed) || misfits[i] > tolerance) continue;
     throw InputError(

@@ -28,8 +28,10 @@ std::string InDegrees(double radians);
 std::set<std::string> LoadsOf(const Measurements& data);
 
 // Of several plans the one that fits; by the size of the numbers where there are too few rows to decide. Throws
-// InputError where none fits, or two.
-Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<ImportPlan>& plans);
+// InputError where none fits, or two, and where rows of one marker and pose lie apart by more than any calibration
+// explains. `says_why`: a robot that cannot have made the readings is inspected for the reason, as calibrate does.
+Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<ImportPlan>& plans,
+                  bool says_why = false);
 
 // Adds the rotation's columns to the plan, or leaves them out with the reason. `stated`: what --rotation says.
 // Throws InputError where what the user said does not fit.

@@ -21,8 +21,8 @@ struct Reading {
   std::vector<double> xyz_mm;
 };
 
-// Points that a robot with small errors shows, from KDL; `nominal`: without errors.
-inline std::vector<Reading> MakeReadings(bool nominal) {
+// Points that a robot with small errors shows, from KDL; `nominal`: without errors. `marker`: in the flange, m.
+inline std::vector<Reading> MakeReadings(bool nominal, const KDL::Vector& marker = KDL::Vector(0.02, 0.05, 0.08)) {
   std::vector<DhRow> rows = Ur5Rows();
   RandomNumbers random(17);
   for (DhRow& row : rows) {
@@ -43,7 +43,7 @@ inline std::vector<Reading> MakeReadings(bool nominal) {
       reading.q_deg.push_back(std::round(poses.Uniform(-170, 170) * 1e3) / 1e3);
       q[j] = reading.q_deg[j] * kDegree;
     }
-    const KDL::Vector p = base * KdlFlange(chain, q) * KDL::Vector(0.02, 0.05, 0.08);
+    const KDL::Vector p = base * KdlFlange(chain, q) * marker;
     for (int i = 0; i < 3; ++i) reading.xyz_mm.push_back(nominal ? 1e3 * p[i] : std::round(1e7 * p[i]) / 1e4);
     readings.push_back(reading);
   }

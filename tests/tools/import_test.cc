@@ -208,10 +208,22 @@ TEST_F(Import, WhatCannotBeToldIsRefused) {
   Table header = Table(right);
   header.header.pop_back();
   ExpectRefused(header.ToText(), {"export.txt:1", "8 cells"});
-  ExpectRefused(Table(right, kDegree).ToText(), {"cannot have made these readings"});
+  // The cause and its remedy, as calibrate says them.
+  const std::string not_made = "cannot have made these readings";
+  ExpectRefused(Table(right, kDegree).ToText(), {not_made, "look like radians", "q1_rad"});
   ExpectRefused(Table(right).Reordered({1, 0, 2, 3, 4, 5, 6, 7, 8}).Named(Table(right).header).ToText(),
-                {"cannot have made these readings"});
-  ExpectRefused(Table(right, 1.0, 1e-3).ToText(), {"cannot have made these readings"});
+                {not_made, "joints j1 and j2 exchanged", "order of the columns"});
+  ExpectRefused(Table(right, 1.0, 1e-3).ToText(), {not_made, "x_mm", "m"});
+  Table turned = Table(right), mirrored = Table(right), shifted = Table(right);
+  for (auto& row : turned.rows) row[2] = Text(-std::stod(row[2]));
+  ExpectRefused(turned.ToText(), {not_made, "joint j3 counted the other way", "sign: -1"});
+  for (auto& row : mirrored.rows) row[7] = Text(-std::stod(row[7]));
+  ExpectRefused(mirrored.ToText(), {not_made, "mirror"});
+  for (size_t r = 0; r + 1 < right.size(); ++r) {
+    for (size_t i = 6; i < 9; ++i) shifted.rows[r][i] = Table(right).rows[r + 1][i];
+  }
+  shifted.rows.pop_back();
+  ExpectRefused(shifted.ToText(), {not_made, "row"});
   ExpectRefused("PK\x03\x04 something zipped", {"workbook", "CSV"});
   ExpectRefused("no numbers\nat all\n", {"no table"});
   Table grouped = Table(right).With(";").DecimalComma();

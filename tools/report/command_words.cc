@@ -182,6 +182,21 @@ std::string LoadNeedsPoint(const std::string& load) {
          load + ": {mass_kg: …}}";
 }
 
+std::string WeighedLoadNeedsPoint(const std::string& load, double mass) {
+  return "Load " + load + ": " + Significant(mass, 6) +
+         " kg, as its column says; state in experiment.yaml where it hangs, load_point_mm: [x, y, z] on the flange";
+}
+
+std::string RowsLieApart(int line, const std::string& distance) {
+  return "of rows with equal joint values, such as this one and line " + std::to_string(line) + ", the points lie " +
+         distance + " apart (median): no column says of which marker, load or station they are";
+}
+
+std::string TooFewPoses(size_t poses) {
+  if (poses == 1) return "all rows have equal joint values: the columns cannot be checked against the robot";
+  return "too few different configurations (" + std::to_string(poses) + ") to check the columns against the robot";
+}
+
 std::string StationPerFile() {
   return "each file is a station of its own: the instrument may have been moved between them";
 }

@@ -63,6 +63,9 @@ std::string OnlyTableThatFits(const std::string& table, const std::string& misfi
 std::string ColumnsFit(const std::string& misfit);
 std::string TorquesAreCarried();
 std::string LoadNeedsPoint(const std::string& load);
+std::string WeighedLoadNeedsPoint(const std::string& load, double mass);  // kg
+std::string RowsLieApart(int line, const std::string& distance);          // this row and another
+std::string TooFewPoses(size_t poses);
 std::string StationPerFile();
 std::string MarkerPerFile();
 

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "problems/io/import/header_words.h"
+#include "problems/io/import/mapped_columns.h"
 
 namespace sagitta {
 namespace {
@@ -81,18 +82,32 @@ std::optional<int> NumberedJoint(const Words& words) {
 std::optional<ColumnMeaning> AsJoint(const std::string& name, const Words& words,
                                      const std::vector<std::string>& joints) {
   if (Has(words, kSigmaWords) || Has(words, kDifferenceWords)) return std::nullopt;
+  ColumnMeaning meaning;
   std::optional<int> index = NamedJoint(name, joints);
   if (!index) {
     index = NumberedJoint(words);
     if (!index) return std::nullopt;
     --*index;  // counted from 1; a table that counts from 0 has a joint -1
+    meaning.is_numbered = true;
   }
-  ColumnMeaning meaning;
   meaning.role = Role::kJoint;
   meaning.index = *index;
   meaning.is_actual = Has(words, kMeasuredWords);
   meaning.is_commanded = Has(words, kTargetWords);
   return meaning;
+}
+
+constexpr char kExpanded[] =
+    "an expanded uncertainty (U = 2 sigma), which is not read: a column sigma_x_mm of half its values is";
+
+// "U95 X", "Uncertainty X (k=2)", "expanded unc. x"
+bool IsExpanded(const Words& words) {
+  if (Has(words, {"expanded", "erweitert", "erweiterte"})) return true;
+  for (size_t i = 0; i + 1 < words.size(); ++i) {
+    if (words[i] == "u" && words[i + 1] == "95") return true;
+    if (words[i] == "k" && words[i + 1] == "2") return true;
+  }
+  return false;
 }
 
 std::optional<ColumnMeaning> AsPoint(const Words& words) {
@@ -114,6 +129,7 @@ std::optional<ColumnMeaning> AsPoint(const Words& words) {
     }
   }
   if (axis < 0) return std::nullopt;
+  if (IsExpanded(words)) return Unused(kExpanded);
   ColumnMeaning meaning;
   meaning.index = axis;
   meaning.says_measured = Has(words, kMeasuredWords);
@@ -217,11 +233,11 @@ std::optional<ColumnMeaning> AsTorque(const std::string& name, const Words& word
 std::optional<std::string> TextColumn(const Words& words) {
   static const std::vector<std::pair<std::string, std::set<std::string>>> kNames = {
       {"config", {"config", "configuration", "pose"}},
-      {"marker", {"marker", "reflector", "nest"}},
-      {"station", {"station", "setup", "placement"}},
+      {"marker", {"marker", "reflector", "reflektor", "nest", "smr", "prism", "prisma", "ball", "kugel"}},
+      {"station", {"station", "setup", "placement", "standpunkt", "aufstellung"}},
       {"visit", {"visit"}},
       {"repeat", {"repeat", "repetition", "shot"}},
-      {"load", {"load", "payload"}},
+      {"load", {"load", "payload", "last", "traglast", "nutzlast"}},
       {"set", {"set"}}};
   static const std::set<std::string> kAround = {"id", "nr", "no", "number", "name", "index"};
   if (words.empty()) return std::nullopt;
@@ -270,6 +286,9 @@ ColumnMeaning ByName(const std::string& header, const std::vector<std::string>& 
   const std::string name = NameWithoutUnit(header);
   const Words words = Parted(WordsOf(StemOf(header)));
   if (words.empty()) return Unused("no name");
+  if (words.size() == 1 && words[0].size() == 2 && words[0][0] == 'u' && AxisNamed(words[0].substr(1)) >= 0) {
+    return Unused("an uncertainty; whether it is a standard deviation the name does not say");
+  }
   if (const auto text = TextColumn(words)) {
     ColumnMeaning meaning;
     meaning.role = Role::kText;
@@ -303,6 +322,92 @@ ColumnMeaning MeaningOf(const std::string& header, const std::vector<std::string
   if (meaning.role == Role::kTarget) meaning.why = "a position that was meant, not measured";
   if (meaning.role == Role::kDifference) meaning.why = "a difference, not a position";
   return meaning;
+}
+
+namespace {
+
+// The names of Universal Robots' pendant, by joint; all six or none.
+void NamePendantJoints(const std::vector<std::string>& headers, std::vector<ColumnMeaning>* meanings) {
+  static const std::vector<Words> kPendant = {{"base"},       {"shoulder"},   {"elbow"},
+                                              {"wrist", "1"}, {"wrist", "2"}, {"wrist", "3"}};
+  std::vector<size_t> columns;
+  for (const Words& joint : kPendant) {
+    for (size_t c = 0; c < headers.size(); ++c) {
+      if (WordsOf(StemOf(headers[c])) == joint) columns.push_back(c);
+    }
+  }
+  if (columns.size() != kPendant.size()) return;
+  for (size_t j = 0; j < columns.size(); ++j) {
+    ColumnMeaning meaning;
+    meaning.role = Role::kJoint;
+    meaning.index = static_cast<int>(j);
+    meaning.unit = UnitInHeader(headers[columns[j]]);
+    (*meanings)[columns[j]] = meaning;
+  }
+}
+
+// Turning joints that are named by one word and the numbers 1, 2, … in their order: their places; else empty.
+std::vector<int> NumberedTurningJoints(const std::vector<Joint>& joints) {
+  std::vector<int> places;
+  std::string word;
+  for (size_t j = 0; j < joints.size(); ++j) {
+    if (joints[j].type != JointType::kRevolute) continue;
+    const Words words = WordsOf(joints[j].name);
+    if (words.size() != 2 || words[1] != std::to_string(places.size() + 1)) return {};
+    if (!places.empty() && words[0] != word) return {};
+    word = words[0];
+    places.push_back(static_cast<int>(j));
+  }
+  return places;
+}
+
+// Numbers in units of angles count the turning joints, unless there are more of them.
+void CountTurningJoints(const std::vector<Joint>& joints, std::vector<ColumnMeaning>* meanings) {
+  const std::vector<int> places = NumberedTurningJoints(joints);
+  if (places.empty() || places.size() == joints.size()) return;
+  std::vector<ColumnMeaning*> numbered;
+  for (ColumnMeaning& meaning : *meanings) {
+    if (meaning.role != Role::kJoint || !meaning.is_numbered) continue;
+    if (!IsAngleUnit(meaning.unit) || meaning.index < 0) return;
+    if (meaning.index >= static_cast<int>(places.size())) return;
+    numbered.push_back(&meaning);
+  }
+  for (ColumnMeaning* meaning : numbered) meaning->index = places[static_cast<size_t>(meaning->index)];
+}
+
+// "Rail [mm]" of a robot with one joint that slides, where no other column is that joint.
+void NameRail(const std::vector<std::string>& headers, const std::vector<Joint>& joints,
+              std::vector<ColumnMeaning>* meanings) {
+  static const std::set<std::string> kRail = {"rail", "track", "linear", "schiene", "linearachse", "verfahrachse"};
+  static const std::set<std::string> kAround = {"axis", "pos", "position", "achse"};
+  const auto slides = [](const Joint& joint) { return joint.type == JointType::kPrismatic; };
+  if (std::count_if(joints.begin(), joints.end(), slides) != 1) return;
+  const int rail = static_cast<int>(std::find_if(joints.begin(), joints.end(), slides) - joints.begin());
+  std::vector<size_t> columns;
+  for (size_t c = 0; c < headers.size(); ++c) {
+    const Words words = WordsOf(StemOf(headers[c]));
+    const bool is_rail = Has(words, kRail) && std::all_of(words.begin(), words.end(), [](const std::string& word) {
+                           return kRail.count(word) + kAround.count(word) > 0;
+                         });
+    if (is_rail && IsLengthUnit((*meanings)[c].unit)) columns.push_back(c);
+    if ((*meanings)[c].role == Role::kJoint && (*meanings)[c].index == rail) return;
+  }
+  if (columns.size() != 1) return;
+  (*meanings)[columns[0]].role = Role::kJoint;
+  (*meanings)[columns[0]].index = rail;
+}
+
+}  // namespace
+
+std::vector<ColumnMeaning> MeaningsOf(const std::vector<std::string>& headers, const std::vector<Joint>& joints) {
+  Words names;
+  for (const Joint& joint : joints) names.push_back(joint.name);
+  std::vector<ColumnMeaning> meanings;
+  for (const std::string& header : headers) meanings.push_back(MeaningOf(header, names));
+  NamePendantJoints(headers, &meanings);
+  CountTurningJoints(joints, &meanings);
+  NameRail(headers, joints, &meanings);
+  return meanings;
 }
 
 }  // namespace sagitta

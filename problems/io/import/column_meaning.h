@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "models/chain.h"
+
 namespace sagitta {
 
 enum class Role {
@@ -35,6 +37,7 @@ struct ColumnMeaning {
   std::string unit;            // "" where the header does not say
   bool is_commanded = false;   // a joint value that the name calls commanded
   bool is_actual = false;      // a joint value that the name calls actual
+  bool is_numbered = false;    // a joint value whose name has the joint's number and no joint's own name
   bool says_measured = false;  // a point or rotation that the name calls measured
   std::string why;             // of kOther and kTarget, in words
   std::string unread_unit;     // of kOther: the unit, as written, for which alone it has no other role
@@ -42,5 +45,10 @@ struct ColumnMeaning {
 
 // `joints`: the robot's joint names, empty when it is not known.
 ColumnMeaning MeaningOf(const std::string& header, const std::vector<std::string>& joints);
+
+// Of all headers together. Base, Shoulder, Elbow, Wrist 1 … 3, as Universal Robots' pendant has them, are joints where
+// all six are there. E1 [mm], A1 [deg] … A6 [deg] of a robot with the joints E1, j1 … j6: numbers count the turning
+// joints where their units are of these and the robot's own names number them so.
+std::vector<ColumnMeaning> MeaningsOf(const std::vector<std::string>& headers, const std::vector<Joint>& joints);
 
 }  // namespace sagitta

@@ -8,6 +8,9 @@
 #include "problems/input_error.h"
 #include "problems/io/import/column_meaning.h"
 #include "problems/io/import/mapped_columns.h"
+#include "problems/io/import/marker_column.h"
+#include "problems/io/import/open_units.h"
+#include "problems/io/import/time_column.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -19,26 +22,23 @@ constexpr char kMapHint[] = "--map=x_mm=HEADER,y_mm=HEADER,z_mm=HEADER,q1_deg=HE
 class Planner {
  public:
   Planner(const TextTable& table, const std::vector<Joint>& joints, const std::map<std::string, std::string>& columns)
-      : table_(table), joints_(joints), mapped_(columns) {
-    for (const Joint& joint : joints) names_.push_back(joint.name);
-  }
+      : table_(table), joints_(joints), mapped_(columns) {}
 
   std::vector<ImportPlan> Plans() {
     plan_.guesses = table_.guesses;
     TakeMapped();
     if (table_.has_header()) {
-      for (int c = 0; c < table_.columns(); ++c) {
-        meanings_.push_back(taken_.count(c) ? ColumnMeaning() : MeaningOf(table_.header[c], names_));
-      }
+      meanings_ = MeaningsOf(table_.header, joints_);
+      for (const int c : taken_) meanings_[static_cast<size_t>(c)] = ColumnMeaning();
       TakeJoints();
       TakePoints();
       TakeRotation();
       TakeTorques();
       TakeOthers();
-      return WithOpenUnits({plan_});
+      return WithOpenUnits({plan_}, joints_);
     }
-    if (IsComplete(plan_)) return WithOpenUnits({plan_});
-    return WithOpenUnits(LayoutsWithoutHeader());
+    if (IsComplete(plan_)) return WithOpenUnits({plan_}, joints_);
+    return WithOpenUnits(LayoutsWithoutHeader(), joints_);
   }
 
  private:
@@ -354,10 +354,12 @@ class Planner {
         plan_.unused.emplace_back(HeaderOf(c), "torques in N m of all joints are used, or none");
         continue;
       }
-      if (stem.empty() || IsMapped(stem)) {
-        const std::string why = !meaning.why.empty() ? meaning.why
-                                : stem.empty()       ? "not complete, or without a unit"
-                                                     : "stands twice";
+      const std::string no_time = meaning.role == Role::kTime ? LookAtTime(table_, c).why_not : "";
+      if (stem.empty() || IsMapped(stem) || !no_time.empty()) {
+        const std::string why = !no_time.empty()       ? no_time
+                                : !meaning.why.empty() ? meaning.why
+                                : stem.empty()         ? "not complete, or without a unit"
+                                                       : "stands twice";
         plan_.unused.emplace_back(HeaderOf(c), why);
         continue;
       }
@@ -370,6 +372,19 @@ class Planner {
         unit = "degC";
       }
       Add(stem, stem == "time" ? "s" : unit, c, stem);
+      if (stem == "load") TakeLoad(meaning.unit, c);
+    }
+  }
+
+  // The unit is that of the masses by which loads are called; 0 is no load then.
+  void TakeLoad(const std::string& unit, int c) {
+    plan_.columns.back().text_unit = unit;
+    const bool has_zero = std::any_of(table_.rows.begin(), table_.rows.end(), [&](const TextTable::Row& row) {
+      return table_.Number(row.cells[static_cast<size_t>(c)]) == 0.0;
+    });
+    if (unit.empty() && has_zero) {
+      plan_.guesses.push_back("'" + HeaderOf(c) +
+                              "' is 0 where there is no load: the header does not say what it counts");
     }
   }
 
@@ -425,58 +440,9 @@ class Planner {
     return plans;
   }
 
-  static void SetUnit(ImportPlan* plan, const std::set<std::string>& stems, const std::string& unit) {
-    for (PlannedColumn& column : plan->columns) {
-      if (column.unit.empty() && stems.count(column.stem)) column.unit = unit;
-    }
-  }
-
-  static bool IsOpen(const ImportPlan& plan, const std::set<std::string>& stems) {
-    return std::any_of(plan.columns.begin(), plan.columns.end(), [&stems](const PlannedColumn& column) {
-      return column.unit.empty() && stems.count(column.stem);
-    });
-  }
-
-  std::vector<ImportPlan> Opened(const std::vector<ImportPlan>& plans, const std::set<std::string>& stems,
-                                 const std::vector<std::string>& units, const std::string& what) {
-    std::vector<ImportPlan> opened;
-    for (const ImportPlan& plan : plans) {
-      if (!IsOpen(plan, stems)) {
-        opened.push_back(plan);
-        continue;
-      }
-      for (const std::string& unit : units) {
-        opened.push_back(plan);
-        SetUnit(&opened.back(), stems, unit);
-        opened.back().choice += (plan.choice.empty() ? "" : ", ") + what + " in " + unit;
-        opened.back().guesses.push_back(what + " are in " + unit + ": the header does not say");
-      }
-    }
-    return opened;
-  }
-
-  std::vector<ImportPlan> WithOpenUnits(std::vector<ImportPlan> plans) {
-    std::set<std::string> turning, sliding;
-    for (size_t j = 0; j < joints_.size(); ++j) {
-      (joints_[j].type == JointType::kRevolute ? turning : sliding).insert("q" + std::to_string(j + 1));
-    }
-    plans = Opened(plans, turning, {"deg", "rad"}, "joint angles");
-    plans = Opened(plans, sliding, {"mm", "m"}, "sliding joints");
-    plans = Opened(plans, {"x", "y", "z"}, {"mm", "m", "in"}, "points");
-    for (ImportPlan& plan : plans) {
-      const std::set<std::string> sigmas = {"sigma_x", "sigma_y", "sigma_z"};
-      if (!IsOpen(plan, sigmas)) continue;
-      SetUnit(&plan, sigmas, plan.Find("x")->unit);
-      plan.guesses.push_back("standard deviations are in " + plan.Find("x")->unit +
-                             " as the points are: the header does not say");
-    }
-    return plans;
-  }
-
   const TextTable& table_;
   const std::vector<Joint>& joints_;
   const std::map<std::string, std::string>& mapped_;
-  std::vector<std::string> names_;
   std::vector<ColumnMeaning> meanings_;
   std::set<int> taken_;
   bool both_joints_ = false;
@@ -494,7 +460,9 @@ const PlannedColumn* ImportPlan::Find(const std::string& stem) const {
 
 std::vector<ImportPlan> PossiblePlans(const TextTable& table, const std::vector<Joint>& joints,
                                       const std::map<std::string, std::string>& columns) {
-  return Planner(table, joints, columns).Plans();
+  std::vector<ImportPlan> plans = Planner(table, joints, columns).Plans();
+  NameMarkers(table, columns.count("marker") > 0, &plans);
+  return plans;
 }
 
 }  // namespace sagitta

@@ -16,14 +16,20 @@
 
 namespace sagitta {
 
+// Of P07_SMR2 the whole, what stands before the first and behind the last sign that is no letter or digit.
+enum class NamePart { kWhole, kFirst, kLast };
+std::string PartOfName(const std::string& name, NamePart part);
+
 struct PlannedColumn {
   std::string stem;  // q1, x, sigma_x, rx, ow, tau1, temperature, time, config …
   std::string unit;  // of the source: mm, m, um, deg …; "1" of a quaternion; "" for texts
   int source = -1;   // column of the table
   int second = -1;   // another one, added with `sign`
   double sign = 1.0;
-  std::string header;   // as the table has it, for people
-  std::string meaning;  // in words
+  NamePart part = NamePart::kWhole;  // of a text: which part of its cells
+  std::string text_unit;             // of a text: what the header says, as kg of a load
+  std::string header;                // as the table has it, for people
+  std::string meaning;               // in words
 };
 
 struct ImportPlan {

@@ -8,9 +8,12 @@
 #include "problems/input_error.h"
 #include "problems/interruption.h"
 #include "problems/io/files.h"
+#include "problems/io/import/header_words.h"
+#include "problems/io/import/time_column.h"
 #include "problems/io/text_checks.h"
 #include "problems/io/units.h"
 #include "problems/limits.h"
+#include "problems/measurements.h"
 
 namespace sagitta {
 namespace {
@@ -36,18 +39,6 @@ void CheckSize(const TextTable& table, const TextTable::Row& row, const PlannedC
   if (si <= (column.stem[0] == 'q' ? limits::kJointValue : limits::kCoordinate)) return;
   throw InputError({table.path, row.line, column.header}, FormatNumber(number) + " " + column.unit + " is no reading",
                    "a lost reading is an empty cell, NaN or -9999");
-}
-
-// Seconds since 1970 of YYYYMMDDhhmmss; only differences matter, the calendar is the proleptic Gregorian one.
-std::optional<double> SecondsOfStamp(const std::string& cell) {
-  if (cell.size() != 14 || cell.find_first_not_of("0123456789") != std::string::npos) return std::nullopt;
-  int y = 0, m = 0, d = 0, h = 0, min = 0, s = 0;
-  if (std::sscanf(cell.c_str(), "%4d%2d%2d%2d%2d%2d", &y, &m, &d, &h, &min, &s) != 6) return std::nullopt;
-  if (y < 1980 || y > 2100 || m < 1 || m > 12 || d < 1 || d > 31 || h > 23 || min > 59 || s > 60) return std::nullopt;
-  const int shifted_year = m > 2 ? y : y - 1, shifted_month = (m + 9) % 12;
-  const long days = 365L * shifted_year + shifted_year / 4 - shifted_year / 100 + shifted_year / 400 +
-                    (153 * shifted_month + 2) / 5 + d - 719469;
-  return 86400.0 * days + 3600.0 * h + 60.0 * min + s;
 }
 
 // {column of measurements.csv, cell} of a row's rotation, as a rotation vector and the standard deviations of its left
@@ -93,42 +84,6 @@ std::map<std::string, std::string> RotationCells(const TextTable& table, const T
   return cells;
 }
 
-// A column that is the same everywhere, or not in seconds, says nothing about time.
-struct TimeColumn {
-  bool stamps = false;
-  bool usable = false;
-  std::string why_not;
-};
-
-TimeColumn LookAtTime(const TextTable& table, const PlannedColumn& column) {
-  TimeColumn time;
-  std::set<std::string> different;
-  bool numbers = true;
-  time.stamps = true;
-  for (const TextTable::Row& row : table.rows) {
-    CheckInterruption();
-    const std::string& cell = row.cells[column.source];
-    if (IsLostCell(cell)) continue;
-    different.insert(cell);
-    time.stamps = time.stamps && SecondsOfStamp(cell).has_value();
-    numbers = numbers && table.Number(cell).has_value();
-  }
-  const std::string unit = column.header;
-  if (different.size() < 2) {
-    time.why_not = "the time is the same in every row";
-  } else if (time.stamps) {
-    time.usable = true;
-  } else if (!numbers) {
-    time.why_not = "the times are no numbers and no stamps like 20200714163904";
-  } else if (2 * different.size() < table.rows.size()) {
-    time.why_not = "the times are rounded: " + std::to_string(different.size()) + " different ones in " +
-                   std::to_string(table.rows.size()) + " rows";
-  } else {
-    time.usable = true;
-  }
-  return time;
-}
-
 }  // namespace
 
 void ImportedRows::Add(const TextTable& table, const ImportPlan& plan, const RowDefaults& defaults, size_t stride) {
@@ -136,8 +91,8 @@ void ImportedRows::Add(const TextTable& table, const ImportPlan& plan, const Row
   int first_lost = 0;
   TimeColumn time;
   if (const PlannedColumn* column = plan.Find("time")) {
-    time = LookAtTime(table, *column);
-    if (!time.usable) notes_.push_back(table.path + ": '" + column->header + "' is not used: " + time.why_not);
+    time = LookAtTime(table, column->source);
+    if (!time.why_not.empty()) notes_.push_back(table.path + ": '" + column->header + "' is not used: " + time.why_not);
   }
   std::vector<Row> rows;
   for (size_t r = 0; r < table.rows.size(); r += stride) {
@@ -149,11 +104,11 @@ void ImportedRows::Add(const TextTable& table, const ImportPlan& plan, const Row
       if (IsRotation(column) || IsRotationSigma(column)) continue;
       const std::string& cell = source.cells[column.source];
       if (IsText(column)) {
-        row[column.stem] = cell;
+        row[column.stem] = column.stem == "load" ? LoadName(table, column, cell) : PartOfName(cell, column.part);
         continue;
       }
       if (column.stem == "time") {
-        if (!time.usable || IsLostCell(cell)) continue;
+        if (!time.why_not.empty() || IsLostCell(cell)) continue;
         row["time_s"] = FormatNumber(time.stamps ? *SecondsOfStamp(cell) : *table.Number(cell));
         continue;
       }
@@ -224,6 +179,19 @@ void ImportedRows::Add(const TextTable& table, const ImportPlan& plan, const Row
   while (plan.Find("q" + std::to_string(joints + 1))) ++joints;
   NameConfigurations(&rows, plan.Find("config") != nullptr, joints);
   rows_.insert(rows_.end(), rows.begin(), rows.end());
+}
+
+// A load is named by its mass where that is what the cell says; no mass is no load.
+std::string ImportedRows::LoadName(const TextTable& table, const PlannedColumn& column, const std::string& cell) {
+  const std::string in_cell = UnitInHeader(cell);
+  const std::string unit = in_cell.empty() ? column.text_unit : in_cell;
+  const std::optional<double> number = table.Number(in_cell.empty() ? cell : StemOf(cell));
+  if (!number) return cell;
+  if (*number == 0.0) return Shot().load;
+  if (unit.empty()) return cell;
+  const std::string name = FormatNumber(*number) + unit;
+  if (unit == "kg" && *number > 0.0) masses_[name] = *number;
+  return name;
 }
 
 // A row states the torques of all joints or of none.

@@ -26,15 +26,19 @@ class ImportedRows {
   std::string ToCsv(int joints) const;
 
   size_t size() const { return rows_.size(); }
+  // Loads whose masses, kg, the cells state ("5 kg", or 5 where the header says kg).
+  const std::map<std::string, double>& masses() const { return masses_; }
   const std::vector<std::string>& notes() const { return notes_; }  // lost readings, columns that say nothing
 
  private:
   using Row = std::map<std::string, std::string>;  // cell by column
 
   static void DropPartOfTorques(const ImportPlan& plan, Row* row);
+  std::string LoadName(const TextTable& table, const PlannedColumn& column, const std::string& cell);
   void NameConfigurations(std::vector<Row>* rows, bool has_column, int joints);
 
   std::vector<Row> rows_;
+  std::map<std::string, double> masses_;
   std::map<std::string, std::string> unit_of_;  // by stem, as the first table has it
   std::vector<std::string> notes_;
 };

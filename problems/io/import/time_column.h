@@ -1,0 +1,22 @@
+// What a column of times says: seconds, or stamps of date and time.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "problems/io/import/text_table.h"
+
+namespace sagitta {
+
+// Seconds since 1970 of 20240312090011, "2024-03-12 09:00:11" (T, fractions and Z too) or "12.03.2024 09:00:11", day
+// first as the points say; only differences matter, the calendar is the proleptic Gregorian one. Nothing: it is none.
+std::optional<double> SecondsOfStamp(const std::string& cell);
+
+// Why a column cannot be used: it is the same everywhere, rounded, or no time.
+struct TimeColumn {
+  bool stamps = false;
+  std::string why_not;  // "": it can
+};
+TimeColumn LookAtTime(const TextTable& table, int column);
+
+}  // namespace sagitta

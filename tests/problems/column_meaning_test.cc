@@ -1,0 +1,74 @@
+// What the names of columns say, one by one and together.
+#include "problems/io/import/column_meaning.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "problems/io/import/time_column.h"
+
+namespace sagitta::column_meaning_test {
+namespace {
+
+std::vector<Joint> OnRail(const std::string& rail, const std::string& word) {
+  std::vector<Joint> joints(7);
+  joints[0].name = rail;
+  joints[0].type = JointType::kPrismatic;
+  for (int j = 1; j < 7; ++j) joints[static_cast<size_t>(j)].name = word + std::to_string(j);
+  return joints;
+}
+
+std::vector<int> JointsOf(const std::vector<std::string>& headers, const std::vector<Joint>& joints) {
+  std::vector<int> indices;
+  for (const ColumnMeaning& meaning : MeaningsOf(headers, joints)) {
+    indices.push_back(meaning.role == Role::kJoint ? meaning.index : -9);
+  }
+  return indices;
+}
+
+TEST(ColumnMeanings, UnitsPartARailFromTheArm) {
+  const std::vector<std::string> arm = {"A1 [deg]", "A2 [deg]", "A3 [deg]", "A4 [deg]", "A5 [deg]", "A6 [deg]"};
+  for (const char* rail : {"E1 [mm]", "Rail [mm]"}) {
+    std::vector<std::string> headers = {rail};
+    headers.insert(headers.end(), arm.begin(), arm.end());
+    EXPECT_THAT(JointsOf(headers, OnRail("E1", "j")), ::testing::ElementsAre(0, 1, 2, 3, 4, 5, 6)) << rail;
+  }
+  // Counted through the arm, as our own columns are.
+  EXPECT_THAT(JointsOf({"q1_mm", "q2_deg", "q3_deg", "q4_deg", "q5_deg", "q6_deg", "q7_deg"}, OnRail("E1", "j")),
+              ::testing::ElementsAre(0, 1, 2, 3, 4, 5, 6));
+  // Joints that are not named by numbers are counted through, too.
+  std::vector<Joint> named = OnRail("rail", "j");
+  named[3].name = "elbow";
+  EXPECT_THAT(JointsOf({"A1 [deg]", "A2 [deg]"}, named), ::testing::ElementsAre(0, 1));
+}
+
+TEST(ColumnMeanings, PendantNamesAreJointsTogether) {
+  const std::vector<Joint> none;
+  EXPECT_THAT(JointsOf({"Base", "shoulder", "Elbow", "wrist1", "Wrist 2", "wrist_3 [deg]"}, none),
+              ::testing::ElementsAre(0, 1, 2, 3, 4, 5));
+  EXPECT_THAT(JointsOf({"Base", "J1 [deg]"}, none), ::testing::ElementsAre(-9, 0));
+}
+
+TEST(ColumnMeanings, ExpandedUncertaintiesAreNoStandardDeviations) {
+  for (const char* header : {"U95 X [mm]", "Uncertainty X (k=2) [mm]", "Expanded uncertainty x", "U95_x_mm"}) {
+    const ColumnMeaning meaning = MeaningOf(header, {});
+    EXPECT_EQ(meaning.role, Role::kOther) << header;
+    EXPECT_THAT(meaning.why, ::testing::HasSubstr("2 sigma")) << header;
+  }
+  EXPECT_THAT(MeaningOf("Ux", {}).why, ::testing::HasSubstr("uncertainty"));
+  EXPECT_EQ(MeaningOf("Uncertainty X [mm]", {}).role, Role::kSigma);
+}
+
+TEST(TimeStamps, AreReadAsPeopleWriteThem) {
+  const double nine = 1710234011.0;  // date -u -d '2024-03-12 09:00:11' +%s
+  for (const char* stamp : {"20240312090011", "2024-03-12 09:00:11", "2024-03-12T09:00:11Z", "2024/03/12 09:00:11",
+                            "12.03.2024 09:00:11", "12.3.2024 9:00:11"}) {
+    EXPECT_EQ(SecondsOfStamp(stamp), nine) << stamp;
+  }
+  EXPECT_EQ(SecondsOfStamp("2024-03-12 09:00:11.25"), nine + 0.25);
+  for (const char* none : {"", "09:00:11", "2024-13-12 09:00:11", "1710234011", "03/12/2024 09:00:11"}) {
+    EXPECT_FALSE(SecondsOfStamp(none)) << none;
+  }
+}
+
+}  // namespace
+}  // namespace sagitta::column_meaning_test
