@@ -26,6 +26,7 @@ constexpr double kAsGood = 1.1;    // readings that fit alike: the simplest is n
 constexpr double kPerfect = 1e-4;  // of the reach: no better fit means anything
 constexpr size_t kShown = 6;
 constexpr size_t kMostAlike = 2;
+constexpr double kLongestArm = 100.0;  // m; of the arms that are built the longest reach some tens
 constexpr double kLargestError = 4.0;  // times 5 mm or 1 deg: no arm is made or mastered that badly
 constexpr double kMostFarRows = 0.2;   // of all: more are no exceptions
 
@@ -49,6 +50,7 @@ Finding Unexplained(const CalibrationProblem& problem, double misfit, double sus
 // Next to a robot whose lengths are 1000 times too large any points are nearly one: then the robot in millimetres fits
 // them, and far better than their own mean does.
 std::optional<Finding> LongRobot(const CalibrationProblem& problem, const std::vector<int>& sample, double spread) {
+  if (Reach(problem.robot().chain) < kLongestArm) return std::nullopt;  // rather the points are in another unit
   Reading reading = RobotInMillimetres(problem);
   reading.misfit = AlignedMisfit(Reread(problem, reading), sample);
   const bool fits = reading.misfit <= SuspiciousMisfit(reading.robot->chain);
