@@ -68,7 +68,7 @@ def scene(folder, poses):
 
 
 def test_diagnose_says_what_was_found_so_far():
-    for poses in (80, 120, 160, 240, 320, 480):  # more of them where the program is done before it is interrupted
+    for poses in (80, 120, 160, 240, 320, 480, 960, 1920):  # more of them where the program is done before it is interrupted
         with tempfile.TemporaryDirectory() as name:
             folder = pathlib.Path(name)
             scene(folder, poses)
