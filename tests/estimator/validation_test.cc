@@ -178,6 +178,7 @@ TEST(Trust, ARobotFileThatIsCalibratedAlreadyIsAsGoodAsBefore) {
   CalibrationProblem problem = Problem();
   Estimate estimate = EstimateJointly(problem);
   estimate.aligned = estimate.parameters;
+  ComputeStatistics(problem, &estimate);
   const Trust trust = JudgeTrust(problem, 1, &estimate);
   ASSERT_LT(trust.nominal.distance_rms, trust.Quoted().distance_rms);
   const bool is_close = trust.nominal.distance_rms > 0.95 * trust.Quoted().distance_rms;
