@@ -173,7 +173,7 @@ WeightedSet SetSearch::EvaluateFrom(const std::vector<int>& given_members, Membe
       const auto most = std::max_element(logs.begin(), logs.end());
       const double best = kScales[most - logs.begin()];
       set.log_likelihood = *most;
-      averages += LogSumExp(logs) - std::log(static_cast<double>(logs.size())) - *most;
+      averages += LogSumExp(logs) - std::log(members.NumScales(k)) - *most;
       if (best == set.scales[k] || round == kScaleRounds) continue;
       set.scales[k] = best;
       members.Rescale(k, best);

@@ -34,8 +34,8 @@ Picture Waterfall(const Diagnosis& d) {
     stages.push_back({std::to_string(++number) + ": " + ShortTitle(d.final.problem->robot(), effect.candidate.spec),
                       1e3 * effect.holdout_after});
   }
-  return WaterfallPicture("The gap, effect by effect", "hold-out RMS per coordinate, mm", stages,
-                          1e3 * d.gap.floor, "noise floor");
+  return WaterfallPicture("The gap, effect by effect", "hold-out RMS per coordinate, mm", stages, 1e3 * d.gap.floor,
+                          "noise floor");
 }
 
 // Before: what the measurements ask for with the effect removed from the model, and what the effect says. After: the
