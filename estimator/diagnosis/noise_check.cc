@@ -117,8 +117,8 @@ std::vector<DeviationGroup> CommonDeviations(const CalibrationProblem& problem) 
 
 // An instrument scatters differently along its line of sight and across it, there in proportion to the range (angles)
 // or not, or along the axes of its frame, and stated is often one figure for all. Each direction has its own factor,
-// the median of the squares over that of chi-square with 1 or 2 degrees of freedom, at least 1. A point is far off only
-// where it is by each of these descriptions.
+// the median of the squares over that of chi-square with 1 or 2 degrees of freedom, at least 1 where sigma is stated. A
+// point is far off only where it is by each of these descriptions.
 struct DirectedScatter {
   double along = 1.0, across = 1.0, by_angle = 1.0;     // of the line of sight; by_angle: at the median range
   double range = 1.0;                                   // median, m
@@ -133,11 +133,14 @@ struct DirectedScatter {
   double Most() const { return std::max({along, across, by_angle, axes.maxCoeff()}); }
 };
 
-double Factor(const std::vector<double>& squares, double median) {
-  return squares.empty() ? 1.0 : std::max(1.0, Median(squares) / median);
+constexpr double kLeastFactor = 1e-12;  // of readings that fit exactly
+
+double Factor(const std::vector<double>& squares, double median, double least) {
+  return squares.empty() ? 1.0 : std::max(least, Median(squares) / median);
 }
 
-DirectedScatter ScatterOf(const std::vector<ShotResidual>& shots) {
+DirectedScatter ScatterOf(const std::vector<ShotResidual>& shots, bool is_sigma_stated) {
+  const double least = is_sigma_stated ? 1.0 : kLeastFactor;
   std::vector<double> along, across, by_angle, axes[3], ranges;
   for (const ShotResidual& shot : shots) {
     for (size_t i = 0; i < shot.observations.size(); ++i) {
@@ -154,10 +157,10 @@ DirectedScatter ScatterOf(const std::vector<ShotResidual>& shots) {
   DirectedScatter scatter;
   if (!ranges.empty()) scatter.range = Median(ranges);
   for (double& square : by_angle) square *= scatter.range * scatter.range;
-  scatter.along = Factor(along, kMedianOfOne);
-  scatter.across = Factor(across, kMedianOfTwo);
-  scatter.by_angle = Factor(by_angle, kMedianOfTwo);
-  for (int axis = 0; axis < 3; ++axis) scatter.axes[axis] = Factor(axes[axis], kMedianOfOne);
+  scatter.along = Factor(along, kMedianOfOne, least);
+  scatter.across = Factor(across, kMedianOfTwo, least);
+  scatter.by_angle = Factor(by_angle, kMedianOfTwo, least);
+  for (int axis = 0; axis < 3; ++axis) scatter.axes[axis] = Factor(axes[axis], kMedianOfOne, least);
   return scatter;
 }
 
@@ -200,7 +203,7 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
     double rigid;    // what the body's best motion leaves of all of them, over the larger scatter
   };
   const std::vector<ShotResidual> shots = ResidualsByShot(problem, parameters, observations);
-  const DirectedScatter scatter = ScatterOf(shots);
+  const DirectedScatter scatter = ScatterOf(shots, IsSigmaStated(problem));
   std::vector<Entry> entries;
   for (const ShotResidual& shot : shots) {
     const size_t n = shot.observations.size();
@@ -246,13 +249,17 @@ std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const Para
                                    const std::vector<int>& outliers, double significance) {
   std::vector<int> explained;
   if (outliers.empty()) return explained;
-  const Eigen::Matrix3Xd residuals =
-      ResidualsOf(problem.data(), outliers, PredictPoints(problem, parameters, outliers));
-  const NoiseRoots noise = ObservationNoise(problem, outliers, kFallbackSigma);
   const double n = static_cast<double>(problem.CalibrationObservations().size() + outliers.size());
   const double limit = ChiSquareQuantile(1.0 - significance / n, 3.0);
-  for (size_t k = 0; k < outliers.size(); ++k) {
-    if ((noise[k].inverse() * residuals.col(k)).squaredNorm() < limit) explained.push_back(outliers[k]);
+  DirectedScatter scatter;  // as stated
+  if (!IsSigmaStated(problem)) {
+    scatter = ScatterOf(ResidualsByShot(problem, parameters, problem.CalibrationObservations()), false);
+  }
+  for (const ShotResidual& shot : ResidualsByShot(problem, parameters, outliers)) {
+    for (size_t i = 0; i < shot.observations.size(); ++i) {
+      const Eigen::Vector3d residual = shot.residual.segment<3>(static_cast<long>(3 * i));
+      if (scatter.SquareOf(residual, shot.places[i]) < limit) explained.push_back(shot.observations[i]);
+    }
   }
   return explained;
 }
