@@ -36,6 +36,9 @@ uncertainties: the zero of a joint that slipped, a tool that was knocked, a mark
 instrument) that moved, a length, an angle or a stiffness. DIR/changed.json has every change with its value, 95 %
 interval and probability, and "nothing", the probability that none is needed.
 
+Instruments and tools may stand and hang anywhere the second time. A station that both name may have moved by metres;
+where no name is shared, nothing is said of where the instrument stands, and likewise of the tool.
+
 Examples
   sagitta changed before/estimate.json after/estimate.json --out=changed
 )",

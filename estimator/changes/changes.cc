@@ -3,30 +3,39 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "estimator/changes/comparison.h"
 #include "estimator/changes/sparse_search.h"
 #include "estimator/report/changes_words.h"
 #include "estimator/statistics/distributions.h"
+#include "models/dense_algebra.h"
+#include "models/matrix_functions.h"
+#include "problems/failure.h"
 #include "problems/text.h"
 
 namespace sagitta {
 namespace {
 
-// Gauss-Newton rounds: a millimetre or a milliradian leaves a nanometre after the second.
-constexpr int kRounds = 3;
+// A millimetre or a milliradian leaves a nanometre after the second round; a wrong set is left within a few.
+constexpr int kRounds = 12;
+constexpr double kArrived = 0.1;  // standard deviations of the whole difference, of the last step
 constexpr double kWorthAWord = 0.05;
+// Of what is left: less probable means that something is not explained.
+constexpr double kUnexplained = 1e-3;
 
 // value: of one parameter as it is; of a motion the length of its translation, or its angle where that is all there is.
-Change DescribeChange(const ChangeGroup& group, const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance,
+Change DescribeChange(const ChangeGroup& group, const Eigen::VectorXd& size, const Eigen::MatrixXd& covariance,
                       double probability) {
   const double k = NormalQuantile(0.975);
   Change change;
   change.kind = group.kind;
   change.target = group.target;
   change.probability = probability;
+  change.same = group.same;
   Eigen::VectorXd factor(group.size());
   for (int i = 0; i < group.size(); ++i) factor[i] = group.typical[i] / group.unit[i];
-  const Eigen::VectorXd value = factor.cwiseProduct(mean);
+  const Eigen::VectorXd value = factor.cwiseProduct(size);
   const Eigen::MatrixXd spread = factor.asDiagonal() * covariance * factor.asDiagonal();
   change.unit = group.units[0];
   if (group.size() == 1) {
@@ -45,7 +54,7 @@ Change DescribeChange(const ChangeGroup& group, const Eigen::VectorXd& mean, con
   const double sigma = std::sqrt(along.dot(spread.topLeftCorner(3, 3) * along));
   change.ci95[0] = std::max(0.0, change.value - k * sigma), change.ci95[1] = change.value + k * sigma;
   change.words = ChangeInWords(change);
-  if (group.size() == 6) change.words += TurnedInWords(value.tail(3).norm());
+  if (group.is_motion()) change.words += TurnedInWords(value.tail(3).norm());
   return change;
 }
 
@@ -57,6 +66,7 @@ nlohmann::ordered_json ToJson(const Change& change) {
                                  {"ci95", {change.ci95[0], change.ci95[1]}},
                                  {"probability", change.probability},
                                  {"words", change.words}};
+  if (!change.same.empty()) json["same"] = change.same;
   if (change.parts.empty()) return json;
   json["parts"] = nlohmann::ordered_json::array();
   for (const Change::Part& part : change.parts) {
@@ -66,43 +76,171 @@ nlohmann::ordered_json ToJson(const Change& change) {
   return json;
 }
 
+// What search sees of a comparison: whitened once more, for what each campaign has of its own is anywhere,
+// K = I + P P' with P its columns of kAnySize.
+struct SearchInput {
+  Eigen::VectorXd left, applied;
+  Eigen::MatrixXd columns;
+  std::vector<SparseGroup> groups;
+  std::vector<size_t> of;  // the comparison's group of each
+  std::vector<size_t> own_groups;
+  Eigen::MatrixXd own;                 // P
+  Eigen::LLT<Eigen::MatrixXd> factor;  // of K, where there are such columns
+};
+
+// An instrument or a tool can be anywhere; joints and markers keep to the arm and are moved exactly at any size.
+BeyondTypical BeyondTypicalOf(const ChangeGroup& group) {
+  if (!group.is_plain()) return BeyondTypical::kNone;
+  return group.is_motion() ? BeyondTypical::kAnywhere : BeyondTypical::kLarge;
+}
+
+SearchInput InputOf(const EstimateComparison::Linear& linear, const std::vector<ChangeGroup>& groups) {
+  SearchInput input;
+  input.left = linear.left, input.applied = linear.applied, input.columns = linear.columns;
+  std::vector<int> own;
+  for (size_t g = 0; g < groups.size(); ++g) {
+    if (groups[g].of_campaign) {
+      own.insert(own.end(), linear.of_group[g].begin(), linear.of_group[g].end());
+      input.own_groups.push_back(g);
+      for (const int column : linear.of_group[g]) input.applied[column] = 0.0;  // in no set
+      continue;
+    }
+    input.groups.push_back({linear.of_group[g], BeyondTypicalOf(groups[g])});
+    input.of.push_back(g);
+  }
+  if (own.empty()) return input;
+  input.own = kAnySize * linear.columns(Eigen::all, own);
+  input.factor.compute(Eigen::MatrixXd::Identity(input.left.size(), input.left.size()) +
+                       input.own * input.own.transpose());
+  input.factor.matrixL().solveInPlace(input.left);
+  input.factor.matrixL().solveInPlace(input.columns);
+  return input;
+}
+
+// Where the old estimate goes: by the best set, by nothing else, and by what each campaign has of its own.
+std::vector<Eigen::VectorXd> MovedBy(const EstimateComparison& comparison, const EstimateComparison::Linear& linear,
+                                     const SearchInput& input, const SparsePosterior& posterior,
+                                     Eigen::VectorXd* step) {
+  const std::vector<ChangeGroup>& groups = comparison.groups();
+  std::vector<Eigen::VectorXd> target;
+  for (const ChangeGroup& group : groups) target.push_back(Eigen::VectorXd::Zero(group.size()));
+  *step = -linear.applied;
+  const auto go = [&](size_t g, const Eigen::VectorXd& way) {
+    target[g] = Further(groups[g], comparison.applied()[g], way);
+    (*step)(linear.of_group[g]) = way;
+  };
+  for (const SparsePosterior::Member& member : posterior.best) {
+    const size_t g = input.of[member.group];
+    go(g, member.anywhere ? member.mean : Eigen::VectorXd(member.mean - comparison.applied()[g]));
+  }
+  if (input.own_groups.empty()) return target;
+  for (const size_t g : input.own_groups) (*step)(linear.of_group[g]).setZero();
+  // The mean of what is anywhere, given the rest: size P' K^-1 r.
+  const Eigen::VectorXd rest = linear.left - linear.columns * *step;
+  const Eigen::VectorXd own = kAnySize * (input.own.transpose() * input.factor.solve(rest));
+  long first = 0;
+  for (const size_t g : input.own_groups) {
+    go(g, own.segment(first, groups[g].size()));
+    first += groups[g].size();
+  }
+  return target;
+}
+
+struct SearchOutcome {
+  SparsePosterior posterior;
+  std::vector<Eigen::VectorXd> applied;
+  std::vector<size_t> of;
+  double log_evidence = 0.0;
+  bool arrived = false;
+  double left_p = 1.0;
+};
+
+// How probable it is that what is left is no more than both estimates leave open.
+double ProbabilityOfTheRest(const EstimateComparison& comparison, const SearchOutcome& outcome) {
+  const EstimateComparison::Linear linear = comparison.Linearise();
+  double fitted = 0.0;
+  for (const SparsePosterior::Member& member : outcome.posterior.best)
+    fitted += static_cast<double>(member.mean.size());
+  for (const ChangeGroup& group : comparison.groups()) fitted += group.of_campaign ? group.size() : 0;
+  return ChiSquareSurvival(linear.left.squaredNorm(), std::max(1.0, comparison.NumRandom() - fitted));
+}
+
+// Sets and linearisations in turn, until the set stays and the step is none. The comparison has been aligned.
+SearchOutcome SearchFrom(EstimateComparison* comparison) {
+  SearchOutcome outcome;
+  std::vector<int> before = {-1};
+  for (int round = 0; round < kRounds && !outcome.arrived; ++round) {
+    const EstimateComparison::Linear linear = comparison->Linearise();
+    const SearchInput input = InputOf(linear, comparison->groups());
+    outcome.of = input.of;
+    outcome.posterior = SearchSparse(input.columns, input.left, input.groups, input.applied);
+    outcome.log_evidence = outcome.posterior.log_best - 0.5 * comparison->LogDeterminant();
+    if (!input.own_groups.empty()) outcome.log_evidence -= 0.5 * LogDeterminant(input.factor);
+    Eigen::VectorXd step;
+    comparison->MoveTo(MovedBy(*comparison, linear, input, outcome.posterior, &step));
+    std::vector<int> set;
+    for (const SparsePosterior::Member& member : outcome.posterior.best) set.push_back(member.group);
+    outcome.arrived = set == before && (linear.columns * step).norm() < kArrived;
+    before = set;
+  }
+  outcome.applied = comparison->applied();
+  outcome.left_p = ProbabilityOfTheRest(*comparison, outcome);
+  return outcome;
+}
+
+void AddAlternatives(const std::vector<ChangeGroup>& groups, const SearchOutcome& outcome, Changes* result) {
+  std::vector<bool> named(outcome.of.size(), false);
+  for (const SparsePosterior::Member& member : outcome.posterior.best) named[member.group] = true;
+  for (size_t i = 0; i < outcome.of.size(); ++i) {
+    const double p = outcome.posterior.probability[static_cast<long>(i)];
+    if (p < kWorthAWord || named[i]) continue;
+    Change other;
+    other.kind = groups[outcome.of[i]].kind, other.target = groups[outcome.of[i]].target, other.probability = p;
+    result->alternatives.push_back(other);
+  }
+}
+
 }  // namespace
 
 Changes FindChanges(const KnownRobot& old_estimate, const KnownRobot& new_estimate) {
   EstimateComparison comparison(old_estimate, new_estimate);
+  comparison.Align(MarkerStart::kEach);
+  comparison.LeaveOutIndistinguishable();
+  const std::vector<ChangeGroup>& groups = comparison.groups();
+  std::optional<SearchOutcome> best;
+  for (const MarkerStart start : {MarkerStart::kEach, MarkerStart::kBody}) {
+    comparison.Align(start);
+    const SearchOutcome outcome = SearchFrom(&comparison);
+    if (!outcome.arrived || (best && best->log_evidence >= outcome.log_evidence)) continue;
+    best = outcome;
+  }
+  if (!best) throw Failure(TooFarApart(old_estimate.file, new_estimate.file));
+  comparison.MoveTo(best->applied);
   Changes result;
   result.notes = comparison.notes();
-  result.before_rms = comparison.Rms();
-  const std::vector<ChangeGroup>& groups = comparison.groups();
-  SparsePosterior posterior;
-  for (int round = 0; round < kRounds; ++round) {
-    const EstimateComparison::Linear linear = comparison.Linearise();
-    posterior = SearchSparse(linear.columns, linear.difference, linear.of_group);
-    std::vector<Eigen::VectorXd> applied;
-    for (const ChangeGroup& group : groups) applied.push_back(Eigen::VectorXd::Zero(group.size()));
-    for (size_t i = 0; i < posterior.best.size(); ++i) applied[posterior.best[i]] = posterior.mean[i];
-    comparison.MoveTo(applied);
-  }
   result.after_rms = comparison.Rms();
-  result.nothing = posterior.nothing;
-  for (size_t i = 0; i < posterior.best.size(); ++i) {
-    const int g = posterior.best[i];
+  result.nothing = best->posterior.nothing;
+  const EstimateComparison::Linear linear = comparison.Linearise();
+  for (const SparsePosterior::Member& member : best->posterior.best) {
+    const size_t g = best->of[member.group];
     result.changes.push_back(
-        DescribeChange(groups[g], posterior.mean[i], posterior.covariance[i], posterior.probability[g]));
+        DescribeChange(groups[g], best->applied[g], member.covariance, best->posterior.probability[member.group]));
+    if (!groups[g].is_motion()) continue;
+    const std::vector<std::string> zeros = comparison.ZerosWithin(linear, static_cast<int>(g));
+    if (!zeros.empty()) result.notes.push_back(ZerosAreHidden(zeros, result.changes.back()));
   }
-  for (size_t g = 0; g < groups.size(); ++g) {
-    const double p = posterior.probability[static_cast<long>(g)];
-    if (p < kWorthAWord ||
-        std::find(posterior.best.begin(), posterior.best.end(), static_cast<int>(g)) != posterior.best.end()) {
-      continue;
-    }
-    Change other;
-    other.kind = groups[g].kind, other.target = groups[g].target, other.probability = p;
-    result.alternatives.push_back(other);
-  }
+  AddAlternatives(groups, *best, &result);
   const auto likelier = [](const Change& a, const Change& b) { return a.probability > b.probability; };
-  std::sort(result.changes.begin(), result.changes.end(), likelier);
-  std::sort(result.alternatives.begin(), result.alternatives.end(), likelier);
+  std::stable_sort(result.changes.begin(), result.changes.end(), likelier);
+  std::stable_sort(result.alternatives.begin(), result.alternatives.end(), likelier);
+  // How far the two are apart but for what is each campaign's own.
+  std::vector<Eigen::VectorXd> own = best->applied;
+  for (size_t g = 0; g < groups.size(); ++g) {
+    if (!groups[g].of_campaign) own[g].setZero();
+  }
+  comparison.MoveTo(own);
+  result.before_rms = comparison.Rms();
+  if (best->left_p < kUnexplained) result.notes.insert(result.notes.begin(), MoreIsLeft(result.after_rms));
   result.words = ChangesInWords(result);
   return result;
 }

@@ -9,20 +9,24 @@
 // (c = J C_p / C_pp), as wide as such a parameter can be. Explanations (a joint's zero slipped, tool knocked, marker
 // reseated, base moved, length, angle, stiffness) are columns per typical size; which of them changed is a posterior
 // over sets (sparse_search.h).
+//
+// An instrument that is set up anew stands metres away: the old estimate is first moved next to the new one, exactly,
+// by all that can be of any size (align.cc), columns and C are those of that place, and a set is searched and moved to
+// in turn until it stays.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
-#include "estimator/changes/comparison.h"
+#include "estimator/changes/change_groups.h"
 
 namespace sagitta {
 
 struct Change {
   ChangeKind kind = ChangeKind::kJointZero;
   std::string target;  // A3, flange, M1, S1, p_x1, ...
-  double value = 0.0;  // in `unit`; a motion: its largest distance over the markers or about the base
+  double value = 0.0;  // in `unit`; a motion: of the base's or the flange's origin
   std::string unit;    // mm, mrad, ...
   double ci95[2] = {0.0, 0.0};
   double probability = 0.0;
@@ -32,7 +36,8 @@ struct Change {
     std::string unit;
     double ci95[2] = {0.0, 0.0};
   };
-  std::vector<Part> parts;  // of a motion
+  std::vector<Part> parts;        // of a motion
+  std::vector<std::string> same;  // parameters whose change would move the points alike
   std::string words;
 };
 
@@ -46,7 +51,8 @@ struct Changes {
   std::string words;
 };
 
-// Throws InputError where the estimates are of different robots or share no station or marker.
+// Throws InputError where the estimates are of different robots or nothing can be compared, Failure where no set of
+// changes is reached from one to the other.
 Changes FindChanges(const KnownRobot& old_estimate, const KnownRobot& new_estimate);
 
 // changed.json, sagitta/changed/1.

@@ -5,35 +5,21 @@
 #include <cmath>
 #include <numeric>
 
+#include "estimator/changes/sparse_search.h"
 #include "estimator/least_squares/held_influence.h"
 #include "estimator/least_squares/row_sums.h"
 #include "estimator/report/changes_words.h"
-#include "models/constants.h"
 #include "models/dense_algebra.h"
+#include "models/matrix_functions.h"
 #include "problems/input_error.h"
-#include "problems/simulation.h"
 
 namespace sagitta {
 namespace {
 
-constexpr int kConfigurations = 36;  // a few times as many points as a robot has parameters
-constexpr double kFloor = 2e-6;      // m: less is no change of any robot, and keeps C regular
-// Typical sizes of a change: what a collision, a new gearbox or a reseated reflector does to arms of 10 to 300 kg
-// payload.
-constexpr double kTypicalLength = 2e-4;    // m
-constexpr double kTypicalAngle = 2e-4;     // rad
-constexpr double kTypicalShare = 0.3;      // of a compliance or a spring's parameter
-constexpr double kProbeForce = 1000.0;     // N, where loads are stated by the rows' wrenches alone
-constexpr std::uint64_t kSeed = 20260101;  // of the configurations that are compared
-
-template <typename Map>
-std::vector<std::string> Shared(const Map& a, const Map& b) {
-  std::vector<std::string> names;
-  for (const auto& [name, value] : a) {
-    if (b.count(name) > 0) names.push_back(name);
-  }
-  return names;
-}
+constexpr double kFloor = 2e-6;  // m: less is no change of any robot, and keeps C regular
+// Standard deviations by which the largest change within the design's sizes (the widest of kChangeScales) has to differ
+// from what other explanations can do: less is not seen.
+constexpr double kStandsOut = 1.0;
 
 bool Has(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -55,13 +41,49 @@ Eigen::VectorXd ZeroColumn(const Chain& chain, const Linearization& all, int joi
 }
 
 Eigen::MatrixXd Columns(const std::vector<std::string>& names, const CalibrationProblem& problem,
-                        const Linearization& all) {
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(all.num_rows(), static_cast<long>(names.size()));
+                        const Eigen::MatrixXd& jacobian) {
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(jacobian.rows(), static_cast<long>(names.size()));
   for (size_t i = 0; i < names.size(); ++i) {
     const int coordinate = problem.parameters.FindCoordinate(names[i]);
-    if (coordinate >= 0) columns.col(static_cast<long>(i)) = all.jacobian.col(coordinate);
+    if (coordinate >= 0) columns.col(static_cast<long>(i)) = jacobian.col(coordinate);
   }
   return columns;
+}
+
+Eigen::MatrixXd SideBySide(const std::vector<Eigen::MatrixXd>& parts, long rows) {
+  long width = 0;
+  for (const Eigen::MatrixXd& part : parts) width += part.cols();
+  Eigen::MatrixXd joined(rows, width);
+  width = 0;
+  for (const Eigen::MatrixXd& part : parts) joined.middleCols(width, part.cols()) = part, width += part.cols();
+  return joined;
+}
+
+// Whether the largest design change along one of `columns` is seen although `others` of that size, in typical sizes,
+// may have changed: with errors e ~ N(0, I) and others P a, a ~ N(0, size^2 I), it stands out by c'(I + size^2 P P')^-1
+// c squared standard deviations. (By their span alone nearly parallel axes hide anything: metres of one against metres
+// of the other.)
+bool IsSeenBeyond(const Eigen::MatrixXd& others, double size, const Eigen::MatrixXd& columns) {
+  // (I + s^2 P P')^-1 = I - P (I / s^2 + P'P)^-1 P'.
+  Eigen::MatrixXd normal = others.transpose() * others;
+  normal.diagonal().array() += 1.0 / (size * size);
+  const Eigen::MatrixXd across = others.transpose() * columns;
+  Eigen::VectorXd squares = columns.colwise().squaredNorm().transpose();
+  if (others.cols() > 0) {
+    squares -= across.cwiseProduct(Eigen::LLT<Eigen::MatrixXd>(normal).solve(across)).colwise().sum().transpose();
+  }
+  const double widest = kChangeScales[kNumChangeScales - 1];
+  return widest * widest * squares.maxCoeff() >= kStandsOut * kStandsOut;
+}
+
+// Base poses and markers were found in the old campaign's frames; moved, their directions turn.
+void TurnColumns(const std::vector<int>& coordinates, const Matrix3<double>& rotation, Eigen::MatrixXd* jacobian) {
+  for (size_t first = 0; first + 2 < coordinates.size(); first += 3) {
+    Eigen::MatrixXd turned(jacobian->rows(), 3);
+    for (int a = 0; a < 3; ++a) turned.col(a) = jacobian->col(coordinates[first + a]);
+    turned = Eigen::MatrixXd(turned * Eigen::MatrixXd(rotation));
+    for (int a = 0; a < 3; ++a) jacobian->col(coordinates[first + a]) = turned.col(a);
+  }
 }
 
 }  // namespace
@@ -69,6 +91,7 @@ Eigen::MatrixXd Columns(const std::vector<std::string>& names, const Calibration
 EstimateComparison::EstimateComparison(const KnownRobot& old_estimate, const KnownRobot& new_estimate)
     : old_(old_estimate), new_(new_estimate) {
   CheckSameRobot(old_, new_);
+  own_ = PairCampaigns(old_, &new_);
   // Both in the same conditions, and with each joint's own derivative at hand.
   const bool any_slides = std::any_of(old_.robot.chain.joints.begin(), old_.robot.chain.joints.end(),
                                       [](const Joint& joint) { return joint.type == JointType::kPrismatic; });
@@ -78,192 +101,59 @@ EstimateComparison::EstimateComparison(const KnownRobot& old_estimate, const Kno
   if (any_turns) old_.loading.repeatability.angle.common = 1.0;
   if (any_slides) old_.loading.repeatability.length.common = 1.0;
   new_.loading = old_.loading;
-  const Measurements rows = MakeRows(old_, new_);
+  const Measurements rows = RowsOfBoth(old_, new_, own_);
   problems_.push_back(PredictionProblem(old_, rows));
   problems_.push_back(PredictionProblem(new_, rows));
+  start_ = problems_[0].parameters;
+  for (const ShotInput& shot : problems_[0].shot_inputs()) start_joints_.push_back(shot.conditions.q);
   rows_.resize(rows.observations.size());
   std::iota(rows_.begin(), rows_.end(), 0);
-  ListGroups();
+  groups_ = ListChangeGroups(problems_[0], old_, new_, own_);
   for (const ChangeGroup& group : groups_) applied_.push_back(Eigen::VectorXd::Zero(group.size()));
+  CheckKnown();
+  NoteWhatOneAssumed();
   FactorCovariance();
 }
 
-void EstimateComparison::CheckSameRobot(const KnownRobot& a, const KnownRobot& b) const {
-  const auto fail = [&](const std::string& what) {
-    throw InputError({b.file, 0, "robot"}, "not the robot of " + a.file + ": " + what,
-                     "give two estimates of one robot, made from the same robot description");
-  };
-  const Chain &x = a.robot.chain, &y = b.robot.chain;
-  if (x.num_joints() != y.num_joints()) {
-    fail(std::to_string(y.num_joints()) + " joints against " + std::to_string(x.num_joints()));
-  }
-  for (int j = 0; j < x.num_joints(); ++j) {
-    if (x.joints[j].name != y.joints[j].name || x.joints[j].type != y.joints[j].type) {
-      fail("joint " + std::to_string(j + 1) + " is '" + y.joints[j].name + "' against '" + x.joints[j].name + "'");
+void EstimateComparison::CheckKnown() const {
+  for (const KnownRobot* known : {&old_, &new_}) {
+    if (!known->uncertainty.covariance.allFinite()) {
+      throw InputError({known->file, 0, "sigma"}, "this estimate does not say how well anything is known",
+                       "state the noise of the measurements, or measure more than there are unknowns");
     }
-  }
-  if (a.robot.name != b.robot.name) fail("'" + b.robot.name + "' against '" + a.robot.name + "'");
-  // Estimates differ by millimetres; another size of the same build by centimetres.
-  constexpr double kOtherBuild = 0.02;
-  bool same = x.num_transforms() == y.num_transforms();
-  for (int e = 0; same && e < x.num_transforms(); ++e) {
-    same = x.transforms[e].motion == y.transforms[e].motion && x.transforms[e].axis == y.transforms[e].axis &&
-           x.transforms[e].joint == y.transforms[e].joint && x.transforms[e].sign == y.transforms[e].sign &&
-           (x.transforms[e].is_rotation() || std::abs(x.transforms[e].nominal - y.transforms[e].nominal) < kOtherBuild);
-  }
-  if (!same) fail("the kinematic chains differ");
-}
-
-// Configurations over the joints' limits (a third of a turn to either side without), alternating over the stations.
-Measurements EstimateComparison::MakeRows(const KnownRobot& a, const KnownRobot& b) {
-  Measurements data;
-  data.stations = Shared(a.base_in_station, b.base_in_station);
-  for (const std::string& marker : Shared(a.markers, b.markers)) {
-    if (a.markers.at(marker).on == b.markers.at(marker).on) data.markers.push_back(marker);
-  }
-  if (data.stations.empty()) throw InputError({b.file, 0, "stations"}, "no station of " + a.file + " is among them");
-  if (data.markers.empty()) throw InputError({b.file, 0, "markers"}, "no marker of " + a.file + " is among them");
-  std::string load;
-  for (const auto& [name, spec] : a.loading.loads) {
-    if (load.empty() && (spec.point || a.loading.load_point)) load = name;
-  }
-  if (load.empty() && a.loading.load_point) load = "probe";
-  data.files.push_back({"", "", {}, {}});
-  const Chain& chain = a.robot.chain;
-  NormalNumbers normal(kSeed);
-  for (int c = 0; c < kConfigurations; ++c) {
-    Configuration configuration{"C" + std::to_string(c), Eigen::VectorXd(chain.num_joints()), false};
-    for (int j = 0; j < chain.num_joints(); ++j) {
-      const Joint& joint = chain.joints[j];
-      const double half = joint.type == JointType::kRevolute ? 2.0 * kPi / 3.0 : 0.5;
-      const double low = joint.min.value_or(-half), high = joint.max.value_or(half);
-      configuration.q[j] = low + (high - low) * 0.5 * std::erfc(-normal() / std::sqrt(2.0));
-    }
-    data.configurations.push_back(configuration);
-    for (const bool loaded : {false, true}) {
-      if (loaded && load.empty()) continue;
-      Shot shot;
-      shot.configuration = c;
-      shot.station = c % static_cast<int>(data.stations.size());
-      if (loaded) {
-        shot.load = load;
-        const auto spec = a.loading.loads.find(load);
-        if (spec == a.loading.loads.end() || !spec->second.mass) shot.wrench.force = {0.0, 0.0, -kProbeForce};
-      }
-      const std::string& station = data.stations[shot.station];
-      const ConditionOrigins origins = a.loading.origins.value_or(ConditionOrigins());
-      shot.has_time = shot.has_temperature = true;
-      shot.time = origins.first_time.count(station) > 0 ? origins.first_time.at(station) : 0.0;
-      shot.temperature = origins.mean_temperature;
-      shot.approach.assign(chain.num_joints(), 0);
-      for (size_t m = 0; m < data.markers.size(); ++m) {
-        Observation observation;
-        observation.shot = static_cast<int>(data.shots.size());
-        observation.marker = static_cast<int>(m);
-        observation.file = 0;
-        observation.row = static_cast<int>(data.observations.size());
-        data.files[0].rows.push_back({observation.row + 1, {}});
-        shot.observations.push_back(observation.row);
-        data.observations.push_back(observation);
-      }
-      data.shots.push_back(shot);
-    }
-  }
-  return data;
-}
-
-// Six coordinates of a rigid motion: base/<station>, or all markers on the flange about the flange.
-ChangeGroup EstimateComparison::Motion(ChangeKind kind, const std::string& target) const {
-  const ParameterSet& parameters = problems_[0].parameters;
-  ChangeGroup group{kind, target};
-  group.coordinates.setZero(parameters.num_coordinates(), 6);
-  for (int i = 0; i < 6; ++i) {
-    const bool turns = i >= 3;
-    group.names.push_back((turns ? "r" : "") + std::string(1, "xyz"[i % 3]));
-    group.unit.push_back(1e-3);
-    group.units.push_back(turns ? "mrad" : "mm");
-    group.typical.push_back(turns ? kTypicalAngle : kTypicalLength);
-    if (kind == ChangeKind::kBase) {
-      group.coordinates(parameters.FindCoordinate("base/" + target + "/" + group.names[i]), i) = group.typical[i];
-      continue;
-    }
-    const Vector3<double> unit = Vector3<double>::Unit(i % 3);
-    for (size_t m = 0; m < problems_[0].data().markers.size(); ++m) {
-      const std::string& name = problems_[0].data().markers[m];
-      if (old_.markers.at(name).on.kind != MarkerPlace::Kind::kFlange) continue;
-      const Vector3<double> way = turns ? unit.cross(parameters.MarkerPoint(static_cast<int>(m))) : unit;
-      for (int a = 0; a < 3; ++a) {
-        group.coordinates(parameters.FindCoordinate("marker/" + name + "/" + "xyz"[a]), i) = group.typical[i] * way[a];
-      }
-    }
-  }
-  return group;
-}
-
-void EstimateComparison::AddMarkers() {
-  const ParameterSet& parameters = problems_[0].parameters;
-  int on_flange = 0;
-  for (const std::string& name : problems_[0].data().markers) {
-    on_flange += old_.markers.at(name).on.kind == MarkerPlace::Kind::kFlange;
-    ChangeGroup group{ChangeKind::kMarker, name};
-    group.coordinates.setZero(parameters.num_coordinates(), 3);
-    for (int a = 0; a < 3; ++a) {
-      group.names.push_back(std::string(1, "xyz"[a]));
-      group.unit.push_back(1e-3);
-      group.units.push_back("mm");
-      group.typical.push_back(kTypicalLength);
-      group.coordinates(parameters.FindCoordinate("marker/" + name + "/" + "xyz"[a]), a) = kTypicalLength;
-    }
-    groups_.push_back(group);
-  }
-  // With one marker on the flange a knocked tool is a reseated marker.
-  if (on_flange > 1) groups_.push_back(Motion(ChangeKind::kTool, "flange"));
-}
-
-void EstimateComparison::ListGroups() {
-  const CalibrationProblem& problem = problems_[0];
-  const Chain& chain = problem.model().chain();
-  const int n = problem.parameters.num_coordinates();
-  for (int j = 0; j < chain.num_joints(); ++j) {
-    const bool turns = chain.joints[j].type == JointType::kRevolute;
-    ChangeGroup group{ChangeKind::kJointZero, chain.joints[j].name, Eigen::MatrixXd::Zero(n, 1), j,
-                      turns ? kTypicalAngle : kTypicalLength};
-    group.names = {"zero"}, group.unit = {1e-3}, group.units = {turns ? "mrad" : "mm"},
-    group.typical = {group.joint_size};
-    groups_.push_back(group);
-  }
-  for (const std::string& station : problem.data().stations) groups_.push_back(Motion(ChangeKind::kBase, station));
-  AddMarkers();
-  for (const ModelParameter& parameter : problem.model().parameters()) {
-    const int coordinate = problem.parameters.FindCoordinate(parameter.name);
-    // An offset of a joint is its zero.
-    if (parameter.law == ParameterLaw::kGeometry && chain.transforms[parameter.index].has_joint()) continue;
-    if (new_.robot.effects.size() != old_.robot.effects.size() && parameter.law == ParameterLaw::kEffect) continue;
-    double typical = parameter.quantity == Quantity::kLength ? kTypicalLength : kTypicalAngle;
-    if (parameter.law != ParameterLaw::kGeometry) typical = kTypicalShare * std::abs(parameter.nominal);
-    if (typical == 0.0) continue;
-    const ChangeKind kind = parameter.law == ParameterLaw::kGeometry     ? ChangeKind::kGeometry
-                            : parameter.law == ParameterLaw::kCompliance ? ChangeKind::kCompliance
-                            : parameter.law == ParameterLaw::kEffect     ? ChangeKind::kEffect
-                                                                         : ChangeKind::kCompensator;
-    ChangeGroup group{kind, parameter.name.substr(parameter.name.find('/') + 1), Eigen::MatrixXd::Zero(n, 1)};
-    group.coordinates(coordinate, 0) = typical;
-    group.names = {"value"}, group.typical = {typical};
-    group.units = {TraitsOf(parameter.quantity).unit}, group.unit = {TraitsOf(parameter.quantity).si_per_unit};
-    groups_.push_back(group);
   }
 }
 
-// Root of an estimate's covariance of the predictions: S with S S' its share of C.
+void EstimateComparison::NoteWhatOneAssumed() {
+  for (const auto& [one, other] : {std::pair(&old_, &new_), std::pair(&new_, &old_)}) {
+    std::vector<std::string> names;
+    for (const std::string& name : one->uncertainty.estimated) {
+      const std::optional<CoordinateKind> kind = CoordinateKindOf(name);
+      if (!kind || kind == CoordinateKind::kBase || kind == CoordinateKind::kMarker) continue;
+      if (!Has(other->uncertainty.estimated, name) && !Has(other->uncertainty.held, name)) names.push_back(name);
+    }
+    if (names.empty()) continue;
+    notes_.push_back(ChangesOpen(one->file, names));
+  }
+}
+
+// Root of an estimate's covariance of the predictions: S with S S' its share of C. jacobian: where the estimate has
+// been moved to; where_it_was: before.
 Eigen::MatrixXd EstimateComparison::SpreadOf(const CalibrationProblem& problem, const KnownRobot& known,
-                                             const KnownRobot& other) const {
-  const Linearization all = AllColumns(problem, rows_);
+                                             const KnownRobot& other, const Eigen::MatrixXd& jacobian,
+                                             const Eigen::MatrixXd& where_it_was) const {
   const ParameterUncertainty& u = known.uncertainty;
-  const Eigen::MatrixXd estimated = Columns(u.estimated, problem, all);
+  const Eigen::MatrixXd estimated = Columns(u.estimated, problem, jacobian);
   std::vector<Eigen::MatrixXd> parts;
   if (!u.estimated.empty()) parts.push_back(estimated * RootOf(u.covariance));
   if (!u.held.empty()) {
-    const Eigen::MatrixXd followed = estimated * u.slopes, held = Columns(u.held, problem, all) + followed;
+    Eigen::MatrixXd held = Columns(u.held, problem, jacobian) + estimated * u.slopes;
+    const Eigen::MatrixXd unmoved =
+        Columns(u.held, problem, where_it_was) + Columns(u.estimated, problem, where_it_was) * u.slopes;
+    // What did nothing to the points is a convention (where the flange's frame is); both estimates have the same.
+    for (long h = 0; h < held.cols(); ++h) {
+      if (unmoved.col(h).norm() * std::sqrt(u.second_moment(h, h)) < kFloor) held.col(h).setZero();
+    }
     parts.push_back(held * RootOf(u.second_moment));
   }
   // What only this one estimated, the other assumed; what the other's parameters would have done moves along.
@@ -277,36 +167,45 @@ Eigen::MatrixXd EstimateComparison::SpreadOf(const CalibrationProblem& problem, 
     // Regression of all on the one that the other estimate assumed: C_:p / C_pp times how far it may be off.
     parts.push_back(range * (estimated * (u.covariance.col(p) / u.covariance(p, p))));
   }
-  long width = 0;
-  for (const Eigen::MatrixXd& part : parts) width += part.cols();
-  Eigen::MatrixXd spread(all.num_rows(), width);
-  width = 0;
-  for (const Eigen::MatrixXd& part : parts) spread.middleCols(width, part.cols()) = part, width += part.cols();
-  return spread;
+  return SideBySide(parts, jacobian.rows());
+}
+
+// Base and marker columns of the old campaign as its parameters' errors move the points now: p' = T p moves by R_T dp.
+Eigen::MatrixXd EstimateComparison::TurnedWithTheChanges(Eigen::MatrixXd jacobian) const {
+  for (size_t g = 0; g < groups_.size(); ++g) {
+    const ChangeGroup& group = groups_[g];
+    if (!group.is_motion()) continue;
+    const Matrix3<double> rotation = RotationOf(group, applied_[g]);
+    if (group.kind == ChangeKind::kBase) TurnColumns(group.coordinates, rotation, &jacobian);
+    for (const int marker : group.carried) {
+      const int first = start_.marker(marker).first_coordinate;
+      TurnColumns({first, first + 1, first + 2}, rotation, &jacobian);
+    }
+  }
+  return jacobian;
 }
 
 void EstimateComparison::FactorCovariance() {
-  for (const KnownRobot* known : {&old_, &new_}) {
-    if (!known->uncertainty.covariance.allFinite()) {
-      throw InputError({known->file, 0, "sigma"}, "this estimate does not say how well anything is known",
-                       "state the noise of the measurements, or measure more than there are unknowns");
-    }
-  }
-  const Eigen::MatrixXd a = SpreadOf(problems_[0], old_, new_), b = SpreadOf(problems_[1], new_, old_);
-  Eigen::MatrixXd covariance = a * a.transpose();
-  covariance += b * b.transpose();
+  const std::vector<Eigen::VectorXd> applied = applied_;
+  std::vector<Eigen::VectorXd> none;
+  for (const ChangeGroup& group : groups_) none.push_back(Eigen::VectorXd::Zero(group.size()));
+  MoveTo(none);
+  const Eigen::MatrixXd before = AllColumns(problems_[0], rows_).jacobian;
+  MoveTo(applied);
+  const Eigen::MatrixXd moved = TurnedWithTheChanges(AllColumns(problems_[0], rows_).jacobian);
+  const Eigen::MatrixXd other = AllColumns(problems_[1], rows_).jacobian;
+  spread_ =
+      SideBySide({SpreadOf(problems_[0], old_, new_, moved, before), SpreadOf(problems_[1], new_, old_, other, other)},
+                 moved.rows());
+  Eigen::MatrixXd covariance = spread_ * spread_.transpose();
   covariance.diagonal().array() += kFloor * kFloor;
-  whitener_ = Eigen::LLT<Eigen::MatrixXd>(covariance).matrixL();
-  for (const auto& [one, other] : {std::pair(&old_, &new_), std::pair(&new_, &old_)}) {
-    std::vector<std::string> names;
-    for (const std::string& name : one->uncertainty.estimated) {
-      const std::optional<CoordinateKind> kind = CoordinateKindOf(name);
-      if (!kind || kind == CoordinateKind::kBase || kind == CoordinateKind::kMarker) continue;
-      if (!Has(other->uncertainty.estimated, name) && !Has(other->uncertainty.held, name)) names.push_back(name);
-    }
-    if (names.empty()) continue;
-    notes_.push_back(ChangesOpen(one->file, names));
-  }
+  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+  log_determinant_ = sagitta::LogDeterminant(factor);
+  whitener_ = factor.matrixL();
+}
+
+double EstimateComparison::NumRandom() const {
+  return whitener_.triangularView<Eigen::Lower>().solve(spread_).squaredNorm();
 }
 
 Eigen::VectorXd EstimateComparison::Difference() const {
@@ -320,29 +219,57 @@ double EstimateComparison::Rms() const {
   return std::sqrt(Difference().squaredNorm() / static_cast<double>(rows_.size()));
 }
 
+Eigen::MatrixXd EstimateComparison::ColumnsOf(size_t g, const Linearization& all) const {
+  const ChangeGroup& group = groups_[g];
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(all.num_rows(), group.size());
+  for (size_t i = 0; i < group.coordinates.size(); ++i) {
+    columns.col(static_cast<long>(i)) = group.typical[i] * all.jacobian.col(group.coordinates[i]);
+  }
+  if (group.kind == ChangeKind::kJointZero) {
+    columns.col(0) = group.typical[0] * ZeroColumn(problems_[0].model().chain(), all, group.index);
+  }
+  if (group.carried.empty()) return columns;
+  const Matrix3<double> rotation = RotationOf(group, applied_[g]);
+  for (const int marker : group.carried) {
+    // m' = R m + t + own shift, R = exp(d) R: dm' = dt + d x R m.
+    const Vector3<double> arm = rotation * start_.MarkerPoint(marker);
+    const int first = start_.marker(marker).first_coordinate;
+    for (int i = 0; i < 6; ++i) {
+      const Vector3<double> unit = Vector3<double>::Unit(i % 3);
+      const Vector3<double> way = i < 3 ? unit : Vector3<double>(unit.cross(arm));
+      for (int a = 0; a < 3; ++a) columns.col(i) += group.typical[i] * way[a] * all.jacobian.col(first + a);
+    }
+  }
+  return columns;
+}
+
+Eigen::MatrixXd EstimateComparison::MetricColumns(const std::vector<size_t>& groups) const {
+  const Linearization all = AllColumns(problems_[0], rows_);
+  std::vector<Eigen::MatrixXd> parts;
+  for (const size_t g : groups) parts.push_back(ColumnsOf(g, all));
+  return SideBySide(parts, all.num_rows());
+}
+
 EstimateComparison::Linear EstimateComparison::Linearise() const {
   const Linearization all = AllColumns(problems_[0], rows_);
   Linear linear;
   int width = 0;
   for (const ChangeGroup& group : groups_) width += group.size();
   linear.columns.resize(all.num_rows(), width);
-  Eigen::VectorXd applied(width);
+  linear.applied.resize(width);
   int first = 0;
   for (size_t g = 0; g < groups_.size(); ++g) {
     const ChangeGroup& group = groups_[g];
-    auto columns = linear.columns.middleCols(first, group.size());
-    columns.noalias() = all.jacobian * group.coordinates;
-    if (group.joint >= 0)
-      columns.col(0) += group.joint_size * ZeroColumn(problems_[0].model().chain(), all, group.joint);
-    applied.segment(first, group.size()) = applied_[g];
+    linear.columns.middleCols(first, group.size()) = ColumnsOf(g, all);
+    linear.applied.segment(first, group.size()) = applied_[g];
     std::vector<int> indices(group.size());
     std::iota(indices.begin(), indices.end(), first);
     linear.of_group.push_back(indices);
     first += group.size();
   }
-  linear.difference = Difference() + linear.columns * applied;
+  linear.left = Difference();
   const auto lower = whitener_.triangularView<Eigen::Lower>();
-  lower.solveInPlace(linear.difference);
+  lower.solveInPlace(linear.left);
   lower.solveInPlace(linear.columns);
   return linear;
 }
@@ -350,16 +277,98 @@ EstimateComparison::Linear EstimateComparison::Linearise() const {
 void EstimateComparison::MoveTo(const std::vector<Eigen::VectorXd>& applied) {
   CalibrationProblem& problem = problems_[0];
   std::vector<ShotInput>& inputs = *problem.mutable_shot_inputs();
-  Eigen::VectorXd step = Eigen::VectorXd::Zero(problem.parameters.num_coordinates());
+  for (size_t s = 0; s < inputs.size(); ++s) inputs[s].conditions.q = start_joints_[s];
+  ParameterSet& parameters = problem.parameters;
+  parameters = start_;
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(parameters.num_coordinates());
   for (size_t g = 0; g < groups_.size(); ++g) {
-    const Eigen::VectorXd way = applied[g] - applied_[g];
-    step += groups_[g].coordinates * way;
-    if (groups_[g].joint < 0 || way[0] == 0.0) continue;
-    for (ShotInput& shot : inputs) shot.conditions.q[groups_[g].joint] += groups_[g].joint_size * way[0];
+    const ChangeGroup& group = groups_[g];
+    if (group.kind == ChangeKind::kJointZero) {
+      for (ShotInput& shot : inputs) shot.conditions.q[group.index] += group.typical[0] * applied[g][0];
+    }
+    // From where the set was made, Plus turns a base by the whole rotation vector.
+    for (size_t i = 0; i < group.coordinates.size(); ++i) {
+      step[group.coordinates[i]] += group.typical[i] * applied[g][static_cast<long>(i)];
+    }
+    for (const int marker : group.carried) {
+      const Vector3<double> shift(applied[g][0] * group.typical[0], applied[g][1] * group.typical[1],
+                                  applied[g][2] * group.typical[2]);
+      parameters.SetMarkerPoint(marker, RotationOf(group, applied[g]) * start_.MarkerPoint(marker) + shift);
+    }
   }
   problem.model().Prepare(&inputs);
-  problem.parameters.Plus(step);
+  parameters.Plus(step);
   applied_ = applied;
+}
+
+std::vector<std::string> EstimateComparison::ZerosWithin(const Linear& linear, int group) const {
+  const Eigen::MatrixXd moved = linear.columns(Eigen::all, linear.of_group[group]);
+  std::vector<std::string> names;
+  for (size_t g = 0; g < groups_.size(); ++g) {
+    if (groups_[g].kind != ChangeKind::kJointZero) continue;
+    if (!IsSeenBeyond(moved, kAnySize, linear.columns(Eigen::all, linear.of_group[g])))
+      names.push_back(groups_[g].target);
+  }
+  return names;
+}
+
+void EstimateComparison::Drop(const std::vector<bool>& stays) {
+  std::vector<ChangeGroup> groups;
+  std::vector<Eigen::VectorXd> applied;
+  for (size_t g = 0; g < groups_.size(); ++g) {
+    if (!stays[g]) continue;
+    groups.push_back(groups_[g]);
+    applied.push_back(applied_[g]);
+  }
+  groups_ = groups;
+  MoveTo(applied);
+}
+
+void EstimateComparison::LeaveOutIndistinguishable() {
+  const Linear linear = Linearise();
+  const auto columns_of = [&](const auto& which) {
+    std::vector<int> columns;
+    for (size_t g = 0; g < groups_.size(); ++g) {
+      if (which(groups_[g])) columns.insert(columns.end(), linear.of_group[g].begin(), linear.of_group[g].end());
+    }
+    return Eigen::MatrixXd(linear.columns(Eigen::all, columns));
+  };
+  const Eigen::MatrixXd own = columns_of([](const ChangeGroup& group) { return group.of_campaign; });
+  const Eigen::MatrixXd plain = columns_of([](const ChangeGroup& group) { return group.is_plain(); });
+  std::vector<bool> stays(groups_.size(), true);
+  std::vector<std::string> hidden;
+  for (size_t g = 0; g < groups_.size(); ++g) {
+    if (groups_[g].of_campaign) continue;
+    const Eigen::MatrixXd columns = linear.columns(Eigen::all, linear.of_group[g]);
+    stays[g] =
+        IsSeenBeyond(own, kAnySize, columns) && (groups_[g].is_plain() || IsSeenBeyond(plain, kLargeSize, columns));
+    // Without a campaign's own coordinates, a zero that moves nothing has nothing to be named for, either.
+    if (!stays[g] && groups_[g].kind == ChangeKind::kJointZero) hidden.push_back(groups_[g].target);
+  }
+  // Those that an estimate determined stand for others that would do the same.
+  const auto is_estimated = [&](const ChangeGroup& group) {
+    const std::string name = WordOf(group.kind) + "/" + group.target;
+    return Has(old_.uncertainty.estimated, name) || Has(new_.uncertainty.estimated, name);
+  };
+  std::vector<size_t> order(groups_.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_partition(order.begin(), order.end(), [&](size_t g) { return is_estimated(groups_[g]); });
+  for (size_t i = 0; i < order.size(); ++i) {
+    ChangeGroup& first = groups_[order[i]];
+    if (first.is_plain() || !stays[order[i]]) continue;
+    const Eigen::MatrixXd column = linear.columns(Eigen::all, linear.of_group[order[i]]);
+    for (size_t k = i + 1; k < order.size(); ++k) {
+      const ChangeGroup& second = groups_[order[k]];
+      if (second.is_plain() || !stays[order[k]]) continue;
+      if (IsSeenBeyond(column, kLargeSize, linear.columns(Eigen::all, linear.of_group[order[k]]))) continue;
+      stays[order[k]] = false;
+      first.same.push_back(WordOf(second.kind) + " " + second.target);
+    }
+  }
+  if (own_.station) notes_.push_back(StationsAreOwn(old_.file, new_.file));
+  if (own_.markers) notes_.push_back(MarkersAreOwn(old_.file, new_.file));
+  if (!hidden.empty()) notes_.push_back(ZerosAreHidden(hidden));
+  Drop(stays);
 }
 
 }  // namespace sagitta

@@ -11,20 +11,22 @@
 namespace sagitta {
 namespace {
 
-constexpr double kNegligible = 12.0;      // a set e^-12 below the best is not followed
-constexpr size_t kBeam = 12;              // sets that are followed at a time
-constexpr size_t kMostChangedGroups = 6;  // in a set
+constexpr double kNegligible = 12.0;    // a set e^-12 below the best is not followed
+constexpr size_t kBeam = 12;            // sets that are followed at a time
+constexpr long kMostChangedGroups = 6;  // in a set, but for what is anywhere
 
 // Group and index of its scale, sorted.
 using GroupSet = std::vector<std::pair<int, int>>;
 
 class Search {
  public:
-  Search(const Eigen::MatrixXd& columns, const Eigen::VectorXd& residual, const std::vector<std::vector<int>>& groups,
-         const SparsePrior& prior)
+  Search(const Eigen::MatrixXd& columns, const Eigen::VectorXd& left, const std::vector<SparseGroup>& groups,
+         const Eigen::VectorXd& applied, const SparsePrior& prior)
       : gram_(columns.transpose() * columns),
-        gradient_(columns.transpose() * residual),
+        gradient_(columns.transpose() * left),
+        left_(left.squaredNorm()),
         groups_(groups),
+        applied_(applied.size() > 0 ? applied : Eigen::VectorXd::Zero(columns.cols())),
         prior_(prior) {}
 
   SparsePosterior Run();
@@ -35,15 +37,31 @@ class Search {
     Eigen::VectorXd scale;
     Eigen::LLT<Eigen::MatrixXd> factor;  // of I + G
     Eigen::VectorXd scaled_gradient;
+    double squares = 0.0;  // r'r
   };
   Solved Solve(const GroupSet& set) const;
   double LogPosterior(const GroupSet& set);
   // Sets by one more, one less, one exchanged.
   std::vector<GroupSet> Neighbours(const GroupSet& set) const;
 
+  SparsePosterior Summarise(double best) const;
+  void AddMembers(GroupSet set, SparsePosterior* posterior) const;
+  double ScaleOf(int group, int scale) const {
+    if (scale < kNumChangeScales) return kChangeScales[scale];
+    return groups_[group].beyond == BeyondTypical::kLarge ? kLargeSize : kAnySize;
+  }
+  int NumScales(int group) const {
+    return groups_[group].beyond == BeyondTypical::kNone ? kNumChangeScales : kNumChangeScales + 1;
+  }
+  bool IsAnywhere(int group, int scale) const {
+    return scale == kNumChangeScales && groups_[group].beyond == BeyondTypical::kAnywhere;
+  }
+
   const Eigen::MatrixXd gram_;
-  const Eigen::VectorXd gradient_;
-  const std::vector<std::vector<int>>& groups_;
+  const Eigen::VectorXd gradient_;  // of what is left
+  const double left_;
+  const std::vector<SparseGroup>& groups_;
+  const Eigen::VectorXd applied_;
   const SparsePrior prior_;
   std::map<GroupSet, double> seen_;
 };
@@ -51,33 +69,39 @@ class Search {
 Search::Solved Search::Solve(const GroupSet& set) const {
   Solved solved;
   std::vector<double> scales;
+  Eigen::VectorXd way = applied_;
   for (const auto& [group, scale] : set) {
-    for (const int column : groups_[group]) {
+    for (const int column : groups_[group].columns) {
       solved.columns.push_back(column);
-      scales.push_back(kChangeScales[scale]);
+      scales.push_back(ScaleOf(group, scale));
+      if (IsAnywhere(group, scale)) way[column] = 0.0;
     }
   }
+  const Eigen::VectorXd gradient_of_way = gram_ * way;
+  solved.squares = left_ + way.dot(2.0 * gradient_ + gradient_of_way);
   solved.scale = Eigen::Map<const Eigen::VectorXd>(scales.data(), static_cast<long>(scales.size()));
   const Eigen::MatrixXd g =
       solved.scale.asDiagonal() * gram_(solved.columns, solved.columns) * solved.scale.asDiagonal();
   solved.factor.compute(g + Eigen::MatrixXd::Identity(g.rows(), g.cols()));
-  solved.scaled_gradient = solved.scale.cwiseProduct(gradient_(solved.columns));
+  solved.scaled_gradient = solved.scale.cwiseProduct((gradient_ + gradient_of_way)(solved.columns));
   return solved;
 }
 
 double Search::LogPosterior(const GroupSet& set) {
   const auto [entry, is_new] = seen_.try_emplace(set, 0.0);
   if (!is_new) return entry->second;
-  if (set.empty()) return entry->second = std::log(prior_.nothing);
+  if (set.empty()) {
+    const double squares = left_ + applied_.dot(2.0 * gradient_ + gram_ * applied_);
+    return entry->second = std::log(prior_.nothing) - 0.5 * squares;
+  }
   const Solved solved = Solve(set);
   // Changes x ~ N(0, D^2) seen by y = J x + N(0, 1):  ln p(y | set) = 1/2 b'(1 + G)^-1 b - 1/2 ln|1 + G| + const, G = D
   // J'J D, b = D J'y.
   const double log_det = LogDeterminant(solved.factor);
   const double gain = solved.scaled_gradient.dot(solved.factor.solve(solved.scaled_gradient));
-  const double each = std::log(1.0 / (static_cast<double>(groups_.size()) * kNumChangeScales));
-  const auto size = static_cast<double>(set.size());
-  return entry->second = 0.5 * gain - 0.5 * log_det + std::log(1.0 - prior_.nothing) +
-                         (size - 1.0) * std::log(prior_.further) + size * each;
+  double prior = std::log(1.0 - prior_.nothing) + (static_cast<double>(set.size()) - 1.0) * std::log(prior_.further);
+  for (const auto& [group, scale] : set) prior -= std::log(static_cast<double>(groups_.size()) * NumScales(group));
+  return entry->second = 0.5 * (gain - solved.squares) - 0.5 * log_det + prior;
 }
 
 std::vector<GroupSet> Search::Neighbours(const GroupSet& set) const {
@@ -88,10 +112,12 @@ std::vector<GroupSet> Search::Neighbours(const GroupSet& set) const {
   }
   std::vector<GroupSet> neighbours(from.begin() + 1, from.end());
   for (const GroupSet& base : from) {
-    if (base.size() >= kMostChangedGroups) continue;
+    const auto is_near = [this](const auto& member) { return !IsAnywhere(member.first, member.second); };
+    const bool is_full = std::count_if(base.begin(), base.end(), is_near) >= kMostChangedGroups;
     for (int g = 0; g < static_cast<int>(groups_.size()); ++g) {
       if (std::any_of(base.begin(), base.end(), [g](const auto& member) { return member.first == g; })) continue;
-      for (int s = 0; s < kNumChangeScales; ++s) {
+      for (int s = 0; s < NumScales(g); ++s) {
+        if (is_full && !IsAnywhere(g, s)) continue;
         neighbours.push_back(base);
         neighbours.back().insert(std::lower_bound(neighbours.back().begin(), neighbours.back().end(), std::pair(g, s)),
                                  {g, s});
@@ -123,57 +149,63 @@ SparsePosterior Search::Run() {
     }
     if (expanded.size() > 16 * kBeam) break;
   }
+  return Summarise(best);
+}
+
+SparsePosterior Search::Summarise(double best) const {
   SparsePosterior posterior;
+  posterior.log_best = best;
   posterior.probability.setZero(static_cast<long>(groups_.size()));
   posterior.nothing = 0.0;
   double sum = 0.0;
-  GroupSet most;
   std::map<std::vector<int>, double> by_groups;
+  const auto members_of = [](const GroupSet& set) {
+    std::vector<int> members;
+    for (const auto& [group, scale] : set) members.push_back(group);
+    return members;
+  };
   for (const auto& [set, log] : seen_) {
     const double weight = std::exp(log - best);
     sum += weight;
-    std::vector<int> members;
-    for (const auto& [group, scale] : set) {
-      posterior.probability[group] += weight;
-      members.push_back(group);
-    }
+    for (const auto& [group, scale] : set) posterior.probability[group] += weight;
     if (set.empty()) posterior.nothing += weight;
-    by_groups[members] += weight;
+    by_groups[members_of(set)] += weight;
   }
   posterior.probability /= sum;
   posterior.nothing /= sum;
   const auto top = std::max_element(by_groups.begin(), by_groups.end(),
                                     [](const auto& a, const auto& b) { return a.second < b.second; });
-  double most_log = -1e300;
+  const GroupSet* most = nullptr;
   for (const auto& [set, log] : seen_) {
-    std::vector<int> members;
-    for (const auto& [group, scale] : set) members.push_back(group);
-    if (members == top->first && log > most_log) most = set, most_log = log;
+    if (members_of(set) == top->first && (most == nullptr || log > seen_.at(*most))) most = &set;
   }
-  if (most.empty()) return posterior;
-  // Which groups, the scales decide; how much, the data: at the widest scale nothing is drawn towards 0, and intervals
-  // hold.
-  for (auto& [group, scale] : most) scale = kNumChangeScales - 1;
-  const Solved solved = Solve(most);
+  if (!most->empty()) AddMembers(*most, &posterior);
+  return posterior;
+}
+
+// Which groups, the scales decide; how much, the data: at the widest scale nothing is drawn towards 0, and intervals
+// hold.
+void Search::AddMembers(GroupSet set, SparsePosterior* posterior) const {
+  for (auto& [group, scale] : set) scale = std::max(scale, kNumChangeScales - 1);
+  const Solved solved = Solve(set);
   const Eigen::VectorXd mean = solved.scale.cwiseProduct(solved.factor.solve(solved.scaled_gradient));
   const Eigen::MatrixXd inverse = solved.factor.solve(Eigen::MatrixXd::Identity(mean.size(), mean.size()).eval());
   const Eigen::MatrixXd covariance = solved.scale.asDiagonal() * inverse * solved.scale.asDiagonal();
   long first = 0;
-  for (const auto& [group, scale] : most) {
-    const auto n = static_cast<long>(groups_[group].size());
-    posterior.best.push_back(group);
-    posterior.mean.push_back(mean.segment(first, n));
-    posterior.covariance.push_back(covariance.block(first, first, n, n));
+  for (const auto& [group, scale] : set) {
+    const auto n = static_cast<long>(groups_[group].columns.size());
+    posterior->best.push_back(
+        {group, IsAnywhere(group, scale), mean.segment(first, n), covariance.block(first, first, n, n)});
     first += n;
   }
-  return posterior;
 }
 
 }  // namespace
 
-SparsePosterior SearchSparse(const Eigen::MatrixXd& columns, const Eigen::VectorXd& residual,
-                             const std::vector<std::vector<int>>& groups, const SparsePrior& prior) {
-  return Search(columns, residual, groups, prior).Run();
+SparsePosterior SearchSparse(const Eigen::MatrixXd& columns, const Eigen::VectorXd& left,
+                             const std::vector<SparseGroup>& groups, const Eigen::VectorXd& applied,
+                             const SparsePrior& prior) {
+  return Search(columns, left, groups, applied, prior).Run();
 }
 
 }  // namespace sagitta

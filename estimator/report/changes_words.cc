@@ -1,12 +1,28 @@
 #include "estimator/report/changes_words.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "problems/text.h"
 
 namespace sagitta {
+namespace {
+
+// Three digits, or as many as show the interval: 4281.34 mm are known to 0.02.
+int DigitsOf(const Change& change) {
+  const double half = 0.5 * (change.ci95[1] - change.ci95[0]);
+  if (!(half > 0.0) || !(std::abs(change.value) > half)) return 3;
+  return std::clamp(1 + static_cast<int>(std::ceil(std::log10(std::abs(change.value) / half))), 3, 9);
+}
+
+}  // namespace
 
 std::string ChangeInWords(const Change& change) {
-  const std::string size = Significant(change.value, 3) + " " + change.unit +
-                           " (95 %: " + Significant(change.ci95[0], 3) + " to " + Significant(change.ci95[1], 3) + ")";
+  const int digits = DigitsOf(change);
+  const std::string size = Significant(change.value, digits) + " " + change.unit +
+                           " (95 %: " + Significant(change.ci95[0], digits) + " to " +
+                           Significant(change.ci95[1], digits) + ")";
+  const std::string same = change.same.empty() ? "" : " (" + Enumerate(change.same, 8) + " would do the same)";
   switch (change.kind) {
     case ChangeKind::kJointZero:
       return "the zero of " + change.target + " moved by " + size;
@@ -17,7 +33,7 @@ std::string ChangeInWords(const Change& change) {
     case ChangeKind::kBase:
       return "the base, or the instrument of station " + change.target + ", moved by " + size;
     default:
-      return WordOf(change.kind) + " " + change.target + " changed by " + size;
+      return WordOf(change.kind) + " " + change.target + " changed by " + size + same;
   }
 }
 
@@ -38,6 +54,35 @@ std::string ChangesInWords(const Changes& changes) {
 std::string ChangesOpen(const std::string& file, const std::vector<std::string>& parameters) {
   return "estimated in " + file +
          ", assumed in the other, so no change of it is determined: " + Enumerate(parameters, 8);
+}
+
+std::string StationsAreOwn(const std::string& old_file, const std::string& new_file) {
+  return "no station of " + old_file + " is in " + new_file + ": nothing is said of where the instrument stands";
+}
+
+std::string MarkersAreOwn(const std::string& old_file, const std::string& new_file) {
+  return "no marker of " + old_file + " is in " + new_file + ": nothing is said of the tool";
+}
+
+std::string ZerosAreHidden(const std::vector<std::string>& joints) {
+  return "not seen in these points: a slip of " + Enumerate(joints, 8);
+}
+
+std::string ZerosAreHidden(const std::vector<std::string>& joints, const Change& change) {
+  return std::string("a slip of ") + Enumerate(joints, 8) + " would be a part of what " +
+         (change.kind == ChangeKind::kBase ? "the base moved" : "the tool moved");
+}
+
+std::string TooFarApart(const std::string& old_file, const std::string& new_file) {
+  return "no changes found that lead from " + old_file + " to " + new_file +
+         ": joint zeros, base, tool and up to six parameters were fitted in turn and did not settle; another robot, or "
+         "too much of it changed";
+}
+
+std::string MoreIsLeft(double rms) {
+  return "more is left (" + Significant(1e3 * rms, 3) +
+         " mm RMS) than both estimates leave open: something changed that is not named, or one of them claims to be "
+         "surer than it is";
 }
 
 }  // namespace sagitta

@@ -19,4 +19,18 @@ std::string ChangesInWords(const Changes& changes);
 // Parameters that one file estimates and the other assumes.
 std::string ChangesOpen(const std::string& file, const std::vector<std::string>& parameters);
 
+// Stations, markers of two campaigns that have no name in common.
+std::string StationsAreOwn(const std::string& old_file, const std::string& new_file);
+std::string MarkersAreOwn(const std::string& old_file, const std::string& new_file);
+
+// Joints whose slip would look like what each campaign has of its own, or like this change.
+std::string ZerosAreHidden(const std::vector<std::string>& joints);
+std::string ZerosAreHidden(const std::vector<std::string>& joints, const Change& change);
+
+// No set of changes leads from one estimate to the other.
+std::string TooFarApart(const std::string& old_file, const std::string& new_file);
+
+// More is left than both estimates leave open; rms in m.
+std::string MoreIsLeft(double rms);
+
 }  // namespace sagitta

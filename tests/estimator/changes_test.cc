@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "estimator/changes/comparison.h"
 #include "estimator/changes/sparse_search.h"
 #include "estimator/sagitta.h"
 #include "problems/input_error.h"
@@ -84,6 +85,7 @@ TEST(ChangesTest, NothingIsSaidToHaveChangedWhereNothingDid) {
   for (std::uint64_t pair = 0; pair < 12; ++pair) {
     const Changes changes = FindChanges(Estimated(truth, 20 + 2 * pair), Estimated(truth, 21 + 2 * pair));
     alarms += changes.nothing < 0.5;
+    EXPECT_THAT(changes.notes, ::testing::Not(::testing::Contains(HasSubstr("more is left"))));
   }
   EXPECT_LE(alarms, 2);
 }
@@ -97,7 +99,16 @@ TEST(ChangesTest, WhatOnlyOneEstimatedIsNoChange) {
   EXPECT_THAT(changes.notes[0], HasSubstr("geometry/p_x2"));
 }
 
-// A column is the derivative of the exact move: what is left plus what was applied stays, to the second order. Joint 3
+// Two estimates that claim to be surer than they are: no few changes explain how they differ, and that is said.
+TEST(ChangesTest, WhatNoChangeExplainsIsSaid) {
+  KnownRobot old_estimate = Estimated(Kr270Truth(), 12), new_estimate = Estimated(Kr270Truth(), 13);
+  for (KnownRobot* known : {&old_estimate, &new_estimate}) known->uncertainty.covariance *= 1e-2;
+  const Changes changes = FindChanges(old_estimate, new_estimate);
+  ASSERT_FALSE(changes.notes.empty()) << changes.words;
+  EXPECT_THAT(changes.notes[0], HasSubstr("more is left"));
+}
+
+// A column is the derivative of the exact move, to the second order. Joint 3
 // moves with joint 2 here, as on arms with a parallelogram: its own part of the column of joint 2 is as large as the
 // rest.
 TEST(ChangesTest, ColumnsAreTheDerivativesOfExactMoves) {
@@ -112,11 +123,11 @@ TEST(ChangesTest, ColumnsAreTheDerivativesOfExactMoves) {
     std::vector<Eigen::VectorXd> applied = none;
     applied[g].setConstant(1e-2);  // of 0.2 mm or 0.2 mrad: second orders are some 1e-6 of it
     comparison.MoveTo(applied);
-    const Eigen::VectorXd moved = comparison.Linearise().difference - here.difference;
+    const Eigen::VectorXd moved = comparison.Linearise().left - here.left;
     comparison.MoveTo(none);
     const Eigen::VectorXd column = 1e-2 * here.columns(Eigen::all, here.of_group[g]).rowwise().sum();
     EXPECT_GT(column.norm(), 0.0) << comparison.groups()[g].target;
-    EXPECT_LT(moved.norm(), 1e-3 * column.norm()) << comparison.groups()[g].target;
+    EXPECT_LT((moved + column).norm(), 1e-3 * column.norm()) << comparison.groups()[g].target;
   }
 }
 
@@ -140,7 +151,7 @@ TEST(SparseSearchTest, OneColumnAgainstTheClosedForm) {
     const double v = s * s;
     evidence += std::exp(0.5 * v * 121 / (1 + 25 * v)) / std::sqrt(1 + 25 * v) / kNumChangeScales;
   }
-  const SparsePosterior posterior = SearchSparse(c, r, {{0}});
+  const SparsePosterior posterior = SearchSparse(c, r, {{{0}}});
   EXPECT_NEAR(posterior.probability[0], evidence / (1 + evidence), 1e-12);
   EXPECT_NEAR(posterior.nothing, 1 / (1 + evidence), 1e-12);
 }
@@ -149,10 +160,29 @@ TEST(SparseSearchTest, OneColumnAgainstTheClosedForm) {
 // prior of 30 leaves 1 / (1 + 900 * 25) of it away.
 TEST(SparseSearchTest, ValuesAreNotDrawnTowardsZero) {
   const Eigen::Vector2d c(3, 4), r(10, 20);
-  const SparsePosterior posterior = SearchSparse(c, r, {{0}});
+  const SparsePosterior posterior = SearchSparse(c, r, {{{0}}});
   ASSERT_EQ(posterior.best.size(), 1u);
-  EXPECT_NEAR(posterior.mean[0][0], 4.4 * (1 - 1.0 / 22501), 1e-12);
-  EXPECT_NEAR(posterior.covariance[0](0, 0), 900.0 / 22501, 1e-12);
+  EXPECT_NEAR(posterior.best[0].mean[0], 4.4 * (1 - 1.0 / 22501), 1e-12);
+  EXPECT_NEAR(posterior.best[0].covariance(0, 0), 900.0 / 22501, 1e-12);
+}
+
+// What has been applied is a part of the whole, r = left + c b, whether the set names it or not: as if nothing had
+// been. What can be anywhere leaves its own way out.
+TEST(SparseSearchTest, WhatWasAppliedCounts) {
+  const Eigen::Vector2d c(3, 4), r(10, 20);
+  const Eigen::VectorXd applied = Eigen::VectorXd::Constant(1, 4.0);
+  const SparsePosterior whole = SearchSparse(c, r, {{{0}}});
+  const SparsePosterior rest = SearchSparse(c, r - 4.0 * c, {{{0}}}, applied);
+  EXPECT_NEAR(rest.best[0].mean[0], whole.best[0].mean[0], 1e-9);
+  EXPECT_NEAR(rest.log_best, whole.log_best, 1e-9);
+  EXPECT_NEAR(rest.nothing, whole.nothing, 1e-12);
+  // ln p of the set: P(set) = 1/2 / 6, |r|^2 and (c.r)^2 of what is left, s = 5000.
+  const SparsePosterior anywhere = SearchSparse(c, r, {{{0}, BeyondTypical::kAnywhere}}, applied * 1e4);
+  const double s2 = kAnySize * kAnySize;
+  EXPECT_TRUE(anywhere.best[0].anywhere);
+  EXPECT_NEAR(anywhere.best[0].mean[0], 110.0 / (25 + 1 / s2), 1e-9);
+  EXPECT_NEAR(anywhere.log_best,
+              std::log(0.5 / 6) - 0.5 * 500 + 0.5 * s2 * 110 * 110 / (1 + 25 * s2) - 0.5 * std::log(1 + 25 * s2), 1e-6);
 }
 
 TEST(SparseSearchTest, APairIsFoundThatALikenessHides) {
@@ -162,8 +192,10 @@ TEST(SparseSearchTest, APairIsFoundThatALikenessHides) {
   columns.col(1) << 0, 20, 0, 0;
   columns.col(2) << 15, 14, 6, 0;
   const Eigen::Vector4d residual(20, 20, 0, 0);
-  const SparsePosterior posterior = SearchSparse(columns, residual, {{0}, {1}, {2}});
-  EXPECT_THAT(posterior.best, ::testing::UnorderedElementsAre(0, 1));
+  const SparsePosterior posterior = SearchSparse(columns, residual, {{{0}}, {{1}}, {{2}}});
+  ASSERT_EQ(posterior.best.size(), 2u);
+  EXPECT_EQ(posterior.best[0].group, 0);
+  EXPECT_EQ(posterior.best[1].group, 1);
 }
 
 }  // namespace

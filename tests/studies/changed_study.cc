@@ -1,11 +1,12 @@
 // Monte Carlo of `sagitta changed`: how often does it name a change where there is none, and does it name the right
 // one?
 //
-//   sagitta_changed_study [pairs=200] [first seed=1] [nothing|A3|tool|base: only these]
+//   sagitta_changed_study [pairs=200] [first seed=1] [nothing|A3|tool|base|anew: only these]
 //
 // Two calibrations of one KR 270 that a generator of its own measures (tests/support/kr270_experiment.h): 24
 // configurations at two stations, three markers, 0.03 mm, other poses and other noise each time. The robot's errors are
-// drawn anew for every pair, the second calibration's robot has the change.
+// drawn anew for every pair, the second calibration's robot has the change. `anew`: both stations stand metres and
+// radians elsewhere the second time, and are to be named in addition.
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -48,7 +49,16 @@ struct Case {
   std::string words, name;  // name: what has to be named, "" where nothing changed
   std::function<void(Kr270Truth*)> change;
   double size = 0.0;  // in the unit of the change's value
+  bool anew = false;  // stations
 };
+
+void SetUpAnew(std::uint64_t seed, Kr270Truth* truth) {
+  NormalNumbers normal(seed);
+  for (size_t s = 0; s < truth->base_xyz.size(); ++s) {
+    truth->base_xyz[s] += 2.0 * test::RandomVector(normal);
+    truth->base_rotvec[s] += test::RandomVector(normal);
+  }
+}
 
 std::vector<Case> Cases() {
   std::vector<Case> cases = {{"nothing changed", "", [](Kr270Truth*) {}}};
@@ -71,6 +81,12 @@ std::vector<Case> Cases() {
     };
     cases.push_back({"base moved by " + Significant(size, 2) + " mm, mrad", "base/S1", move, size});
   }
+  std::vector<Case> anew;
+  for (const Case& one : cases) {
+    if (one.name.rfind("base", 0) == 0 || one.size > 0.25 || (one.size > 0.0 && one.size < 0.15)) continue;
+    anew.push_back({"anew: " + one.words, one.name, one.change, one.size, true});
+  }
+  cases.insert(cases.end(), anew.begin(), anew.end());
   return cases;
 }
 
@@ -83,16 +99,22 @@ std::string Rate(int count, int of) {
 }
 
 void Run(const Case& one, int pairs, std::uint64_t first) {
-  int said = 0, sure = 0, right = 0, among = 0, covered = 0, known = 0;
+  int said = 0, sure = 0, right = 0, among = 0, covered = 0, known = 0, moved = 0;
   for (int pair = 0; pair < pairs; ++pair) {
     const std::uint64_t seed = first + 2 * static_cast<std::uint64_t>(pair);
     const Kr270Truth before = RandomTruth(900000 + seed);
     Kr270Truth after = before;
     one.change(&after);
+    if (one.anew) SetUpAnew(700000 + seed, &after);
     const Changes found = FindChanges(Calibrated(before, seed), Calibrated(after, seed + 1));
-    said += found.nothing < 0.5;
-    bool any_sure = false, is_among = false;
+    bool any = false, any_sure = false, is_among = false;
+    size_t others = found.changes.size(), stations = 0;
     for (const Change& change : found.changes) {
+      if (one.anew && change.kind == ChangeKind::kBase) {
+        ++stations;
+        continue;
+      }
+      any |= change.probability > 0.5;
       any_sure |= change.probability > 0.95;
       const bool is_right = WordOf(change.kind) + "/" + change.target == one.name;
       is_among |= is_right;
@@ -100,9 +122,12 @@ void Run(const Case& one, int pairs, std::uint64_t first) {
       ++known;
       covered += change.ci95[0] <= one.size && one.size <= change.ci95[1];
     }
+    others -= stations;
+    said += one.anew ? any : found.nothing < 0.5;
     sure += any_sure;
     among += is_among;
-    right += is_among && found.changes.size() == 1;
+    right += is_among && others == 1;
+    moved += stations == before.base_xyz.size();
   }
   std::printf("%s\n  a change is named          %s\n  with more than 95 %%        %s\n", one.words.c_str(),
               Rate(said, pairs).c_str(), Rate(sure, pairs).c_str());
@@ -111,6 +136,7 @@ void Run(const Case& one, int pairs, std::uint64_t first) {
                 Rate(right, pairs).c_str());
     if (known > 0) std::printf("  its interval holds         %s\n", Rate(covered, known).c_str());
   }
+  if (one.anew) std::printf("  both stations are named    %s\n", Rate(moved, pairs).c_str());
   std::fflush(stdout);
 }
 

@@ -1,0 +1,193 @@
+#include "estimator/changes/campaigns.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/constants.h"
+#include "problems/input_error.h"
+#include "problems/simulation.h"
+
+namespace sagitta {
+namespace {
+
+constexpr int kConfigurations = 36;     // at least; a few times as many points as a robot has parameters
+constexpr int kOfAStation = 6;          // at least: twice what its pose needs
+constexpr double kProbeForce = 1000.0;  // N, where loads are stated by the rows' wrenches alone
+constexpr std::uint64_t kConfigurationSeed = 20260101;  // of the configurations that are compared
+
+template <typename Map>
+std::vector<std::string> Shared(const Map& a, const Map& b) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : a) {
+    if (b.count(name) > 0) names.push_back(name);
+  }
+  return names;
+}
+
+// Markers in the same place under the same name.
+std::vector<std::string> SharedMarkers(const KnownRobot& a, const KnownRobot& b) {
+  std::vector<std::string> names;
+  for (const std::string& name : Shared(a.markers, b.markers)) {
+    if (a.markers.at(name).on == b.markers.at(name).on) names.push_back(name);
+  }
+  return names;
+}
+
+bool IsOnFlange(const MarkerSpec& marker) { return marker.on.kind == MarkerPlace::Kind::kFlange; }
+
+// On the flange, under a name that the other does not use.
+std::vector<std::string> OwnTools(const KnownRobot& known, const KnownRobot& other) {
+  std::vector<std::string> names;
+  for (const auto& [name, marker] : known.markers) {
+    if (IsOnFlange(marker) && marker.point && other.markers.count(name) == 0) names.push_back(name);
+  }
+  return names;
+}
+
+// base/S2/x becomes base/S1/x.
+void Rename(const std::string& from, const std::string& to, std::vector<std::string>* coordinates) {
+  for (std::string& name : *coordinates) {
+    if (name.rfind(from + "/", 0) == 0) name = to + name.substr(from.size());
+  }
+}
+
+template <typename Map>
+void Rename(const std::string& kind, const std::string& from, const std::string& to, Map* places, KnownRobot* known) {
+  places->emplace(to, places->at(from));
+  places->erase(from);
+  for (auto* names : {&known->uncertainty.estimated, &known->uncertainty.held}) {
+    Rename(kind + "/" + from, kind + "/" + to, names);
+  }
+}
+
+// A load whose point is known; empty: none.
+std::string LoadOf(const Experiment& loading) {
+  for (const auto& [name, spec] : loading.loads) {
+    if (spec.point || loading.load_point) return name;
+  }
+  return loading.load_point ? "probe" : "";
+}
+
+Configuration ComparedConfiguration(int index, const Chain& chain, NormalNumbers* normal) {
+  Configuration configuration{"C" + std::to_string(index), Eigen::VectorXd(chain.num_joints()), false};
+  for (int j = 0; j < chain.num_joints(); ++j) {
+    const Joint& joint = chain.joints[j];
+    const double half = joint.type == JointType::kRevolute ? 2.0 * kPi / 3.0 : 0.5;
+    const double low = joint.min.value_or(-half), high = joint.max.value_or(half);
+    configuration.q[j] = low + (high - low) * 0.5 * std::erfc(-(*normal)() / std::sqrt(2.0));
+  }
+  return configuration;
+}
+
+// One row per marker.
+void AddComparedShot(Shot shot, Measurements* data) {
+  for (size_t m = 0; m < data->markers.size(); ++m) {
+    Observation observation;
+    observation.shot = static_cast<int>(data->shots.size());
+    observation.marker = static_cast<int>(m);
+    observation.file = 0;
+    observation.row = static_cast<int>(data->observations.size());
+    data->files[0].rows.push_back({observation.row + 1, {}});
+    shot.observations.push_back(observation.row);
+    data->observations.push_back(observation);
+  }
+  data->shots.push_back(shot);
+}
+
+}  // namespace
+
+void CheckSameRobot(const KnownRobot& old_estimate, const KnownRobot& new_estimate) {
+  const auto fail = [&](const std::string& what) {
+    throw InputError({new_estimate.file, 0, "robot"}, "not the robot of " + old_estimate.file + ": " + what,
+                     "give two estimates of one robot, made from the same robot description");
+  };
+  const Chain &x = old_estimate.robot.chain, &y = new_estimate.robot.chain;
+  if (x.num_joints() != y.num_joints()) {
+    fail(std::to_string(y.num_joints()) + " joints against " + std::to_string(x.num_joints()));
+  }
+  for (int j = 0; j < x.num_joints(); ++j) {
+    if (x.joints[j].name != y.joints[j].name || x.joints[j].type != y.joints[j].type) {
+      fail("joint " + std::to_string(j + 1) + " is '" + y.joints[j].name + "' against '" + x.joints[j].name + "'");
+    }
+  }
+  if (old_estimate.robot.name != new_estimate.robot.name) {
+    fail("'" + new_estimate.robot.name + "' against '" + old_estimate.robot.name + "'");
+  }
+  // Estimates differ by millimetres; another size of the same build by centimetres.
+  constexpr double kOtherBuild = 0.02;
+  bool same = x.num_transforms() == y.num_transforms();
+  for (int e = 0; same && e < x.num_transforms(); ++e) {
+    same = x.transforms[e].motion == y.transforms[e].motion && x.transforms[e].axis == y.transforms[e].axis &&
+           x.transforms[e].joint == y.transforms[e].joint && x.transforms[e].sign == y.transforms[e].sign &&
+           (x.transforms[e].is_rotation() || std::abs(x.transforms[e].nominal - y.transforms[e].nominal) < kOtherBuild);
+  }
+  if (!same) fail("the kinematic chains differ");
+}
+
+CampaignsOwn PairCampaigns(const KnownRobot& old_estimate, KnownRobot* new_estimate) {
+  CampaignsOwn own;
+  if (Shared(old_estimate.base_in_station, new_estimate->base_in_station).empty()) {
+    if (old_estimate.base_in_station.empty() || new_estimate->base_in_station.empty()) {
+      throw InputError({new_estimate->file, 0, "stations"}, "no station here or in " + old_estimate.file);
+    }
+    own.station = true;
+    const std::string from = new_estimate->base_in_station.begin()->first;
+    Rename("base", from, old_estimate.base_in_station.begin()->first, &new_estimate->base_in_station, new_estimate);
+  }
+  if (SharedMarkers(old_estimate, *new_estimate).empty()) {
+    const std::vector<std::string> old_tools = OwnTools(old_estimate, *new_estimate);
+    const std::vector<std::string> new_tools = OwnTools(*new_estimate, old_estimate);
+    const size_t pairs = std::min(old_tools.size(), new_tools.size());
+    if (pairs == 0) {
+      throw InputError({new_estimate->file, 0, "markers"}, "no marker of " + old_estimate.file + " is among them");
+    }
+    own.markers = true;
+    for (size_t i = 0; i < pairs; ++i) {
+      Rename("marker", new_tools[i], old_tools[i], &new_estimate->markers, new_estimate);
+    }
+  }
+  return own;
+}
+
+Measurements RowsOfBoth(const KnownRobot& old_estimate, const KnownRobot& new_estimate, const CampaignsOwn& own) {
+  Measurements data;
+  data.stations = Shared(old_estimate.base_in_station, new_estimate.base_in_station);
+  for (const std::string& marker : SharedMarkers(old_estimate, new_estimate)) {
+    // A marker in the room says nothing of a robot, and of an instrument only where that has a name in both.
+    if (own.station && old_estimate.markers.at(marker).on.kind == MarkerPlace::Kind::kWorld) continue;
+    data.markers.push_back(marker);
+  }
+  if (data.markers.empty()) {
+    throw InputError({new_estimate.file, 0, "markers"}, "no marker of " + old_estimate.file + " is among them");
+  }
+  const Experiment& loading = old_estimate.loading;
+  const std::string load = LoadOf(loading);
+  data.files.push_back({"", "", {}, {}});
+  const Chain& chain = old_estimate.robot.chain;
+  NormalNumbers normal(kConfigurationSeed);
+  const int configurations = std::max(kConfigurations, kOfAStation * static_cast<int>(data.stations.size()));
+  for (int c = 0; c < configurations; ++c) {
+    data.configurations.push_back(ComparedConfiguration(c, chain, &normal));
+    for (const bool loaded : {false, true}) {
+      if (loaded && load.empty()) continue;
+      Shot shot;
+      shot.configuration = c;
+      shot.station = c % static_cast<int>(data.stations.size());
+      if (loaded) {
+        shot.load = load;
+        const auto spec = loading.loads.find(load);
+        if (spec == loading.loads.end() || !spec->second.mass) shot.wrench.force = {0.0, 0.0, -kProbeForce};
+      }
+      const std::string& station = data.stations[shot.station];
+      const ConditionOrigins origins = loading.origins.value_or(ConditionOrigins());
+      shot.has_time = shot.has_temperature = true;
+      shot.time = origins.first_time.count(station) > 0 ? origins.first_time.at(station) : 0.0;
+      shot.temperature = origins.mean_temperature;
+      shot.approach.assign(chain.num_joints(), 0);
+      AddComparedShot(shot, &data);
+    }
+  }
+  return data;
+}
+
+}  // namespace sagitta

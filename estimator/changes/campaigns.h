@@ -1,0 +1,32 @@
+// Two campaigns on one robot: what both measured, and in which configurations their estimates are compared.
+//
+// Where an instrument stands and what hangs on the flange are of a campaign, not of the robot. Names that both use are
+// compared. Where no station (no marker on the flange) has a name that both use, one of each is put in its place, and
+// what it is for is left open: its coordinates differ by any amount, and nothing is said of them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "estimator/results/estimate_json.h"
+
+namespace sagitta {
+
+// What is compared under one name although each campaign has its own.
+struct CampaignsOwn {
+  bool station = false;
+  bool markers = false;
+};
+
+// Throws InputError where the robots are not of one build.
+void CheckSameRobot(const KnownRobot& old_estimate, const KnownRobot& new_estimate);
+
+// Gives a station and markers of the new campaign the names of the old one's where none is shared. Throws InputError
+// where neither campaign has anything for it.
+CampaignsOwn PairCampaigns(const KnownRobot& old_estimate, KnownRobot* new_estimate);
+
+// Configurations over the joints' limits (a third of a turn to either side without), alternating over the stations;
+// unloaded and, where a load point is known, loaded.
+Measurements RowsOfBoth(const KnownRobot& old_estimate, const KnownRobot& new_estimate, const CampaignsOwn& own);
+
+}  // namespace sagitta

@@ -1,0 +1,113 @@
+#include "estimator/changes/change_groups.h"
+
+#include <cmath>
+
+#include "models/geometry.h"
+
+namespace sagitta {
+namespace {
+
+// Typical sizes of a change: what a collision, a new gearbox or a reseated reflector does to arms of 10 to 300 kg
+// payload.
+constexpr double kTypicalLength = 2e-4;  // m
+constexpr double kTypicalAngle = 2e-4;   // rad
+constexpr double kTypicalShare = 0.3;    // of a compliance or a spring's parameter
+
+ChangeGroup JointZeroGroup(const Chain& chain, int j) {
+  const bool turns = chain.joints[j].type == JointType::kRevolute;
+  ChangeGroup group{ChangeKind::kJointZero, chain.joints[j].name, j};
+  group.names = {"zero"}, group.unit = {1e-3}, group.units = {turns ? "mrad" : "mm"};
+  group.typical = {turns ? kTypicalAngle : kTypicalLength};
+  return group;
+}
+
+void AddAxis(int axis, bool turns, ChangeGroup* group) {
+  group->names.push_back((turns ? "r" : "") + std::string(1, "xyz"[axis]));
+  group->unit.push_back(1e-3);
+  group->units.push_back(turns ? "mrad" : "mm");
+  group->typical.push_back(turns ? kTypicalAngle : kTypicalLength);
+}
+
+ChangeGroup BaseGroup(const CalibrationProblem& problem, int station, bool of_campaign) {
+  ChangeGroup group{ChangeKind::kBase, problem.data().stations[station], station};
+  group.of_campaign = of_campaign;
+  for (int i = 0; i < 6; ++i) AddAxis(i % 3, i >= 3, &group);
+  for (const std::string& name : group.names) {
+    group.coordinates.push_back(problem.parameters.FindCoordinate("base/" + group.target + "/" + name));
+  }
+  return group;
+}
+
+ChangeGroup MarkerGroup(const CalibrationProblem& problem, int marker, bool of_campaign) {
+  ChangeGroup group{ChangeKind::kMarker, problem.data().markers[marker], marker};
+  group.of_campaign = of_campaign;
+  for (int a = 0; a < 3; ++a) AddAxis(a, false, &group);
+  for (const std::string& name : group.names) {
+    group.coordinates.push_back(problem.parameters.FindCoordinate("marker/" + group.target + "/" + name));
+  }
+  return group;
+}
+
+// Every marker, and those on the flange as one body: with one of these a knocked tool is a reseated marker.
+void AddMarkers(const CalibrationProblem& problem, const KnownRobot& known, const CampaignsOwn& own,
+                std::vector<ChangeGroup>* groups) {
+  ChangeGroup tool{ChangeKind::kTool, "flange"};
+  for (int i = 0; i < 6; ++i) AddAxis(i % 3, i >= 3, &tool);
+  const std::vector<std::string>& markers = problem.data().markers;
+  for (size_t m = 0; m < markers.size(); ++m) {
+    const auto index = static_cast<int>(m);
+    groups->push_back(MarkerGroup(problem, index, own.markers));
+    if (known.markers.at(markers[m]).on.kind == MarkerPlace::Kind::kFlange) tool.carried.push_back(index);
+  }
+  if (tool.carried.size() > 1 && !own.markers) groups->push_back(tool);
+}
+
+void AddDesignParameters(const CalibrationProblem& problem, bool with_effects, std::vector<ChangeGroup>* groups) {
+  const Chain& chain = problem.model().chain();
+  for (const ModelParameter& parameter : problem.model().parameters()) {
+    // An offset of a joint is its zero.
+    if (parameter.law == ParameterLaw::kGeometry && chain.transforms[parameter.index].has_joint()) continue;
+    if (!with_effects && parameter.law == ParameterLaw::kEffect) continue;
+    double typical = parameter.quantity == Quantity::kLength ? kTypicalLength : kTypicalAngle;
+    if (parameter.law != ParameterLaw::kGeometry) typical = kTypicalShare * std::abs(parameter.nominal);
+    if (typical == 0.0) continue;
+    const ChangeKind kind = parameter.law == ParameterLaw::kGeometry     ? ChangeKind::kGeometry
+                            : parameter.law == ParameterLaw::kCompliance ? ChangeKind::kCompliance
+                            : parameter.law == ParameterLaw::kEffect     ? ChangeKind::kEffect
+                                                                         : ChangeKind::kCompensator;
+    ChangeGroup group{kind, parameter.name.substr(parameter.name.find('/') + 1)};
+    group.coordinates = {problem.parameters.FindCoordinate(parameter.name)};
+    group.names = {"value"}, group.typical = {typical};
+    group.units = {TraitsOf(parameter.quantity).unit}, group.unit = {TraitsOf(parameter.quantity).si_per_unit};
+    groups->push_back(group);
+  }
+}
+
+}  // namespace
+
+std::vector<ChangeGroup> ListChangeGroups(const CalibrationProblem& problem, const KnownRobot& old_estimate,
+                                          const KnownRobot& new_estimate, const CampaignsOwn& own) {
+  std::vector<ChangeGroup> groups;
+  const Chain& chain = problem.model().chain();
+  for (int j = 0; j < chain.num_joints(); ++j) groups.push_back(JointZeroGroup(chain, j));
+  for (int s = 0; s < problem.parameters.num_stations(); ++s) groups.push_back(BaseGroup(problem, s, own.station));
+  AddMarkers(problem, old_estimate, own, &groups);
+  AddDesignParameters(problem, new_estimate.robot.effects.size() == old_estimate.robot.effects.size(), &groups);
+  return groups;
+}
+
+Matrix3<double> RotationOf(const ChangeGroup& group, const Eigen::VectorXd& change) {
+  const Vector3<double> turn(change[3] * group.typical[3], change[4] * group.typical[4], change[5] * group.typical[5]);
+  return RotationFromVector<double>(turn);
+}
+
+Eigen::VectorXd Further(const ChangeGroup& group, const Eigen::VectorXd& change, const Eigen::VectorXd& step) {
+  Eigen::VectorXd sum = change + step;
+  if (!group.is_motion()) return sum;
+  // R = exp(step) exp(change), as the columns of a rotation are left perturbations.
+  const Vector3<double> turn = RotationVector(Matrix3<double>(RotationOf(group, step) * RotationOf(group, change)));
+  for (int a = 0; a < 3; ++a) sum[3 + a] = turn[a] / group.typical[3 + a];
+  return sum;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,56 @@
+// What can have changed on a robot or between two campaigns, each as what it moves.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "estimator/changes/campaigns.h"
+#include "problems/calibration_problem.h"
+#include "problems/choices.h"
+
+namespace sagitta {
+
+// What can have changed between two estimates.
+enum class ChangeKind { kJointZero, kTool, kMarker, kBase, kGeometry, kCompliance, kCompensator, kEffect };
+template <>
+struct ChoiceWords<ChangeKind> {
+  static constexpr const char* kWords[] = {"joint_zero", "tool",       "marker",      "base",
+                                           "geometry",   "compliance", "compensator", "effect"};
+};
+
+// One explanation: what moves, per typical size of each of its parameters.
+struct ChangeGroup {
+  ChangeKind kind;
+  std::string target;
+  int index = -1;                       // joint, station or marker
+  std::vector<int> coordinates = {};    // of the problem's parameters, one per parameter; joint zero, tool: none
+  std::vector<int> carried = {};        // markers that move with the tool
+  bool of_campaign = false;             // of each campaign, under a name that is not shared: any amount, nothing said
+  std::vector<std::string> names = {};  // of the parameters
+  std::vector<double> unit = {};        // SI value of the unit of each
+  std::vector<std::string> units = {};
+  std::vector<double> typical = {};    // SI
+  std::vector<std::string> same = {};  // other parameters that would move the points alike
+
+  int size() const { return static_cast<int>(names.size()); }
+  bool is_motion() const { return size() == 6; }  // translation and rotation vector
+  // A joint's zero, the base, the tool or a marker: a cause that needs no design parameter to be another, and that can
+  // be of any size (set up anew, mastered anew, mounted anew).
+  bool is_plain() const {
+    return kind == ChangeKind::kJointZero || kind == ChangeKind::kTool || kind == ChangeKind::kMarker ||
+           kind == ChangeKind::kBase;
+  }
+};
+
+// problem: predicts the rows of both with the old robot.
+std::vector<ChangeGroup> ListChangeGroups(const CalibrationProblem& problem, const KnownRobot& old_estimate,
+                                          const KnownRobot& new_estimate, const CampaignsOwn& own);
+
+// A change further: sums, of motions translations and products of rotations. In typical sizes.
+Eigen::VectorXd Further(const ChangeGroup& group, const Eigen::VectorXd& change, const Eigen::VectorXd& step);
+
+// Rotation of a motion that has gone so far.
+Matrix3<double> RotationOf(const ChangeGroup& group, const Eigen::VectorXd& change);
+
+}  // namespace sagitta
