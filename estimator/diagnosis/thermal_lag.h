@@ -23,8 +23,9 @@ struct ThermalLag {
 // The shots' temperatures after a lag, each station for itself, at equilibrium at its first shot.
 void LagTemperatures(double lag, Measurements* data);
 
-// Widens `rows`, the effect's parameters in the final model, to what any lag up to half an hour (or twice the one that the
-// effect states) leaves possible; values stay. None, and nothing changed, where the effect is not driven by temperature.
+// Widens `rows`, the effect's parameters in the final model, to what any lag up to half an hour (or twice the one that
+// the effect states) leaves possible; values stay. None, and nothing changed, where the effect is not driven by
+// temperature.
 std::optional<ThermalLag> AllowForLag(const DiagnosedModel& final, const EffectSpec& spec,
                                       std::vector<ParameterEstimate>* rows);
 

@@ -8,7 +8,7 @@
 namespace sagitta {
 namespace {
 
-constexpr unsigned kSeed = 2;  // another than the groups have
+constexpr unsigned kSeedOfResamples = 2;  // another than the groups have
 
 // The search among few explanations.
 class SmallSearch {
@@ -50,7 +50,7 @@ std::vector<WeightedModel> BaggedModels(const Evidence& evidence, const Weighted
   std::vector<WeightedModel> models = evidence.models();
   if (leading.set.members.empty() || groups.HasOnePoseEach()) return models;
   SmallSearch search(evidence, groups);
-  std::mt19937 random(kSeed);
+  std::mt19937 random(kSeedOfResamples);
   for (int resample = 0; resample < kResamples; ++resample) {
     for (const WeightedModel& model : search.Find(groups.Resample(&random))) models.push_back(model);
   }

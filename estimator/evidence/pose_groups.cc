@@ -9,7 +9,7 @@
 namespace sagitta {
 namespace {
 
-constexpr unsigned kSeed = 1;
+constexpr unsigned kSeedOfGroups = 1;
 // What may replace a member, or be one more, is asked for where it is among the first of all: so many names in each
 // place, so many explanations in addition to the set. With forty in each place the same kinds of effect have 0.9 and
 // more on the UR10's series D.
@@ -47,7 +47,7 @@ std::vector<int> WorthAsking(const Evidence& evidence, const WeightedModel& lead
 
 // At random.
 std::vector<int> GroupOfEach(int poses, int groups) {
-  std::mt19937 random(kSeed);
+  std::mt19937 random(kSeedOfGroups);
   std::vector<int> group(static_cast<size_t>(poses));
   for (size_t k = 0; k < group.size(); ++k) group[k] = static_cast<int>(k) % groups;
   Shuffle(&group, &random);

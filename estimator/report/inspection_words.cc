@@ -162,7 +162,8 @@ Advice RowsAreWild(size_t far, size_t all, double median, double near_rms, const
 Advice RowsAreOff(size_t rows, double least, double most, double median) {
   return {std::to_string(rows) + (rows == 1 ? " row is" : " rows are") + " off by " + InMillimetres(least) +
               (rows == 1 ? "" : " to " + InMillimetres(most)) + ", more than " +
-              std::to_string(static_cast<int>(least / median)) + " times the median of all (" + InMillimetres(median) + ")",
+              std::to_string(static_cast<int>(least / median)) + " times the median of all (" + InMillimetres(median) +
+              ")",
           "measure these rows again or leave them out"};
 }
 
