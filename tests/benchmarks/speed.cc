@@ -158,8 +158,10 @@ void NormalEquationsPass(benchmark::State& state) {
   const Setup& setup = SetupOf(static_cast<int>(state.range(0)), state.range(2) != 0);
   const NormalEquations equations(setup.problem, setup.rows.observations, setup.rows.noise,
                                   LatentTreatment::kMarginalise, static_cast<int>(state.range(1)));
-  std::array<ParameterSet, 2> in_turn = {setup.start, setup.start};  // the sums of the latest values are kept
-  in_turn[1].SetMarkerPoint(0, setup.start.MarkerPoint(0) + Vector3<double>::Constant(1e-9));
+  std::array<ParameterSet, 3> in_turn = {setup.start, setup.start, setup.start};  // the sums of two values are kept
+  for (size_t k = 1; k < in_turn.size(); ++k) {
+    in_turn[k].SetMarkerPoint(0, setup.start.MarkerPoint(0) + Vector3<double>::Constant(1e-9 * static_cast<double>(k)));
+  }
   size_t pass = 0;
   for (auto _ : state) {
     benchmark::DoNotOptimize(equations.Sum(in_turn[pass++ % in_turn.size()], setup.columns).matrix.data());
