@@ -8,6 +8,7 @@
 
 #include "estimator/alignment/aligned_misfit.h"
 #include "estimator/inspection/reading_lint.h"
+#include "estimator/inspection/rotation_lint.h"
 #include "models/constants.h"
 #include "problems/calibration_problem.h"
 #include "problems/input_error.h"
@@ -127,8 +128,6 @@ void RefuseComputedPoints(const TextTable& table, const Choice& choice, bool is_
 std::string InDegrees(double radians) { return Significant(radians / kDegree, 3) + " deg"; }
 
 namespace {
-
-constexpr double kRotationFits = 5.0 * kDegree;  // nominal robots turn their flange by far less than this wrongly
 
 // The plan with its rotation read in one way.
 ImportPlan WithRotation(ImportPlan plan, const RotationReading& reading) {

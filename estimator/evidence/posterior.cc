@@ -96,22 +96,26 @@ size_t Posterior::Leading(double gate) const {
   std::vector<int> chosen;
   while (true) {
     double alone = 0.0, all = 0.0;
+    size_t first = sets.size();  // of those that hold no other effect: the most probable
     std::map<int, double> with;
-    for (const NameSet& set : sets) {
+    for (size_t s = 0; s < sets.size(); ++s) {
+      const NameSet& set = sets[s];
       if (!std::includes(set.effects.begin(), set.effects.end(), chosen.begin(), chosen.end())) continue;
       all += set.probability;
-      if (set.effects == chosen) alone += set.probability;
+      if (set.effects == chosen) {
+        alone += set.probability;
+        first = std::min(first, s);
+      }
       for (const int effect : set.effects) {
         if (!std::binary_search(chosen.begin(), chosen.end(), effect)) with[effect] += set.probability;
       }
     }
     const auto best =
         std::max_element(with.begin(), with.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-    if (best == with.end() || (chosen.empty() ? best->second < alone : alone >= (1.0 - gate) * all)) break;
+    const bool is_enough = best == with.end() || (chosen.empty() ? best->second < alone : alone >= (1.0 - gate) * all);
+    if (is_enough && first < sets.size()) return first;
     chosen.insert(std::lower_bound(chosen.begin(), chosen.end(), best->first), best->first);
   }
-  const auto is_chosen = [&](const NameSet& set) { return set.effects == chosen; };
-  return static_cast<size_t>(std::find_if(sets.begin(), sets.end(), is_chosen) - sets.begin());
 }
 
 // With p(M) of all models M = (view, set):  P(name) = sum of p(M) over M that hold it;  P(nothing) = sum over the empty
@@ -148,11 +152,11 @@ Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>
       entry->second.probability += model.probability;
     }
     names.erase(std::unique(names.begin(), names.end()), names.end());
-    // The first of a kind is the most probable.
     std::vector<int> effects;
     for (const int name : names) {
       if (named.count(name) > 0) effects.push_back(name);
     }
+    // The first of a kind is the most probable.
     const NameSet fresh{names, effects, has_unnamed, 0.0, static_cast<int>(i), {}};
     NameSet& set = sets.emplace(std::make_pair(names, IsPose(evidence, model)), fresh).first->second;
     set.probability += model.probability;

@@ -37,9 +37,9 @@ struct Posterior {
 
   double Something() const { return 1.0 - nothing - noise; }
   double MoreThan(size_t names) const;  // that so many do not suffice
-  // Place among `sets` of the one to name. The most probable set may be one of many that share the probability, of
-  // which most hold the same effect and each something else: that effect is named. gate: of the probability, given what
-  // is named, that an effect is to be added, above which the most probable one is.
+  // Place among `sets`, of which there is one, of the one to name. The most probable set may be one of many that share
+  // the probability, of which most hold the same effect and each something else: that effect is named. gate: of the
+  // probability, given what is named, that an effect is to be added, above which the most probable one is.
   size_t Leading(double gate) const;
   // Of an effect of that set. It is named with even odds (as in the median probability model: Barbieri and Berger,
   // Annals of Statistics 32 (2004) 870), or with more than what has no name: others share its place then.

@@ -7,7 +7,6 @@
 
 #include "estimator/alignment/starting_values.h"
 #include "estimator/inspection/reading_lint.h"
-#include "estimator/least_squares/linearization.h"
 #include "estimator/statistics/median.h"
 
 namespace sagitta {
@@ -15,24 +14,12 @@ namespace {
 
 // Rows of a half: 18 numbers, twice as many as a base pose and one marker have.
 constexpr std::ptrdiff_t kFewestOfHalf = 6;
-constexpr double kNear = 5.0;  // of the half's RMS distance: as of wild rows
 
 // Markers of the rows.
 std::set<int> MarkersOf(const Measurements& data, const std::vector<int>& rows) {
   std::set<int> markers;
   for (const int i : rows) markers.insert(data.observations[i].marker);
   return markers;
-}
-
-std::vector<double> DistancesAt(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                const std::vector<int>& rows) {
-  const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, rows);
-  std::vector<double> distances;
-  for (size_t k = 0; k < rows.size(); ++k) {
-    const Vector3<double>& measured = problem.data().observations[rows[k]].point_in_station;
-    distances.push_back((measured - predicted.col(static_cast<Eigen::Index>(k))).norm());
-  }
-  return distances;
 }
 
 // rows: of one station, in order; half: some of them.
@@ -43,8 +30,8 @@ std::optional<FarRows> BlockOfHalf(const CalibrationProblem& problem, const std:
   found.parameters = problem.parameters;
   const double rms = FindStartingValues(problem, half, StartingValueOptions(), &found.parameters);
   if (!(rms <= SuspiciousMisfit(problem.robot().chain))) return std::nullopt;
-  found.limit = kNear * rms;
-  const std::vector<double> distances = DistancesAt(problem, found.parameters, rows);
+  found.limit = kNearHalf * rms;
+  const std::vector<double> distances = DistancesFromPoints(problem, rows, found.parameters);
   double squares = 0.0;
   int changes = 0;
   for (size_t k = 0; k < rows.size(); ++k) {

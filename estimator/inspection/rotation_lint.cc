@@ -17,7 +17,6 @@
 namespace sagitta {
 namespace {
 
-constexpr double kRotationFits = 5.0 * kDegree;  // nominal robots turn their flange by far less than this wrongly
 // Where no reading fits it may be the arm: six joints, each off by the 4 deg that no arm exceeds (kLargestError in
 // reading_lint.cc).
 constexpr double kBeyondAnArm = 24.0 * kDegree;

@@ -8,9 +8,12 @@
 #include <optional>
 
 #include "estimator/inspection/finding.h"
+#include "models/constants.h"
 #include "problems/calibration_problem.h"
 
 namespace sagitta {
+
+constexpr double kRotationFits = 5.0 * kDegree;  // nominal robots turn their flange by far less than this wrongly
 
 // Nothing where no rotation is read, where they fit, where the points do not fit or cannot determine the rotation of
 // their base.

@@ -18,7 +18,6 @@ namespace {
 
 constexpr int kMostTrimmingSteps = 20;
 constexpr size_t kFewestRows = 3;    // rows of a marker at a station
-constexpr double kNearHalf = 5.0;    // of the RMS distance of the better half
 constexpr double kFarApart = 10.0;   // of the RMS distance of the rows that fit: the median of the others
 constexpr size_t kMostShown = 1000;  // rows
 // Random starts, for all rows together may lead to a half that fits and is not the robot's: a third of the rows are
@@ -31,17 +30,6 @@ constexpr size_t kFollowed = 3;
 // rows a share of good ones stands within 7 percent of its own in 95 of 100 draws. Drawn and not every so many-th: rows
 // that are wrong may come as regularly.
 constexpr size_t kSearched = 200;
-
-std::vector<double> DistancesFromPoints(const CalibrationProblem& problem, const std::vector<int>& points,
-                                        const ParameterSet& parameters) {
-  const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, points);
-  std::vector<double> distances;
-  for (size_t k = 0; k < points.size(); ++k) {
-    const double distance = (problem.data().observations[points[k]].point_in_station - predicted.col(k)).norm();
-    distances.push_back(std::isfinite(distance) ? distance : 1e300);
-  }
-  return distances;
-}
 
 // Places in the list of points of every marker at every station.
 std::map<std::pair<int, int>, std::vector<int>> RowsByMarkerAndStation(const CalibrationProblem& problem,
@@ -155,6 +143,17 @@ Finding DescribeFarRows(const CalibrationProblem& problem, const FarRows& rows) 
 }
 
 }  // namespace
+
+std::vector<double> DistancesFromPoints(const CalibrationProblem& problem, const std::vector<int>& points,
+                                        const ParameterSet& parameters) {
+  const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, points);
+  std::vector<double> distances;
+  for (size_t k = 0; k < points.size(); ++k) {
+    const double distance = (problem.data().observations[points[k]].point_in_station - predicted.col(k)).norm();
+    distances.push_back(std::isfinite(distance) ? distance : 1e300);
+  }
+  return distances;
+}
 
 std::optional<FarRows> FindFarRows(const CalibrationProblem& problem) {
   const std::vector<int> points = problem.data().PointsAmong(problem.CalibrationObservations());

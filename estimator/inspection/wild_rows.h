@@ -25,6 +25,12 @@ struct FarRows {
   ParameterSet parameters;  // base poses and markers of the nearer half
 };
 
+constexpr double kNearHalf = 5.0;  // of the RMS distance of the half that is aligned to: what fits
+
+// m, from the points that are predicted; 1e300 where none can be.
+std::vector<double> DistancesFromPoints(const CalibrationProblem& problem, const std::vector<int>& points,
+                                        const ParameterSet& parameters);
+
 // Nothing where no row is far, or as many as fit.
 std::optional<FarRows> FindFarRows(const CalibrationProblem& problem);
 
