@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <tuple>
@@ -59,7 +60,8 @@ Differences DifferencesOfParts(const Whole& whole, const PartFit& a, const PartF
     found.columns.push_back(a.columns[i]);
   }
   if (in_a.empty()) return found;
-  found.is_complete = a.columns == b.columns;
+  std::set_symmetric_difference(a.columns.begin(), a.columns.end(), b.columns.begin(), b.columns.end(),
+                                std::back_inserter(found.one_sided));
   const Eigen::MatrixXd& ca = sandwich ? a.sandwich.covariance : a.model;
   const Eigen::MatrixXd& cb = sandwich ? b.sandwich.covariance : b.model;
   const Eigen::VectorXd& dof_a = sandwich ? a.sandwich.dof : a.model_dof;
@@ -164,7 +166,7 @@ RobustCovariance CompareSplits(const std::vector<Split>& splits, Whole* given, A
     own.Add(found);
     report->splits.push_back(own.Result(split.by, split.key));
   }
-  for (const SplitBy by : {SplitBy::kRandom, SplitBy::kRegion, SplitBy::kStation, SplitBy::kTime}) {
+  for (const SplitBy by : {SplitBy::kRandom, SplitBy::kRegion, SplitBy::kStation, SplitBy::kTime, SplitBy::kMarker}) {
     if (kinds.count(by) > 0) report->kinds.push_back(kinds[by].Result(by, ""));
   }
   *between = ModelErrorOf(report->kinds, moments, whole);

@@ -3,34 +3,32 @@
 namespace sagitta {
 
 PartMoments::PartMoments(int coordinates)
-    : whole_(Eigen::MatrixXd::Zero(coordinates, coordinates)),
-      each_(Eigen::MatrixXd::Zero(coordinates, coordinates)),
+    : sums_(Eigen::MatrixXd::Zero(coordinates, coordinates)),
+      pairs_(Eigen::MatrixXd::Zero(coordinates, coordinates)),
       times_(Eigen::VectorXd::Zero(coordinates)) {}
 
 void PartMoments::Add(const PartDifference& difference) {
   // d d' - C_a - C_b, of which the mean is 2 T.
-  const Eigen::MatrixXd beyond = difference.value * difference.value.transpose() - difference.covariance;
   const std::vector<int>& at = difference.columns;
-  each_(at, at) += beyond;
+  sums_(at, at) += difference.value * difference.value.transpose() - difference.covariance;
   times_(at).array() += 1.0;
-  if (!difference.is_complete) return;
-  whole_(at, at) += beyond;
-  ++complete_;
+  Eigen::VectorXd compared = Eigen::VectorXd::Ones(times_.size());
+  compared(difference.one_sided).setZero();
+  pairs_ += compared * compared.transpose();
 }
 
 void PartMoments::Add(const PartMoments& other) {
-  whole_ += other.whole_;
-  each_ += other.each_;
+  sums_ += other.sums_;
+  pairs_ += other.pairs_;
   times_ += other.times_;
-  complete_ += other.complete_;
 }
 
 BetweenParts PartMoments::Result(const BaseTurns& turns) const {
   BetweenParts found;
-  if (complete_ > 0) found.covariance = turns.TurnBack(whole_ / (2.0 * complete_));
+  found.covariance = turns.TurnBack(sums_.cwiseQuotient(2.0 * pairs_.cwiseMax(1.0)));
   found.draws = times_;
   // A base pose's three are determined by the same splits: they turn together.
-  found.variance = turns.TurnBack(each_).diagonal().cwiseMax(0.0).cwiseQuotient(2.0 * times_.cwiseMax(1.0));
+  found.variance = turns.TurnBack(sums_).diagonal().cwiseMax(0.0).cwiseQuotient(2.0 * times_.cwiseMax(1.0));
   return found;
 }
 

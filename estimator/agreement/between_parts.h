@@ -27,7 +27,8 @@ struct PartDifference {
   std::vector<int> columns;  // positions among the coordinates that are compared
   Eigen::VectorXd value;
   Eigen::MatrixXd covariance;
-  bool is_complete = false;  // each coordinate is seen by both parts or held in both
+  std::vector<int>
+      one_sided;  // seen by one part alone: another station's base, another marker. Others are held in both
 };
 
 // Moments over splits of one kind, in the base's own axes.
@@ -40,10 +41,9 @@ class PartMoments {
   BetweenParts Result(const BaseTurns& turns) const;
 
  private:
-  Eigen::MatrixXd whole_;  // sum of d d' - C_a - C_b over complete splits
-  Eigen::MatrixXd each_;   // over all
+  Eigen::MatrixXd sums_;   // of d d' - C_a - C_b
+  Eigen::MatrixXd pairs_;  // splits in which neither of two coordinates is one-sided
   Eigen::VectorXd times_;  // splits that determine a coordinate
-  int complete_ = 0;
 };
 
 // Of each coordinate the larger variance.

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kDividesNothing = 0.02;  // rad or m: a joint that covers less divides nothing
 constexpr double kSmallestPart = 0.25;    // of the configurations
-constexpr int kFewestOfPart = 5;          // configurations of a part
+constexpr size_t kFewestOfPart = 5;       // configurations, or rows of a marker
 constexpr size_t kMostPairs = 4;          // stations that are compared two by two; more: each against the rest
 
 class Splitter {
@@ -32,6 +32,7 @@ class Splitter {
     AddRegions();
     AddStations();
     AddTime();
+    AddMarkers();
     return std::move(splits_);
   }
 
@@ -149,7 +150,8 @@ class Splitter {
   }
 
   void AddRows(SplitBy by, const std::string& key, const Clusters& a, const Clusters& b) {
-    if (std::min(std::count(a.begin(), a.end(), 1), std::count(b.begin(), b.end(), 1)) < kFewestOfPart) return;
+    const auto fewest = static_cast<long>(kFewestOfPart);
+    if (std::min(std::count(a.begin(), a.end(), 1), std::count(b.begin(), b.end(), 1)) < fewest) return;
     for (size_t c = 0; c < a.size(); ++c) {
       if (a[c] != 0 && b[c] != 0) return;
     }
@@ -165,6 +167,25 @@ class Splitter {
     if (!std::all_of(rows_.begin(), rows_.end(), [&](int i) { return ShotOf(i).has_time; })) return;
     const Eigen::MatrixXd means = MeansOf(1, [&](int i, Eigen::Ref<Eigen::VectorXd> sum) { sum[0] += ShotOf(i).time; });
     AddMedian(SplitBy::kTime, "", {means.data(), means.data() + means.size()});
+  }
+
+  // Each marker against the others: a mount that gives way is the same in every region and at every time. What the
+  // robot does at a pose is common to both parts, which brings them together, so that rows count as independent
+  // here. Intervals by whole configurations and marginalised deviations of joints count on that share: no split there.
+  void AddMarkers() {
+    if (estimate_.intervals.is_empirical() || !problem_.latent.empty()) return;
+    const Measurements& data = problem_.data();
+    const size_t markers = data.markers.size();
+    for (size_t m = 0; m < markers && (m == 0 || markers > 2); ++m) {
+      const std::string others = markers == 2 ? data.markers[1] : "the others";
+      Split split{SplitBy::kMarker, data.markers[m] + " and " + others, {}, {}};
+      for (size_t k = 0; k < rows_.size(); ++k) {
+        const bool is_own = data.observations[rows_[k]].marker == static_cast<int>(m);
+        (is_own ? split.first : split.second).push_back(static_cast<int>(k));
+      }
+      if (std::min(split.first.size(), split.second.size()) < kFewestOfPart) continue;
+      splits_.push_back(std::move(split));
+    }
   }
 
   const CalibrationProblem& problem_;

@@ -8,19 +8,20 @@
 
 namespace sagitta {
 
-// What the configurations are divided by into two parts.
-enum class SplitBy { kRandom, kRegion, kStation, kTime };
+// What the configurations, or the rows of one marker and those of the others, are divided by into two parts.
+enum class SplitBy { kRandom, kRegion, kStation, kTime, kMarker };
 template <>
 struct ChoiceWords<SplitBy> {
-  static constexpr const char* kWords[] = {"random", "region", "station", "time"};
+  static constexpr const char* kWords[] = {"random", "region", "station", "time", "marker"};
 };
 
 // Differences of parameters between two parts of the configurations, each over its joint 95 % interval.
 struct PartComparison {
   SplitBy by = SplitBy::kRandom;
-  std::string key;         // "" or a joint, x, y, z (base frame), "S1 and S2"; "" of a kind: all its splits together
-  int compared = 0;        // differences
-  int inside = 0;          // of them within their joint 95 % interval
+  std::string key;   // "" or a joint, x, y, z (base frame), "S1 and S2", "M1 and the others"; "" of a kind: all its
+                     // splits together
+  int compared = 0;  // differences
+  int inside = 0;    // of them within their joint 95 % interval
   double inflation = 0.0;  // factor on the intervals with which 95 % would be
   double p_value = 1.0;    // of all differences of the split at once; of a kind: the least, times their number
   double share() const { return compared > 0 ? inside / static_cast<double>(compared) : 0.0; }

@@ -39,7 +39,7 @@ const PartComparison& SplitOf(const AgreementReport& report, const std::string& 
 }
 
 // One split of each trial counts: those of one trial share the data.
-void ExpectNominal(const std::string& covariance, bool stated) {
+void ExpectNominal(const std::string& covariance, bool stated, const std::string& key = "A1", int compared = 33) {
   constexpr int kTrials = 60;
   const test::Kr270Truth truth;
   const test::Kr270Design design = ManyConfigurations();
@@ -54,8 +54,8 @@ void ExpectNominal(const std::string& covariance, bool stated) {
     Estimate estimate;
     const AgreementReport report = AgreementOf(test::Kr270ProblemOf(data, experiment), &estimate, 0);
     ASSERT_EQ(report.covariance, experiment.method.covariance);
-    const PartComparison& split = SplitOf(report, "A1");
-    EXPECT_EQ(split.compared, 33);
+    const PartComparison& split = SplitOf(report, key);
+    EXPECT_EQ(split.compared, compared);
     share += split.share() / kTrials;
     below_tenth += split.p_value < 0.1;
   }
@@ -70,6 +70,53 @@ void ExpectNominal(const std::string& covariance, bool stated) {
 TEST(Agreement, IsNominalWhereTheModelIsRightAndTheNoiseStated) { ExpectNominal("model", true); }
 TEST(Agreement, IsNominalWhereTheModelIsRightAndTheNoiseEstimated) { ExpectNominal("model", false); }
 TEST(Agreement, IsNominalWithTheSandwich) { ExpectNominal("sandwich", true); }
+// One marker determines no rotation of the last axis: what the others hold apart is held in both.
+TEST(Agreement, IsNominalBetweenMarkers) { ExpectNominal("model", true, "P1 and the others", 24); }
+TEST(Agreement, IsNominalBetweenMarkersWhereTheNoiseIsEstimated) {
+  ExpectNominal("model", false, "P1 and the others", 24);
+}
+
+// Joints that arrive 40 times as far off as the tracker reads, which nothing states: the markers of one arrival share
+// that, and do not contradict each other more often than the level says.
+TEST(Agreement, WhatMarkersShareIsNoContradiction) {
+  const test::Kr270Truth truth;
+  test::RepeatDesign design;
+  design.configurations = 60;
+  design.repeats = 1;
+  Measurements data = test::RepeatRows(design);
+  int contradictions = 0;
+  constexpr int kTrials = 20;
+  for (int t = 0; t < kTrials; ++t) {
+    test::MeasureRepeated(truth, design, 900 + t, &data);
+    Estimate estimate;
+    const AgreementReport report = AgreementOf(test::Kr270ProblemOf(data, Experiment()), &estimate, 0);
+    for (const char* marker : {"P1", "P2", "P3"})
+      contradictions += SplitOf(report, std::string(marker) + " and the others").p_value < 0.1;
+  }
+  EXPECT_LE(contradictions, 0.1 * 3 * kTrials);
+}
+
+// The mount of a marker gives way along the flange's own gravity: the same in every half of the workspace.
+TEST(Agreement, SeesAMarkerWhoseMountGivesWay) {
+  const test::Kr270Truth truth;
+  test::Kr270Design design = ManyConfigurations();
+  design.sigma = 4e-5;
+  Measurements data = test::DesignMeasurements(design);
+  test::MeasureKr270(truth, design.sigma, 5, &data);
+  for (Observation& observation : data.observations) {
+    const Eigen::VectorXd& q = data.ConfigurationOf(observation).q;
+    const double down = std::sin(q[1] + q[2]) * std::cos(q[4]);  // how the flange lies, roughly
+    if (observation.marker == 0) observation.point_in_station.z() -= 6e-4 * down;
+  }
+  Estimate estimate;
+  const AgreementReport report = AgreementOf(test::Kr270ProblemOf(data, Experiment()), &estimate);
+  EXPECT_TRUE(report.disagrees);
+  EXPECT_LT(SplitOf(report, "P1 and the others").p_value, 1e-4);
+  EXPECT_THAT(report.words.back(), HasSubstr("P1 and the others"));
+  const BetweenParts between = CheckAgreement(test::Kr270ProblemOf(data, Experiment()), {1, 0}, &estimate);
+  ASSERT_EQ(between.covariance.rows(), estimate.covariance.rows());  // predictions carry it
+  EXPECT_GT(between.covariance.diagonal().maxCoeff(), 0.0);
+}
 
 // A once-per-turn error of axis 3 that the model does not have.
 struct Misfit {

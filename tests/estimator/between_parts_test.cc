@@ -33,7 +33,7 @@ TEST(BetweenParts, MomentsFindTheCovarianceOfTheModelError) {
     const double first = normal(random), second = normal(random);
     difference.value = root * Eigen::Vector2d(first, second);
     difference.covariance = noise;
-    difference.is_complete = s % 2 == 0;
+    if (s % 2 == 1) difference.one_sided.assign(1, 1);
     moments.Add(difference);
   }
   const BetweenParts found = moments.Result(BaseTurns(ParameterSet(), {}));
@@ -42,9 +42,29 @@ TEST(BetweenParts, MomentsFindTheCovarianceOfTheModelError) {
   EXPECT_NEAR(found.variance[0], 4.0, 0.45);
   EXPECT_EQ(found.variance[1], 0.0);
   EXPECT_NEAR(found.variance[2], 1.0, 0.23);
-  EXPECT_NEAR(found.covariance(0, 0), 4.0, 0.64);  // half of the splits
-  EXPECT_NEAR(found.covariance(0, 2), 1.5, 0.40);
+  EXPECT_NEAR(found.covariance(0, 0), 4.0, 0.45);
+  EXPECT_NEAR(found.covariance(0, 2), 1.5, 0.28);
   EXPECT_EQ(found.covariance(0, 1), 0.0);
+}
+
+// Of two splits one has coordinate 1 on one side alone: the pair has the moment of the other split, not half of it.
+TEST(BetweenParts, WhatOnePartAloneSeesCountsInTheSplitsOfBoth) {
+  PartMoments moments(2);
+  PartDifference both, one;
+  both.columns = {0, 1};
+  both.value = Eigen::Vector2d(3.0, 1.0);
+  both.covariance = Eigen::Matrix2d::Identity();
+  one.columns = {0};
+  one.value = Eigen::VectorXd::Constant(1, 2.0);
+  one.covariance = Eigen::MatrixXd::Identity(1, 1);
+  one.one_sided = {1};
+  moments.Add(both);
+  moments.Add(one);
+  const BetweenParts found = moments.Result(BaseTurns(ParameterSet(), {}));
+  EXPECT_DOUBLE_EQ(found.covariance(0, 0), (8.0 + 3.0) / 4.0);
+  EXPECT_DOUBLE_EQ(found.covariance(0, 1), 3.0 / 2.0);
+  EXPECT_DOUBLE_EQ(found.covariance(1, 1), 0.0);
+  EXPECT_EQ(found.draws, Eigen::Vector2d(2, 1));
 }
 
 // Base poses are compared along the base's axes and stated along the station's.

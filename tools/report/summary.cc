@@ -133,7 +133,8 @@ Section NoiseSection(const CalibrationProblem& problem, const Estimate& estimate
 std::string KindName(const PartComparison& kind) {
   if (kind.by == SplitBy::kRandom) return "random halves";
   if (kind.by == SplitBy::kRegion) return "halves of the workspace";
-  return kind.by == SplitBy::kStation ? "series (stations)" : "halves of the time";
+  if (kind.by == SplitBy::kStation) return "series (stations)";
+  return kind.by == SplitBy::kMarker ? "markers" : "halves of the time";
 }
 
 // How the intervals came about, and whether parts of the data agree within them.
