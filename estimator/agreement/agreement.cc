@@ -112,9 +112,17 @@ struct Pool {
   }
 };
 
-// Random halves share the model's error.
-bool Contradict(const PartComparison& kind, double level) {
-  return kind.by != SplitBy::kRandom && kind.p_value < level && kind.inflation > 1.0;
+// The kinds whose parts contradict each other, at the significance of all kinds together (Bonferroni). Random halves
+// share the model's error.
+std::vector<PartComparison> Contradicting(const std::vector<PartComparison>& kinds, double significance) {
+  const auto is_random = [](const PartComparison& kind) { return kind.by == SplitBy::kRandom; };
+  const auto tested =
+      static_cast<double>(kinds.size()) - static_cast<double>(std::count_if(kinds.begin(), kinds.end(), is_random));
+  std::vector<PartComparison> found;
+  std::copy_if(kinds.begin(), kinds.end(), std::back_inserter(found), [&](const PartComparison& kind) {
+    return !is_random(kind) && kind.p_value * tested < significance && kind.inflation > 1.0;
+  });
+  return found;
 }
 
 // Of the kinds whose parts contradict each other.
@@ -122,8 +130,7 @@ BetweenParts ModelErrorOf(const std::vector<PartComparison>& kinds, const std::m
                           const Whole& whole) {
   BetweenParts found;
   PartMoments all(whole.num_columns());
-  for (const PartComparison& kind : kinds) {
-    if (!Contradict(kind, whole.problem.experiment().significance)) continue;
+  for (const PartComparison& kind : Contradicting(kinds, whole.problem.experiment().significance)) {
     all.Add(moments.at(kind.by));
     TakeLarger(moments.at(kind.by).Result(whole.turns), &found);
   }
@@ -166,7 +173,8 @@ RobustCovariance CompareSplits(const std::vector<Split>& splits, Whole* given, A
     own.Add(found);
     report->splits.push_back(own.Result(split.by, split.key));
   }
-  for (const SplitBy by : {SplitBy::kRandom, SplitBy::kRegion, SplitBy::kStation, SplitBy::kTime, SplitBy::kMarker}) {
+  for (const SplitBy by :
+       {SplitBy::kRandom, SplitBy::kRegion, SplitBy::kStation, SplitBy::kTime, SplitBy::kMarker, SplitBy::kLoad}) {
     if (kinds.count(by) > 0) report->kinds.push_back(kinds[by].Result(by, ""));
   }
   *between = ModelErrorOf(report->kinds, moments, whole);
@@ -241,8 +249,7 @@ BetweenParts CompareParts(const CalibrationProblem& problem, const FittedStream*
   const bool larger = SandwichIsLarger(whole, robust, &report.sandwich_ratio);
   report.known = !report.kinds.empty();
   const double level = problem.experiment().significance;
-  for (const PartComparison& kind : report.kinds) {
-    if (!Contradict(kind, level)) continue;
+  for (const PartComparison& kind : Contradicting(report.kinds, level)) {
     report.disagrees = true;
     report.inflation = std::max(report.inflation, kind.inflation);
   }

@@ -5,9 +5,8 @@
 //   x_p = x - (J_p' J_p)^-1 J_p' r_p          (one Gauss-Newton step from the estimate)
 //
 // are independent, so that x_a - x_b has the covariance C_a + C_b. Random halves share every model error: they test the
-// noise. Halves by a joint or by the place of the flange, series (stations with configurations of their own), times and
-// markers (each against the others) do not: what their differences have beyond noise is the model's error
-// (between_parts.h).
+// noise. Halves by a joint or by the place of the flange, stations, times, and markers and loads (each against the
+// others) do not: what their differences have beyond noise is the model's error (between_parts.h).
 //
 // Both parts hold what either does not determine; priors are left out, the parts would share them. All differences of
 // one split at once are tested by Hotelling's F (the model's covariance: the Chow test).

@@ -29,6 +29,8 @@ struct Cause {
   BreakOf of;
   int index;
   std::vector<int> columns;  // positions in the linearization; of a joint its latent column
+  Eigen::MatrixXd
+      motion{};  // by what of each column it moves, a column for each of its freedoms; empty: each by itself
 };
 
 struct Step {
@@ -91,8 +93,35 @@ class BreakSearch {
     for (int s = 0; s < parameters.num_stations(); ++s)
       add(BreakOf::kStation, s, {&parameters.station_translation(s), &parameters.station_rotation(s)});
     for (int m = 0; m < parameters.num_markers(); ++m) add(BreakOf::kMarker, m, {&parameters.marker(m)});
+    if (const std::vector<int> on_flange = MarkersOnFlange(); on_flange.size() > 1) {
+      std::vector<const ParameterBlock*> markers;
+      for (const int m : on_flange) markers.push_back(&parameters.marker(m));
+      add(BreakOf::kTool, 0, markers);
+      causes.back().motion = MotionOf(on_flange);
+    }
     for (int j = 0; j < problem_.robot().num_joints(); ++j) causes.push_back({BreakOf::kJoint, j, {j}});
     return causes;
+  }
+
+  std::vector<int> MarkersOnFlange() const {
+    const std::vector<int>& frames = problem_.marker_frames();
+    std::vector<int> markers;
+    for (int m = 0; m < static_cast<int>(frames.size()); ++m) {
+      if (frames[m] == problem_.model().chain().FlangeFrame()) markers.push_back(m);
+    }
+    return markers;
+  }
+
+  // Markers as one body in their frame: dp = dt + w x p. Three rows of each marker, columns dt and w.
+  Eigen::MatrixXd MotionOf(const std::vector<int>& markers) const {
+    Eigen::MatrixXd motion(3 * markers.size(), 6);
+    for (size_t i = 0; i < markers.size(); ++i) {
+      const Vector3<double> p = estimate_.parameters.MarkerPoint(markers[i]);
+      Matrix3<double> turned;  // w x p of each unit w
+      turned << 0.0, p.z(), -p.y(), -p.z(), 0.0, p.x(), p.y(), -p.x(), 0.0;
+      motion.middleRows<3>(3 * static_cast<Eigen::Index>(i)) << Matrix3<double>::Identity(), turned;
+    }
+    return motion;
   }
 
   // Rows, projected off what is estimated, and their order.
@@ -146,11 +175,13 @@ class BreakSearch {
   bool Concerns(const Cause& cause, int k) const {
     if (std::find(loads_.begin(), loads_.end(), ShotOf(k).load) == loads_.end()) return false;
     if (cause.of == BreakOf::kStation) return ShotOf(k).station == cause.index;
-    return cause.of == BreakOf::kJoint || problem_.data().observations[rows_.observations[k]].marker == cause.index;
+    if (cause.of == BreakOf::kJoint || cause.of == BreakOf::kTool) return true;
+    return problem_.data().observations[rows_.observations[k]].marker == cause.index;
   }
 
   Eigen::MatrixXd ColumnsOf(const Cause& cause) const {
     if (cause.of == BreakOf::kJoint) return rows_.latent.col(cause.index);
+    if (cause.of == BreakOf::kTool) return rows_.jacobian(Eigen::all, cause.columns) * cause.motion;
     return rows_.jacobian(Eigen::all, cause.columns);
   }
 

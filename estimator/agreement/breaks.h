@@ -1,5 +1,6 @@
-// Did something move for good while the points were measured: a station (or the robot's foot), a marker, the zero of a
-// joint? In the order of measurement, with the columns D of what may have moved from one shot on,
+// Did something move for good while the points were measured: a station (or the robot's foot), a marker, the tool with
+// all markers, the zero of a joint? In the order of measurement, with the columns D of what may have moved from one
+// shot on,
 //
 //   gain = g' A^-1 g,    A = D'(I - H) D,   g = D'(I - H) r,   H = J (J'J)^-1 J'
 //
@@ -14,11 +15,11 @@
 
 namespace sagitta {
 
-enum class BreakOf { kStation, kMarker, kJoint };
+enum class BreakOf { kStation, kMarker, kTool, kJoint };
 
 struct Break {
   BreakOf of = BreakOf::kStation;
-  int index = -1;        // of the station, marker or joint
+  int index = -1;        // of the station, marker or joint; of the tool 0
   int last = -1;         // observation before it
   int first = -1;        // observation after it
   double share = 0.0;    // of the squared residuals that it explains

@@ -1,6 +1,7 @@
 #include "estimator/agreement/splits.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -14,8 +15,8 @@ namespace {
 
 constexpr double kDividesNothing = 0.02;  // rad or m: a joint that covers less divides nothing
 constexpr double kSmallestPart = 0.25;    // of the configurations
-constexpr size_t kFewestOfPart = 5;       // configurations, or rows of a marker
-constexpr size_t kMostPairs = 4;          // stations that are compared two by two; more: each against the rest
+constexpr size_t kFewestOfPart = 5;       // configurations of a part
+constexpr size_t kMostPairs = 4;          // stations that are compared two by two; more: each against the others
 
 class Splitter {
  public:
@@ -33,6 +34,7 @@ class Splitter {
     AddStations();
     AddTime();
     AddMarkers();
+    AddLoads();
     return std::move(splits_);
   }
 
@@ -130,34 +132,71 @@ class Splitter {
     }
   }
 
-  // Series: stations that share no configuration; else their rows share the robot's error there.
+  // Stations, of few of them two by two.
   void AddStations() {
-    const auto n = problem_.data().stations.size();
-    std::vector<Clusters> seen(n, Clusters(static_cast<size_t>(num_clusters_), 0));
-    for (size_t k = 0; k < rows_.size(); ++k) seen[ShotOf(rows_[k]).station][clusters_[k]] = 1;
-    for (size_t a = 0; a < n; ++a) {
-      for (size_t b = a + 1; b < n && n <= kMostPairs; ++b) {
-        AddRows(SplitBy::kStation, problem_.data().stations[a] + " and " + problem_.data().stations[b], seen[a],
-                seen[b]);
+    const std::vector<std::string>& stations = problem_.data().stations;
+    const auto station_of = [&](int i) { return ShotOf(i).station; };
+    if (stations.size() > kMostPairs) return AddEachAgainstTheOthers(SplitBy::kStation, stations, station_of);
+    for (size_t a = 0; a < stations.size(); ++a) {
+      for (size_t b = a + 1; b < stations.size(); ++b) {
+        AddRows(SplitBy::kStation, stations[a] + " and " + stations[b],
+                [&](int i) { return Side(station_of(i), static_cast<int>(a), static_cast<int>(b)); });
       }
-      if (n <= kMostPairs) continue;
-      Clusters rest(static_cast<size_t>(num_clusters_), 0);
-      for (size_t b = 0; b < n; ++b) {
-        for (size_t c = 0; b != a && c < rest.size(); ++c) rest[c] |= seen[b][c];
-      }
-      AddRows(SplitBy::kStation, problem_.data().stations[a] + " and the others", seen[a], rest);
     }
   }
 
-  void AddRows(SplitBy by, const std::string& key, const Clusters& a, const Clusters& b) {
-    const auto fewest = static_cast<long>(kFewestOfPart);
-    if (std::min(std::count(a.begin(), a.end(), 1), std::count(b.begin(), b.end(), 1)) < fewest) return;
-    for (size_t c = 0; c < a.size(); ++c) {
-      if (a[c] != 0 && b[c] != 0) return;
+  // A mount that gives way is the same in every region and at every time.
+  void AddMarkers() {
+    AddEachAgainstTheOthers(SplitBy::kMarker, problem_.data().markers,
+                            [&](int i) { return problem_.data().observations[i].marker; });
+  }
+
+  // A mass that is not what is stated makes other springs of the joints than another load does.
+  void AddLoads() {
+    std::vector<std::string> loads;
+    const auto load_of = [&](int i) {
+      const std::string& load = ShotOf(i).load;
+      const auto at = std::find(loads.begin(), loads.end(), load);
+      if (at == loads.end()) loads.push_back(load);
+      return static_cast<int>(std::find(loads.begin(), loads.end(), load) - loads.begin());
+    };
+    for (const int i : rows_) load_of(i);
+    AddEachAgainstTheOthers(SplitBy::kLoad, loads, load_of);
+  }
+
+  // group_of(observation): a position in `names`.
+  template <typename GroupOf>
+  void AddEachAgainstTheOthers(SplitBy by, const std::vector<std::string>& names, const GroupOf& group_of) {
+    const size_t groups = names.size();
+    for (size_t g = 0; g < groups && (g == 0 || groups > 2); ++g) {
+      const std::string others = groups == 2 ? names[1] : "the others";
+      AddRows(by, names[g] + " and " + others, [&](int i) { return group_of(i) == static_cast<int>(g) ? 1 : 2; });
     }
+  }
+
+  static int Side(int group, int first, int second) { return group == first ? 1 : group == second ? 2 : 0; }
+
+  // side_of(observation): 1 of the first part, 2 of the second, 0 of neither. What the robot does at a pose is common
+  // to rows of one configuration, which brings two parts that share it together, so that their rows count as
+  // independent. Intervals by whole configurations and marginalised deviations of joints count on that share: no such
+  // split there.
+  template <typename SideOf>
+  void AddRows(SplitBy by, const std::string& key, const SideOf& side_of) {
     Split split{by, key, {}, {}};
-    TakeRows(a, 1, &split.first);
-    TakeRows(b, 1, &split.second);
+    std::vector<int> seen(static_cast<size_t>(num_clusters_), 0);  // sides of each configuration, as bits
+    std::array<size_t, 2> configurations = {0, 0};
+    bool share = false;
+    for (size_t k = 0; k < rows_.size(); ++k) {
+      const int side = side_of(rows_[k]);
+      if (side == 0) continue;
+      (side == 1 ? split.first : split.second).push_back(static_cast<int>(k));
+      int& sides = seen[clusters_[k]];
+      if ((sides & side) == 0) ++configurations[side - 1];
+      sides |= side;
+      share = share || sides == 3;
+    }
+    if (std::min(configurations[0], configurations[1]) < kFewestOfPart) return;
+    if (share && (estimate_.intervals.is_empirical() || !problem_.latent.empty())) return;
     splits_.push_back(std::move(split));
   }
 
@@ -167,25 +206,6 @@ class Splitter {
     if (!std::all_of(rows_.begin(), rows_.end(), [&](int i) { return ShotOf(i).has_time; })) return;
     const Eigen::MatrixXd means = MeansOf(1, [&](int i, Eigen::Ref<Eigen::VectorXd> sum) { sum[0] += ShotOf(i).time; });
     AddMedian(SplitBy::kTime, "", {means.data(), means.data() + means.size()});
-  }
-
-  // Each marker against the others: a mount that gives way is the same in every region and at every time. What the
-  // robot does at a pose is common to both parts, which brings them together, so that rows count as independent
-  // here. Intervals by whole configurations and marginalised deviations of joints count on that share: no split there.
-  void AddMarkers() {
-    if (estimate_.intervals.is_empirical() || !problem_.latent.empty()) return;
-    const Measurements& data = problem_.data();
-    const size_t markers = data.markers.size();
-    for (size_t m = 0; m < markers && (m == 0 || markers > 2); ++m) {
-      const std::string others = markers == 2 ? data.markers[1] : "the others";
-      Split split{SplitBy::kMarker, data.markers[m] + " and " + others, {}, {}};
-      for (size_t k = 0; k < rows_.size(); ++k) {
-        const bool is_own = data.observations[rows_[k]].marker == static_cast<int>(m);
-        (is_own ? split.first : split.second).push_back(static_cast<int>(k));
-      }
-      if (std::min(split.first.size(), split.second.size()) < kFewestOfPart) continue;
-      splits_.push_back(std::move(split));
-    }
   }
 
   const CalibrationProblem& problem_;

@@ -16,7 +16,8 @@ struct Split {
   std::vector<int> second;
 };
 
-// clusters: the configuration of each calibration observation; rows of one never come apart.
+// clusters: the configuration of each calibration observation. Rows of one come apart by station, marker and load
+// alone.
 std::vector<Split> MakeSplits(const CalibrationProblem& problem, const Estimate& estimate,
                               const std::vector<int>& clusters, unsigned long long seed, int random_halves);
 

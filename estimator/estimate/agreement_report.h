@@ -8,11 +8,11 @@
 
 namespace sagitta {
 
-// What the configurations, or the rows of one marker and those of the others, are divided by into two parts.
-enum class SplitBy { kRandom, kRegion, kStation, kTime, kMarker };
+// What the data are divided by into two parts.
+enum class SplitBy { kRandom, kRegion, kStation, kTime, kMarker, kLoad };
 template <>
 struct ChoiceWords<SplitBy> {
-  static constexpr const char* kWords[] = {"random", "region", "station", "time", "marker"};
+  static constexpr const char* kWords[] = {"random", "region", "station", "time", "marker", "load"};
 };
 
 // Differences of parameters between two parts of the configurations, each over its joint 95 % interval.

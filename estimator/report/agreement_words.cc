@@ -12,15 +12,16 @@ constexpr size_t kWorstSplits = 3;  // splits that are named
 std::string KindInWords(const PartComparison& kind) {
   if (kind.by == SplitBy::kRandom) return "random halves of the configurations";
   if (kind.by == SplitBy::kRegion) return "halves of the workspace (by each joint and by x, y, z of the base)";
-  if (kind.by == SplitBy::kStation) return "series (stations)";
+  if (kind.by == SplitBy::kStation) return "stations";
   if (kind.by == SplitBy::kMarker) return "markers, each against the others";
+  if (kind.by == SplitBy::kLoad) return "loads, each against the others";
   return "the first and the last half of the time";
 }
 
 std::string SplitInWords(const PartComparison& split) {
-  if (split.by == SplitBy::kStation || split.by == SplitBy::kMarker) return split.key;
   if (split.by == SplitBy::kTime) return "time";
-  return "by " + split.key;
+  if (split.by == SplitBy::kLoad) return "loads " + split.key;
+  return split.by == SplitBy::kRegion ? "by " + split.key : split.key;
 }
 
 std::string Worst(const AgreementReport& report) {

@@ -109,6 +109,10 @@ std::string SomethingMoved(const CalibrationProblem& problem, const Break& found
       what = "marker " + data.markers[found.index] + " moved";
       cure = "give it another name in the rows after it";
       break;
+    case BreakOf::kTool:
+      what = "the tool with all markers moved on the flange, or was exchanged";
+      cure = "give the markers other names in the rows after it";
+      break;
     case BreakOf::kJoint:
       what = "the zero of joint " + problem.robot().chain.joints[found.index].name + " jumped";
       cure = "calibrate the rows before and after it apart";

@@ -9,6 +9,7 @@
 
 #include "estimator/least_squares/sandwich.h"
 #include "tests/support/agreement.h"
+#include "tests/support/loaded_kr270.h"
 #include "tests/support/noise_experiment.h"
 
 namespace sagitta::agreement_test {
@@ -205,6 +206,52 @@ TEST(Agreement, RepeatsOfOneArrivalAreNotIndependent) {
   // F with 129 and 1296 degrees of freedom: standard deviation 13 %.
   EXPECT_NEAR(latent.repeats.ratio, 1.0, 4 * 0.13);
   EXPECT_FALSE(latent.sandwich_advised);
+}
+
+// Two stations that see every pose; the second one's scale is 200 ppm off about its instrument.
+TEST(Agreement, StationsOfTheSamePosesAreCompared) {
+  const test::Kr270Truth truth;
+  test::Kr270Design design = ManyConfigurations();
+  design.stations = 2;
+  design.sigma = 4e-5;
+  Measurements data = test::DesignMeasurements(design);
+  const std::vector<Shot> once = data.shots;
+  for (Shot shot : once) {
+    shot.station = 1 - shot.station;
+    test::AddShot(shot, 3, design.sigma, &data);
+  }
+  for (const double scale : {0.0, 2e-4}) {
+    test::MeasureKr270(truth, design.sigma, 5, &data);
+    for (Observation& observation : data.observations) {
+      if (data.shots[observation.shot].station == 1) observation.point_in_station *= 1.0 + scale;
+    }
+    Estimate estimate;
+    const AgreementReport report = AgreementOf(test::Kr270ProblemOf(data, Experiment()), &estimate);
+    EXPECT_EQ(report.disagrees, scale > 0.0);
+    EXPECT_EQ(SplitOf(report, "S1 and S2").p_value<1e-4, scale> 0.0);
+  }
+}
+
+// Two loads under which every pose is measured; one of them weighs 6 % more than is stated.
+TEST(Agreement, LoadsAreCompared) {
+  test::LoadedTruth truth;
+  truth.loads["V150"] = {{0, 0, -150 * 9.80665}};
+  test::LoadedDesign design;
+  design.configurations = 30;
+  design.stations = 1;
+  design.loads = {"V150", "V250"};
+  const Measurements rows = test::LoadedRows(design, truth);
+  for (const double more : {0.0, 0.06}) {
+    test::LoadedTruth heavier = truth;
+    heavier.loads["V150"].force *= 1.0 + more;
+    Measurements data = rows;
+    test::Measure(test::ExactPoints(heavier, data), design.sigma, 7, &data);
+    const test::LoadedSetup setup = test::SetupFor(truth);
+    Estimate estimate;
+    const AgreementReport report = AgreementOf(MakeProblem(setup.robot, data, setup.experiment), &estimate);
+    EXPECT_EQ(report.disagrees, more > 0.0);
+    EXPECT_EQ(SplitOf(report, "V150 and the others").p_value<1e-4, more> 0.0);
+  }
 }
 
 }  // namespace

@@ -72,6 +72,18 @@ TEST(Breaks, AMarkerThatWasSeatedAnewIsNamed) {
   ExpectBreak(Measured(after), BreakOf::kMarker, 1, 0.6e-3);
 }
 
+// One body: all markers by one motion, here a shift of 0.3 mm and a turn of 1 mrad about the flange's x.
+TEST(Breaks, AToolThatWasExchangedIsNamed) {
+  Kr270Truth after;
+  double squares = 0.0;
+  for (Vector3<double>& marker : after.tools) {
+    const Vector3<double> moved(0.0, 3e-4 - 1e-3 * marker.z(), 1e-3 * marker.y());
+    marker += moved;
+    squares += moved.squaredNorm() / 3.0;
+  }
+  ExpectBreak(Measured(after), BreakOf::kTool, 0, std::sqrt(squares));
+}
+
 TEST(Breaks, AJointWhoseZeroJumpedIsNamed) {
   Kr270Truth after;
   after.errors[7] += 0.5e-3;  // dq3; the markers are about 1.5 m from the axis
@@ -147,7 +159,7 @@ TEST(Breaks, PIsOfTheLikeliestOfAllPlaces) {
   EXPECT_EQ(problem.data().shots[problem.data().observations[found->first].shot].configuration, best);
   EXPECT_NEAR(found->share, share, 1e-6);
   const double freedom = kConfigurations - 6, f = share / 6 / ((1.0 - share) / freedom);
-  const double p = 51 * (1 + 3 + 6) * FSurvival(f, 6, freedom);
+  const double p = 51 * (1 + 3 + 1 + 6) * FSurvival(f, 6, freedom);  // station, markers, tool, joints
   EXPECT_LT(p, 0.01);
   EXPECT_NEAR(std::log(found->p_value), std::log(p), 1e-4);
 }

@@ -132,10 +132,11 @@ TEST_F(IntervalsCommandTest, WhatTheModelLacksIsReportedWithTheIntervals) {
     const std::string words = lacks ? "contradict each other" : "No part of the data contradicts another";
     EXPECT_NE(outcome.out.find(words), std::string::npos) << outcome.out;
     EXPECT_NE(Read("out/report.html").find(words), std::string::npos);
-    ASSERT_EQ(agreement["kinds"].size(), 2u);
+    ASSERT_EQ(agreement["kinds"].size(), 3u);
     EXPECT_EQ(agreement["kinds"][0]["by"], "random");
     EXPECT_EQ(agreement["kinds"][1]["by"], "region");
-    EXPECT_EQ(agreement["splits"].size(), 9u);  // six joints, x, y, z
+    EXPECT_EQ(agreement["kinds"][2]["by"], "marker");
+    EXPECT_EQ(agreement["splits"].size(), 12u);  // six joints, x, y, z; three markers
     const double inflation = agreement["inflation"].get<double>();
     EXPECT_EQ(inflation > 1.2, lacks) << inflation;
     EXPECT_EQ(inflation == 1.0, !lacks) << inflation;

@@ -133,8 +133,9 @@ Section NoiseSection(const CalibrationProblem& problem, const Estimate& estimate
 std::string KindName(const PartComparison& kind) {
   if (kind.by == SplitBy::kRandom) return "random halves";
   if (kind.by == SplitBy::kRegion) return "halves of the workspace";
-  if (kind.by == SplitBy::kStation) return "series (stations)";
-  return kind.by == SplitBy::kMarker ? "markers" : "halves of the time";
+  if (kind.by == SplitBy::kStation) return "stations";
+  if (kind.by == SplitBy::kMarker) return "markers";
+  return kind.by == SplitBy::kLoad ? "loads" : "halves of the time";
 }
 
 // How the intervals came about, and whether parts of the data agree within them.
