@@ -5,9 +5,10 @@
 #include <functional>
 #include <limits>
 
+#include "estimator/diagnosis/diagnosed_model.h"
 #include "estimator/diagnosis/gap.h"
 #include "estimator/diagnosis/noise_check.h"
-#include "estimator/diagnosis/refit.h"
+#include "estimator/explanations/drivers.h"
 #include "estimator/inspection/load_lint.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/report/diagnosis_caution_words.h"
@@ -52,21 +53,22 @@ std::vector<std::string> StandingJoints(const CalibrationProblem& problem) {
       low = std::min(low, configuration.q[j]);
       high = std::max(high, configuration.q[j]);
     }
-    const Joint& joint = problem.robot().chain.joints[j];
-    if (high - low < (joint.type == JointType::kRevolute ? kStill : kStillLength)) standing.push_back(joint.name);
+    const double least = IsRevolute(problem, j) ? kStill : kStillLength;
+    if (high - low < least) standing.push_back(problem.robot().chain.joints[j].name);
   }
   return standing;
 }
 
+// Each of the following is "" where nothing is to be said.
+
 // Of a problem that asks for components it is known.
-void AppendNoise(const CalibrationProblem& problem, std::vector<std::string>* cautions) {
+std::string OfNoise(const CalibrationProblem& problem) {
   const bool is_asked = problem.experiment().noise.from == NoiseSpec::From::kVarianceComponents;
-  if (problem.sigma_is_stated() || is_asked) return;
-  cautions->push_back(NoNoiseIsStated(RowsShareVisits(problem)));
+  return problem.sigma_is_stated() || is_asked ? "" : NoNoiseIsStated(RowsShareVisits(problem));
 }
 
 // The search compares chi-squares of one least-squares model: other ways to weigh the rows are not used.
-void AppendUnused(const Experiment& experiment, std::vector<std::string>* cautions) {
+std::string OfUnusedKeys(const Experiment& experiment) {
   std::vector<std::string> keys;
   if (experiment.method.loss != LossKind::kNone) keys.push_back("loss: " + WordOf(experiment.method.loss));
   if (experiment.method.weights != Weights::kSigma) keys.push_back("weights: " + WordOf(experiment.method.weights));
@@ -74,22 +76,20 @@ void AppendUnused(const Experiment& experiment, std::vector<std::string>* cautio
                          experiment.method.covariance == CovarianceKind::kSandwich;
   if (!is_judged) keys.push_back("covariance: " + WordOf(experiment.method.covariance));
   if (experiment.noise.from == NoiseSpec::From::kResiduals) keys.push_back("noise from residuals");
-  if (keys.empty()) return;
-  cautions->push_back(MethodKeysUnused(keys));
+  return keys.empty() ? "" : MethodKeysUnused(keys);
 }
 
-void AppendFew(const CalibrationProblem& problem, const Counts& counts, std::vector<std::string>* cautions) {
+std::string OfFew(const CalibrationProblem& problem, const Counts& counts) {
   const int unknowns = static_cast<int>(problem.parameters.EstimatedCoordinates().size());
   const int rows = 3 * static_cast<int>(problem.CalibrationObservations().size());
-  if (counts.fitted >= kFewConfigurations && rows >= 2 * unknowns) return;
-  cautions->push_back(FewAreFitted(counts.fitted, rows, unknowns));
+  const bool are_enough = counts.fitted >= kFewConfigurations && rows >= 2 * unknowns;
+  return are_enough ? "" : FewAreFitted(counts.fitted, rows, unknowns);
 }
 
-void AppendStanding(const CalibrationProblem& problem, std::vector<std::string>* cautions) {
+std::string OfStandingJoints(const CalibrationProblem& problem) {
   const std::vector<std::string> standing = StandingJoints(problem);
-  if (standing.empty()) return;
   const bool all = static_cast<int>(standing.size()) == problem.robot().num_joints();
-  cautions->push_back(JointsStandStill(standing, all));
+  return standing.empty() ? "" : JointsStandStill(standing, all);
 }
 
 struct DrivingColumn {
@@ -109,7 +109,7 @@ std::vector<DrivingColumn> DrivingColumns(int joints) {
 }
 
 // An effect acts in every shot or is not looked for: a few empty cells silence a whole column.
-void AppendPartlyStated(const CalibrationProblem& problem, std::vector<std::string>* cautions) {
+std::string OfPartlyStated(const CalibrationProblem& problem) {
   const Measurements& data = problem.data();
   std::vector<std::string> partly;
   for (const DrivingColumn& column : DrivingColumns(problem.robot().num_joints())) {
@@ -120,21 +120,20 @@ void AppendPartlyStated(const CalibrationProblem& problem, std::vector<std::stri
                                      [&](const Observation& row) { return data.Cell(row, column.name).empty(); });
     partly.push_back(PartlyStated(column.name, empty, data.observations.size()));
   }
-  if (partly.empty()) return;
-  cautions->push_back(ColumnsArePartlyStated(partly));
+  return partly.empty() ? "" : ColumnsArePartlyStated(partly);
 }
 
-void AppendHeld(const Estimate& estimate, std::vector<std::string>* cautions) {
-  if (estimate.identifiability.unidentifiable.empty()) return;
+std::string OfHeldParameters(const Estimate& estimate) {
+  if (estimate.identifiability.unidentifiable.empty()) return "";
   std::vector<std::string> held;
   for (const Coordinate& coordinate : estimate.parameters.coordinates()) {
     if (coordinate.held) held.push_back(coordinate.name);
   }
-  cautions->push_back(ParametersAreHeld(held));
+  return ParametersAreHeld(held);
 }
 
 // What the robot file states and the experiment holds is neither estimated nor a candidate.
-void AppendHeldEffects(const CalibrationProblem& problem, std::vector<std::string>* cautions) {
+std::string OfHeldEffects(const CalibrationProblem& problem) {
   std::vector<std::string> held;
   for (const EffectSpec& spec : problem.robot().effects) {
     const auto& coordinates = problem.parameters.coordinates();
@@ -143,17 +142,12 @@ void AppendHeldEffects(const CalibrationProblem& problem, std::vector<std::strin
     });
     if (!is_free) held.push_back(spec.Path());
   }
-  if (held.empty()) return;
-  cautions->push_back(EffectsAreHeld(held));
+  return held.empty() ? "" : EffectsAreHeld(held);
 }
 
-void AppendHoldout(const Counts& counts, std::vector<std::string>* cautions) {
-  if (counts.in_both > 0) cautions->push_back(FittedAndHeldOut(counts.in_both));
-  if (counts.held_out == 0) {
-    cautions->push_back(NothingHeldOut());
-  } else if (counts.held_out < kFewHeldOut) {
-    cautions->push_back(FewHeldOut(counts.held_out));
-  }
+std::string OfHoldout(const Counts& counts) {
+  if (counts.held_out == 0) return NothingHeldOut();
+  return counts.held_out < kFewHeldOut ? FewHeldOut(counts.held_out) : "";
 }
 
 }  // namespace
@@ -171,15 +165,14 @@ std::vector<std::string> CautionsOfReadings(const CalibrationProblem& problem) {
 
 std::vector<std::string> FindCautions(const CalibrationProblem& stated, const DiagnosedModel& believed) {
   const Counts counts = CountConfigurations(stated.data());
-  std::vector<std::string> cautions;
-  AppendNoise(stated, &cautions);
-  AppendUnused(stated.experiment(), &cautions);
-  AppendFew(stated, counts, &cautions);
-  AppendStanding(stated, &cautions);
-  AppendPartlyStated(stated, &cautions);
-  AppendHeld(believed.estimate, &cautions);
-  AppendHeldEffects(stated, &cautions);
-  AppendHoldout(counts, &cautions);
+  std::vector<std::string> cautions = {
+      OfNoise(stated),        OfUnusedKeys(stated.experiment()),
+      OfFew(stated, counts),  OfStandingJoints(stated),
+      OfPartlyStated(stated), OfHeldParameters(believed.estimate),
+      OfHeldEffects(stated),  counts.in_both > 0 ? FittedAndHeldOut(counts.in_both) : "",
+      OfHoldout(counts),
+  };
+  cautions.erase(std::remove(cautions.begin(), cautions.end(), ""), cautions.end());
   return cautions;
 }
 

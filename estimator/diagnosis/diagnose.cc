@@ -8,10 +8,8 @@
 #include "estimator/diagnosis/cautions.h"
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/diagnosis/noise_check.h"
-#include "estimator/diagnosis/refit.h"
 #include "estimator/diagnosis/selected_effects.h"
 #include "estimator/diagnosis/set_aside.h"
-#include "estimator/evidence/bagged_models.h"
 #include "estimator/explanations/moments.h"
 #include "estimator/noise/rotation_noise.h"
 #include "estimator/report/diagnosis_caution_words.h"
@@ -184,6 +182,7 @@ class Session {
     }
     d_.has_unexplained |= posterior_.MoreThan(selected_.size()) > NamingGate();
     aside_.FromHeldOut(!named_, &d_.baseline, &d_.final);
+    FindRest();
     d_.has_unexplained |= Misfits();
   }
 
@@ -194,8 +193,8 @@ class Session {
     if (idle >= 0) return idle;
     const int worse = MeasurePrefixes();
     if (worse >= 0) return worse;
-    const bool is_asked = CountHeldOut(d_.final) >= kFewHeldOut && MayLeaveARest();
-    return is_asked ? LeastConfirmed() : -1;
+    FindRest();
+    return CountHeldOut(d_.final) >= kFewHeldOut && MayLeaveARest() ? LeastConfirmed() : -1;
   }
 
   // Of those that the posterior does not name.
@@ -224,10 +223,7 @@ class Session {
   }
 
   // It stays a piece of what has no name.
-  void LeaveUnnamed(const SelectedEffect& effect) {
-    std::vector<int>& pieces = leading_.pieces;
-    pieces.insert(std::lower_bound(pieces.begin(), pieces.end(), effect.explanation), effect.explanation);
-  }
+  void LeaveUnnamed(const SelectedEffect& effect) { leading_.pieces = EachOnce(leading_.pieces, {effect.explanation}); }
 
   // The effect whose values the full estimator finds to be chance most; -1: none.
   int LeastSupported() const {
@@ -380,17 +376,21 @@ class Session {
     effect.lag = AllowForLag(d_.final, chosen.candidate.spec, &effect.parameters);
   }
 
-  // Whether the noise or untouched rows say that something is left.
-  bool Misfits() {
+  // What the noise has to be with the final model, and how well that fits then.
+  void FindRest() {
     d_.noise = FindNoise(*evidence_, leading_, problem_, d_.final);
     d_.final_p = LackOfFit(problem_, d_.final, d_.noise);
+  }
+
+  // Whether the noise or untouched rows say that something is left. This and the following after FindRest.
+  bool Misfits() const {
     const bool is_stated = IsSigmaStated(problem_);
     return (is_stated && d_.final_p < kShareOfLackOfFit * options_.significance) ||
            IsFarFromFloor(d_.final, is_stated, options_.significance);
   }
 
   // Joints are said to deviate more than stated, and no pose was visited again: a cause that follows the pose looks the
-  // same. Of the noise that Misfits found.
+  // same.
   bool MayFollowThePose() const {
     return d_.noise.HasUndeclaredRepeatability() && !d_.noise.is_distinguished_from_pose &&
            !d_.noise.repeatability_is_overstated;
@@ -405,8 +405,8 @@ class Session {
 
   // Where untouched rows get no better at all, what was found is at most a part of it, too. After MeasurePrefixes,
   // where anything is selected.
-  bool MayLeaveARest() {
-    return d_.has_unexplained || Misfits() || MayFollowThePose() ||
+  bool MayLeaveARest() const {
+    return d_.has_unexplained || MayFollowThePose() ||
            (!selected_.empty() && HoldoutRms(d_.final) >= HoldoutRms(prefixes_.front()));
   }
 

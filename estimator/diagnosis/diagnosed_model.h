@@ -2,8 +2,10 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "estimator/calibration/joint_estimator.h"
+#include "estimator/explanations/candidates.h"
 
 namespace sagitta {
 
@@ -31,5 +33,13 @@ struct QuickRefit {
 };
 // Estimates what `start` estimates, beginning there.
 QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& start);
+
+// Whether a coordinate of this name is a parameter of the effect.
+bool IsParameterOf(const EffectSpec& spec, const std::string& name);
+
+// Refitted from the model's own optimum, what the data determine poorly of these effects (Candidate::loose) with its
+// widest prior: parameters, chi-square and degrees of freedom, by Gauss-Newton where that converges and nothing becomes
+// so uncertain that it has to be held. What is reported comes from JudgeFully.
+DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>& added, const JointOptions& options);
 
 }  // namespace sagitta

@@ -72,17 +72,18 @@ std::vector<double> Places::Weights(size_t place, const std::vector<int>& of) co
     for (size_t m = 0; m < members_.size(); ++m) {
       is_excluded |= m != place && explanations_[members_[m]].excludes == own.excludes;
     }
-    weights.push_back(is_excluded ? -kInfinity
-                                  : base + std::log(own.share) +
-                                        AverageGain(likelihood_, residual, Information(own.group, place),
-                                                    Gradient(own.group, place), own.group.num_scales));
+    weights.push_back(is_excluded
+                          ? -kInfinity
+                          : base + std::log(own.share) +
+                                AverageGain(likelihood_, {Information(own.group, place), Gradient(own.group, place),
+                                                          residual, 0.0, own.group.num_scales}));
   }
   return weights;
 }
 
 // Of a model's set among all explanations.
 Places PlacesOf(const Evidence& evidence, const WeightedModel& model) {
-  return Places(evidence.views()[model.view].given_believed.normal, evidence.list().math, evidence.prior(),
+  return Places(evidence.NormalOf(model.view), evidence.list().math, evidence.prior(),
                 evidence.LikelihoodOf(model.view), model.set);
 }
 
@@ -129,7 +130,7 @@ ColumnGroup Joined(const ColumnGroup& a, const ColumnGroup& b) {
   ColumnGroup both;
   both.columns = a.columns;
   both.columns.insert(both.columns.end(), b.columns.begin(), b.columns.end());
-  both.mixing.setZero(static_cast<long>(both.columns.size()), a.size() + b.size());
+  both.mixing.setZero(both.columns.size(), a.size() + b.size());
   const auto put = [&both](const ColumnGroup& group, long row, long column) {
     const long height = static_cast<long>(group.columns.size());
     both.mixing.block(row, column, height, group.size()) =
@@ -173,13 +174,13 @@ struct Asked {
 };
 
 Asked AskedOf(const Evidence& evidence, const WeightedModel& model, const std::vector<size_t>& places,
-              const std::vector<std::vector<NamedProbability>>& in_place) {
+              const std::vector<std::vector<NamedProbability>>& in_places) {
   Asked asked{model.set.members, {}};
   std::map<int, int> at;
   for (size_t k = 0; k < asked.all.size(); ++k) at[asked.all[k]] = static_cast<int>(k);
   for (size_t k = 0; k < places.size(); ++k) {
     std::vector<int> own = {static_cast<int>(places[k])};
-    for (const NamedProbability& rival : in_place[k]) {
+    for (const NamedProbability& rival : in_places[places[k]]) {
       if (own.size() > kRivalsOnHalves) break;
       if (rival.name == evidence.list().name[model.set.members[places[k]]]) continue;
       const auto entry = at.emplace(rival.explanation, static_cast<int>(asked.all.size()));
@@ -214,28 +215,25 @@ double CompatibleP(const std::vector<HalfResult>& halves) {
   return ChiSquareSurvival(apart.dot(joint.solve(apart)), static_cast<double>(apart.size()));
 }
 
-// Of the members at these places; in_place: of each, what else could stand there. Each half is summed once for all.
+// Of the members at these places. Both halves are summed once for all.
 std::vector<Confirmation> ConfirmEach(const Evidence& evidence, const WeightedModel& model,
                                       const std::vector<size_t>& places,
-                                      const std::vector<std::vector<NamedProbability>>& in_place) {
+                                      const std::vector<std::vector<NamedProbability>>& in_places) {
   const EvidenceColumns& columns = evidence.columns();
   std::vector<Confirmation> confirmations(places.size());
-  const Asked asked = AskedOf(evidence, model, places, in_place);
+  const Asked asked = AskedOf(evidence, model, places, in_places);
   const FewExplanations few = WithTheirColumns(evidence.list().math, asked.all);
-  WeightedSet set{{}, model.set.scales, 0.0, 0.0};
-  for (size_t k = 0; k < model.set.members.size(); ++k) set.members.push_back(static_cast<int>(k));
+  WeightedSet set{std::vector<int>(model.set.members.size()), model.set.scales, 0.0, 0.0};
+  std::iota(set.members.begin(), set.members.end(), 0);
   const std::vector<const ColumnGroup*> groups = GroupsOf(few.explanations, set.members);
-  const std::vector<double> widest(set.members.size(), kScales[kNumScales - 1]);
-  const int middle = columns.num_poses() / 2;
-  for (int half = 0; half < 2 && !places.empty(); ++half) {
-    std::vector<int> poses(half == 0 ? middle : columns.num_poses() - middle);
-    std::iota(poses.begin(), poses.end(), half == 0 ? 0 : middle);
-    if (poses.empty()) continue;
-    const GivenBelieved given_believed =
-        columns.Project(columns.Sum(evidence.views()[model.view].scatter, &few.columns, poses));
-    const Places there(given_believed.normal, few.explanations, evidence.prior(),
-                       evidence.Likelihood(given_believed.normal.dof), set);
-    const GroupValues values = ValuesOf(given_believed.normal, groups, widest);
+  const std::vector<double> widest(set.members.size(), kWidestScale);
+  std::vector<int> half(columns.num_poses(), 1);
+  std::fill_n(half.begin(), half.size() / 2, 0);
+  for (const RowSums& sums : columns.SumEach(evidence.views()[model.view].scatter, few.columns, half)) {
+    if (sums.rows == 0) continue;
+    const ProjectedNormal normal = columns.Project(sums).normal;
+    const Places there(normal, few.explanations, evidence.prior(), evidence.Likelihood(normal.dof), set);
+    const GroupValues values = ValuesOf(normal, groups, widest);
     for (size_t k = 0; k < places.size(); ++k) {
       HalfResult result = OnHalf(evidence, asked, k, there.Weights(places[k], asked.of[k]));
       const GroupValues own = values.Of(places[k], groups);
@@ -270,14 +268,11 @@ std::vector<CheckedEffect> CheckEffects(const Evidence& evidence, const Posterio
   if (members.empty()) return checked;
   const Places places = PlacesOf(evidence, model);
   std::vector<size_t> own;
-  std::vector<std::vector<NamedProbability>> in_place;
+  for (const int member : members) own.push_back(model.PlaceOf(member));
+  const std::vector<Confirmation> confirmations = ConfirmEach(evidence, model, own, in_places);
   for (size_t k = 0; k < members.size(); ++k) {
-    own.push_back(model.PlaceOf(members[k]));
-    in_place.push_back(in_places[own[k]]);
-    checked[k].alternatives = FindAlternatives(evidence, posterior, places, model, own[k], in_place[k]);
+    checked[k] = {FindAlternatives(evidence, posterior, places, model, own[k], in_places[own[k]]), confirmations[k]};
   }
-  const std::vector<Confirmation> confirmations = ConfirmEach(evidence, model, own, in_place);
-  for (size_t k = 0; k < members.size(); ++k) checked[k].confirmation = confirmations[k];
   return checked;
 }
 
@@ -294,51 +289,36 @@ std::vector<int> OthersOfItsName(const Evidence& evidence, const WeightedModel& 
   return others;
 }
 
-// |r - A a|^2 = R - 2 a'g + a'G a.
+// With values a = (G + S)^-1 g, S = diag(1 / s^2):  |r - A a|^2 = R - 2 a'g + a'G a = R - a'g - a'S a.
 double ResidualAtBest(const Evidence& evidence, const WeightedModel& model) {
-  const ProjectedNormal& normal = evidence.views()[model.view].given_believed.normal;
-  if (model.set.members.empty()) return normal.residual;
-  const std::vector<const ColumnGroup*> groups = GroupsOf(evidence.list().math, model.set.members);
   std::vector<double> scales = model.set.scales;
-  for (size_t k = 0; k < groups.size(); ++k) {
+  for (size_t k = 0; k < scales.size(); ++k) {
     const bool is_spring = IsGravityCompensator(evidence.list().start[model.set.members[k]]);
-    if (!is_spring) scales[k] = kScales[kNumScales - 1];
+    if (!is_spring) scales[k] = kWidestScale;
   }
-  const Eigen::VectorXd values = -ValuesOf(normal, groups, scales).values;  // measured minus predicted
-  ColumnGroup all = *groups[0];
-  for (size_t k = 1; k < groups.size(); ++k) all = Joined(all, *groups[k]);
-  return normal.residual - 2.0 * values.dot(OwnGradient(normal, all)) +
-         values.dot(OwnInformation(normal, all) * values);
+  const Members members = evidence.MembersOf(model, &scales);
+  return members.residual() - members.Standardised().squaredNorm();
 }
 
-std::vector<GivenOthers> EachGivenOthers(const Evidence& evidence, const WeightedModel& model) {
-  const Members members(evidence.views()[model.view].given_believed.normal,
-                        GroupsOf(evidence.list().math, model.set.members), model.set.scales);
-  std::vector<GivenOthers> each;
-  for (size_t k = 0; k < members.size(); ++k) each.push_back(members.Of(k));
-  return each;
+// reduction = g'G^+ g.
+MemberFit FitOf(const GivenOthers& given) {
+  const Determined determined = Determine(given.information);
+  return {given.gradient.dot(Solve(determined, given.gradient)), static_cast<int>(determined.values.size())};
 }
 
-// reduction = g'G^+ g;  of the prior variance s^2 there is left  diag (G + I / s^2)^-1.
-MemberFit FitOf(const Evidence& evidence, int member, const GivenOthers& given) {
+// Of the prior variance s^2 there is left  diag (G + I / s^2)^-1.
+void MarkUndetermined(const Evidence& evidence, int member, const GivenOthers& given, Candidate* candidate) {
   const ColumnGroup& own = evidence.list().math[member].group;
-  const Eigen::MatrixXd& information = given.information;
-  const Determined determined = Determine(information);
-  MemberFit fit;
-  fit.reduction = given.gradient.dot(Solve(determined, given.gradient));
-  fit.parameters = static_cast<int>(determined.values.size());
-  if (own.mixing.size() > 0 || evidence.list().IsUnnamed(member)) return fit;
+  if (own.mixing.size() > 0) return;
   const double variance = kLargestUsual * kLargestUsual;
-  const Eigen::MatrixXd precision =
-      information + Eigen::MatrixXd::Identity(information.rows(), information.cols()) / variance;
-  const Eigen::VectorXd left =
-      precision.llt().solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(precision.rows(), precision.cols()))).diagonal();
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(own.size(), own.size());
+  const Eigen::MatrixXd precision = given.information + identity / variance;
+  const Eigen::VectorXd left = precision.llt().solve(identity).diagonal();
   for (long c = 0; c < left.size(); ++c) {
-    const std::string& name = evidence.columns().Name(own.columns[static_cast<size_t>(c)]);
-    if (left[c] > kPoorlyDetermined * variance) fit.poorly_determined.push_back(name);
-    if (left[c] > kPriorMatters * variance) fit.loose.push_back(name);
+    const std::string& name = evidence.columns().Name(own.columns[c]);
+    if (left[c] > kPoorlyDetermined * variance) candidate->poorly_determined.push_back(name);
+    if (left[c] > kPriorMatters * variance) candidate->loose.push_back(name);
   }
-  return fit;
 }
 
 }  // namespace sagitta

@@ -20,21 +20,19 @@ struct Alternative {
 // The other explanations of a member's name, best first in its place.
 std::vector<int> OthersOfItsName(const Evidence& evidence, const WeightedModel& model, int member);
 
-// Chi-square reduction of a member, given the others; and parameters that the data do not determine: of the prior
-// variance a fifth or more is left.
+// Chi-square reduction of a group, given the others.
 struct MemberFit {
   double reduction = 0.0;
   int parameters = 0;
-  std::vector<std::string> poorly_determined;  // coordinates
-  std::vector<std::string> loose;              // names of those that need their prior
 };
-// Square of the residual at the set's values with the widest prior, as refits have it (refit.h), of a spring with
-// its own; the prior's own term left out.
+// By what the others leave.
+MemberFit FitOf(const GivenOthers& given);
+// Fills in what the data determine poorly of a member, given the others: of the prior variance a fifth or more is left;
+// and what needs its prior.
+void MarkUndetermined(const Evidence& evidence, int member, const GivenOthers& given, Candidate* candidate);
+// Square of the residual at the set's values with the widest prior, as refits have it (diagnosed_model.h), of a spring
+// with its own; the prior's own term left out.
 double ResidualAtBest(const Evidence& evidence, const WeightedModel& model);
-// given: its normal equations given the others.
-MemberFit FitOf(const Evidence& evidence, int member, const GivenOthers& given);
-// Every member of a model's set given the others, at their scales.
-std::vector<GivenOthers> EachGivenOthers(const Evidence& evidence, const WeightedModel& model);
 
 // The effect's name on one half of the poses, contiguous in the order of the rows: its probability in its place, the
 // others given; and what the half says of its parameters, in typical sizes.

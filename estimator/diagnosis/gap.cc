@@ -41,11 +41,11 @@ HoldoutSums SumHoldout(const DiagnosedModel& model) {
                                          ? Eigen::Matrix3Xd(known(Eigen::all, held_out))
                                          : PredictPoints(*model.problem, model.estimate.parameters, held_out);
   const Eigen::Matrix3Xd misfit = ResidualsOf(data, held_out, predicted);
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(static_cast<long>(data.configurations.size()));
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(data.configurations.size());
   HoldoutSums sums{none, none};
   for (size_t k = 0; k < held_out.size(); ++k) {
     const int c = data.shots[data.observations[held_out[k]].shot].configuration;
-    sums.squares[c] += misfit.col(static_cast<long>(k)).squaredNorm();
+    sums.squares[c] += misfit.col(k).squaredNorm();
     sums.coordinates[c] += 3.0;
   }
   return sums;

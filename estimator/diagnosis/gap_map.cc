@@ -6,7 +6,7 @@
 #include <map>
 #include <numeric>
 
-#include "estimator/diagnosis/refit.h"
+#include "estimator/diagnosis/diagnosed_model.h"
 #include "estimator/least_squares/linearization.h"
 #include "models/constants.h"
 #include "models/effects/catalogue.h"
@@ -47,25 +47,31 @@ ModelRows RowsOf(const DiagnosedModel& model, LatentTreatment treatment) {
           kMicro * linearize(extended, extended.parameters, cosines).jacobian};
 }
 
-// Of one joint, per group of shots.
+// Of one joint (or effect), per group of shots: how a deviation l moves the rows, and what they have of it.
 struct AlongJoint {
   Eigen::VectorXd information;  // l' l
-  Eigen::VectorXd gradient;     // l' r
+  Eigen::VectorXd gradient;     // l' y
 };
 
-// Of every joint; group: of each shot.
+// group: of each shot.
+AlongJoint Along(const CalibrationProblem& problem, const Linearization& here, const std::vector<int>& group,
+                 const Eigen::VectorXd& l, const Eigen::VectorXd& y) {
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(1 + *std::max_element(group.begin(), group.end()));
+  AlongJoint along{none, none};
+  for (size_t k = 0; k < here.observations.size(); ++k) {
+    const int g = group[problem.data().observations[here.observations[k]].shot];
+    along.information[g] += l.segment<3>(3 * k).squaredNorm();
+    along.gradient[g] += l.segment<3>(3 * k).dot(y.segment<3>(3 * k));
+  }
+  return along;
+}
+
+// Of every joint, of measured - predicted.
 std::vector<AlongJoint> AlongJoints(const CalibrationProblem& problem, const ModelRows& model,
                                     const std::vector<int>& group) {
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(1 + *std::max_element(group.begin(), group.end()));
-  std::vector<AlongJoint> along(model.deviations.cols(), {none, none});
-  for (size_t k = 0; k < model.here.observations.size(); ++k) {
-    const int g = group[problem.data().observations[model.here.observations[k]].shot];
-    const auto rows = Eigen::seqN(static_cast<long>(3 * k), 3);
-    for (size_t j = 0; j < along.size(); ++j) {
-      const auto l = model.deviations(rows, static_cast<long>(j));
-      along[j].information[g] += l.squaredNorm();
-      along[j].gradient[g] -= l.dot(model.here.residual(rows));  // residual: predicted - measured
-    }
+  std::vector<AlongJoint> along;
+  for (const auto& l : model.deviations.colwise()) {
+    along.push_back(Along(problem, model.here, group, l, -model.here.residual));
   }
   return along;
 }
@@ -178,10 +184,6 @@ Eigen::VectorXd Contribution(const DiagnosedModel& with, const EffectSpec& spec,
   return contribution;
 }
 
-struct VisitSums {
-  double squared = 0.0, measured = 0.0, simulated = 0.0, x = 0.0;
-};
-
 EffectView ViewEffect(const DiagnosedModel& with, const ModelRows& of_model, const EffectSpec& spec) {
   const CalibrationProblem& problem = *with.problem;
   const Linearization& here = of_model.here;
@@ -196,24 +198,21 @@ EffectView ViewEffect(const DiagnosedModel& with, const ModelRows& of_model, con
     view.quantity = "deviation of " + spec.target;
     view.unit = turns ? "urad" : "um";
   }
-  // Residuals are predicted - measured: without the effect they would be lower by its contribution.
-  std::map<int, VisitSums> visits;
-  for (size_t k = 0; k < here.observations.size(); ++k) {
-    const int s = problem.data().observations[here.observations[k]].shot;
-    VisitSums& sums = visits[problem.latent.visit_of_shot[s]];
-    const auto rows = Eigen::seqN(static_cast<long>(3 * k), 3);
-    sums.x = driver.of_shot[s];
-    sums.squared += along(rows).squaredNorm();
-    sums.simulated += along(rows).dot(contribution(rows));
-    sums.measured += along(rows).dot(contribution(rows) - here.residual(rows));
+  const std::vector<int>& visit = problem.latent.visit_of_shot;
+  const AlongJoint says = Along(problem, here, visit, along, contribution);
+  const AlongJoint left = Along(problem, here, visit, along, -here.residual);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(says.information.size());
+  for (const int i : here.observations) {
+    const int s = problem.data().observations[i].shot;
+    x[visit[s]] = driver.of_shot[s];
   }
-  double largest = 0.0;
-  for (const auto& [visit, sums] : visits) largest = std::max(largest, sums.squared);
-  for (const auto& [visit, sums] : visits) {
-    if (sums.squared < kHardlySeen * largest) continue;  // hardly seen in this visit
-    view.x.push_back(sums.x);
-    view.measured.push_back(sums.measured / sums.squared);
-    view.simulated.push_back(sums.simulated / sums.squared);
+  const double least = kHardlySeen * says.information.maxCoeff();
+  for (long v = 0; v < x.size(); ++v) {
+    const double information = says.information[v];
+    if (!(information > 0.0) || information < least) continue;  // hardly seen in this visit
+    view.x.push_back(x[v]);
+    view.measured.push_back((says.gradient[v] + left.gradient[v]) / information);
+    view.simulated.push_back(says.gradient[v] / information);
   }
   return view;
 }

@@ -3,9 +3,9 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 
+#include "estimator/explanations/driver_functions.h"
 #include "estimator/report/explanations_words.h"
 #include "models/constants.h"
 #include "problems/text.h"
@@ -47,24 +47,8 @@ int StrongestFunction(const Evidence& evidence, const WeightedModel& model, Weig
     strongest = static_cast<int>(k);
   }
   if (strongest < 0) return -1;
-  std::vector<int> members = model.set.members;
-  members.insert(std::lower_bound(members.begin(), members.end(), strongest), strongest);
-  with->set = search.Evaluate(members);
+  with->set = search.Evaluate(EachOnce(model.set.members, {strongest}));
   return strongest;
-}
-
-// R^2 = 1 - sum w^2 (y - X c)^2 / sum w^2 (y - mean)^2, w = 1 / sigma.
-// Weighted least squares; the share of the square that it explains.
-double Explained(const Eigen::MatrixXd& functions, const Eigen::VectorXd& values, const Eigen::VectorXd& weights,
-                 Eigen::VectorXd* coefficients) {
-  Eigen::MatrixXd columns(functions.rows(), functions.cols() + 1);
-  columns << functions, Eigen::VectorXd::Ones(functions.rows());
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(weights.asDiagonal() * columns);
-  const Eigen::VectorXd weighted = weights.cwiseProduct(values);
-  *coefficients = qr.solve(weighted);
-  const double mean = weights.cwiseAbs2().dot(values) / weights.squaredNorm();
-  const double all = (weights.array() * (values.array() - mean)).matrix().squaredNorm();
-  return all > 0.0 ? 1.0 - weights.cwiseProduct(values - columns * *coefficients).squaredNorm() / all : 0.0;
 }
 
 struct Formula {
@@ -76,13 +60,16 @@ struct Formula {
 class FormulaSearch {
  public:
   FormulaSearch(const LearntFunction& learnt)
-      : driver_(learnt.driver), unit_(learnt.driver_unit), of_(learnt.unit), kind_(learnt.driver_kind) {
+      : driver_(learnt.what.driver.name),
+        unit_(learnt.what.driver.unit),
+        of_(learnt.unit),
+        kind_(learnt.what.driver.kind) {
     const long n = static_cast<long>(learnt.table.size());
     x_.resize(n);
     y_.resize(n);
     weights_.resize(n);
     for (long i = 0; i < n; ++i) {
-      const FunctionPoint& point = learnt.table[static_cast<size_t>(i)];
+      const FunctionPoint& point = learnt.table[i];
       x_[i] = point.at;
       y_[i] = point.value;
       weights_[i] = 1.0 / std::max(1e-9, point.sigma);
@@ -106,70 +93,80 @@ class FormulaSearch {
     }
   }
 
+  // One of a family of formulas: a constant and these functions of the driver, fitted.
+  struct Fitted {
+    double explained = 0.0;  // share of the weighted square
+    double setting = 0.0;
+    Eigen::VectorXd coefficients = Eigen::VectorXd::Zero(2);
+  };
+
+  // R^2 = 1 - sum w^2 (y - X c)^2 / sum w^2 (y - mean)^2, w = 1 / sigma.
+  Fitted Fit(const Eigen::MatrixXd& functions, double setting = 0.0) const {
+    Eigen::MatrixXd columns(functions.rows(), functions.cols() + 1);
+    columns << functions, Eigen::VectorXd::Ones(functions.rows());
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(weights_.asDiagonal() * columns);
+    const Eigen::VectorXd c = qr.solve(weights_.cwiseProduct(y_));
+    const double mean = weights_.cwiseAbs2().dot(y_) / weights_.squaredNorm();
+    const double all = (weights_.array() * (y_.array() - mean)).matrix().squaredNorm();
+    return {all > 0.0 ? 1.0 - weights_.cwiseProduct(y_ - columns * c).squaredNorm() / all : 0.0, setting, c};
+  }
+
+  // The best of functions(setting).
+  template <typename Functions>
+  Fitted Best(const std::vector<double>& settings, const Functions& functions) const {
+    Fitted best;
+    for (const double setting : settings) {
+      const Fitted here = Fit(functions(setting), setting);
+      if (here.explained > best.explained) best = here;
+    }
+    return best;
+  }
+
   void TryLine() {
-    const double explained = Explained(x_, y_, weights_, &c_);
-    Offer(explained, "proportional to " + driver_ + ": " + Rounded(c_[0]) + " " + of_ + " per " + unit_);
+    const Fitted line = Fit(x_);
+    Offer(line.explained, "proportional to " + driver_ + ": " + Size(line) + " per " + unit_);
   }
 
   void TryJump() {
-    double most = 0.0, size = 0.0, place = 0.0;
-    for (long i = 1; i < x_.size(); ++i) {
-      const double here = 0.5 * (x_[i - 1] + x_[i]);
-      const double explained = Explained((x_.array() > here).cast<double>().matrix(), y_, weights_, &c_);
-      if (explained <= most) continue;
-      most = explained;
-      size = c_[0];
-      place = here;
-    }
-    Offer(most, "a jump of " + Rounded(size) + " " + of_ + " at " + driver_ + " = " + Rounded(place) + " " + unit_);
+    std::vector<double> places;
+    for (long i = 1; i < x_.size(); ++i) places.push_back(0.5 * (x_[i - 1] + x_[i]));
+    const Fitted jump =
+        Best(places, [&](double at) -> Eigen::MatrixXd { return (x_.array() > at).cast<double>().matrix(); });
+    Offer(jump.explained, "a jump of " + Size(jump) + " at " + driver_ + " = " + Rounded(jump.setting) + " " + unit_);
   }
 
   void TryHarmonics() {
-    double most = 0.0, size = 0.0;
-    int order = 0;
-    for (int n = 1; n <= kOrders; ++n) {
-      Eigen::MatrixXd waves(x_.size(), 2);
-      waves << (n * kDegree * x_.array()).cos().matrix(), (n * kDegree * x_.array()).sin().matrix();
-      const double explained = Explained(waves, y_, weights_, &c_);
-      if (explained <= most) continue;
-      most = explained;
-      size = std::hypot(c_[0], c_[1]);
-      order = n;
-    }
-    Offer(most, WaveInWords(Rounded(size) + " " + of_, order, driver_));
+    std::vector<double> orders(kOrders);
+    std::iota(orders.begin(), orders.end(), 1.0);
+    const Fitted wave = Best(orders, [&](double n) { return Wave(n * kDegree * x_); });
+    const double size = wave.coefficients.head<2>().norm();
+    Offer(wave.explained, WaveInWords(Rounded(size) + " " + of_, static_cast<int>(wave.setting), driver_));
   }
 
   void TryExponential() {
     const double first = x_.minCoeff(), span = x_.maxCoeff() - first;
-    double most = 0.0, size = 0.0, tau = 0.0;
-    for (double t = span / 32.0; t <= span; t *= 1.3) {
-      const double explained = Explained((-(x_.array() - first) / t).exp().matrix(), y_, weights_, &c_);
-      if (explained <= most) continue;
-      most = explained;
-      size = c_[0];
-      tau = t;
-    }
-    Offer(most, ExponentialInWords(Rounded(size) + " " + of_, Rounded(tau) + " s"));
+    std::vector<double> times;
+    for (double t = span / 32.0; t <= span; t *= 1.3) times.push_back(t);
+    const Fitted fading =
+        Best(times, [&](double t) -> Eigen::MatrixXd { return (-(x_.array() - first) / t).exp().matrix(); });
+    Offer(fading.explained, ExponentialInWords(Size(fading), Rounded(fading.setting) + " s"));
   }
 
   void TryDeadband() {
-    const double reach = x_.cwiseAbs().maxCoeff();
-    double most = 0.0, slope = 0.0, width = 0.0;
-    for (int i = 1; i < 16; ++i) {
-      const double half = reach * i / 16.0;
-      const Eigen::ArrayXd beyond = x_.array().sign() * (x_.array().abs() - half).max(0.0);
-      const double explained = Explained(beyond.matrix(), y_, weights_, &c_);
-      if (explained <= most) continue;
-      most = explained;
-      slope = c_[0];
-      width = half;
-    }
-    Offer(most, DeadbandInWords(Rounded(width) + " " + unit_, driver_, Rounded(slope) + " " + of_ + " per " + unit_));
+    std::vector<double> halves;
+    for (int i = 1; i < 16; ++i) halves.push_back(x_.cwiseAbs().maxCoeff() * i / 16.0);
+    const Fitted beyond = Best(halves, [&](double half) -> Eigen::MatrixXd {
+      return (x_.array().sign() * (x_.array().abs() - half).max(0.0)).matrix();
+    });
+    Offer(beyond.explained,
+          DeadbandInWords(Rounded(beyond.setting) + " " + unit_, driver_, Size(beyond) + " per " + unit_));
   }
+
+  std::string Size(const Fitted& fitted) const { return Rounded(fitted.coefficients[0]) + " " + of_; }
 
   std::string driver_, unit_, of_;
   DriverKind kind_;
-  Eigen::VectorXd x_, y_, weights_, c_;
+  Eigen::VectorXd x_, y_, weights_;
   Formula best_;
 };
 
@@ -177,24 +174,17 @@ class FormulaSearch {
 
 LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& problem) {
   LearntFunction learnt;
+  learnt.what.kind = "other";
   WeightedModel with;
   const int member = StrongestFunction(evidence, model, &with);
   if (member < 0) return learnt;
-  const UnnamedFunction& what = evidence.list().functions[evidence.list().unnamed[member]];
-  learnt.kind = what.kind;
-  learnt.acts_on = what.acts_on;
-  learnt.depends_on = what.depends_on;
-  learnt.words = what.words;
+  learnt.what = evidence.list().functions[evidence.list().unnamed[member]];
+  const UnnamedFunction& what = learnt.what;
   for (const int m : model.pieces) learnt.pieces.push_back(evidence.list().SpecOf(m));
   if (what.driver.of_shot.size() == 0) return learnt;
-  learnt.driver = what.driver.name;
-  learnt.driver_unit = what.driver.unit;
-  learnt.driver_kind = what.driver.kind;
 
   const ColumnGroup& group = evidence.list().math[member].group;
-  const GroupValues own_values = evidence.ValuesOfMember(with, member);
-  const Eigen::MatrixXd& covariance = own_values.covariance;
-  const Eigen::VectorXd& coefficients = own_values.values;
+  const auto [coefficients, covariance] = evidence.ValuesOfMember(with, member);
   // Of several axes, the one that moves most.
   const long height = static_cast<long>(group.columns.size() / what.sources.size());
   long best = 0;
@@ -211,9 +201,9 @@ LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& mode
     most = size;
     best = s;
   }
-  const Source& source = what.sources[static_cast<size_t>(best)];
-  const double typical = TypicalSizeOf(source, problem.robot().chain);
-  learnt.unit = UnitOf(source, problem.robot().chain);
+  const Source& source = what.sources[best];
+  const SourceUnit in = UnitOf(source, problem.robot().chain);
+  learnt.unit = in.micro;
   std::sort(shots.begin(), shots.end(), [&](int a, int b) { return what.driver.of_shot[a] < what.driver.of_shot[b]; });
   const auto equal = [&](int a, int b) { return what.driver.of_shot[a] == what.driver.of_shot[b]; };
   shots.erase(std::unique(shots.begin(), shots.end(), equal), shots.end());
@@ -222,7 +212,7 @@ LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& mode
     const int shot = shots[rows > 1 ? r * (shots.size() - 1) / (rows - 1) : 0];
     const Eigen::VectorXd row =
         ((functions.row(shot) - mean) * group.mixing.middleRows(best * height, height)).transpose();
-    const double unit = typical / kMicro;
+    const double unit = in.typical / kMicro;
     learnt.table.push_back({what.driver.of_shot[shot], unit * row.dot(coefficients),
                             unit * std::sqrt(std::max(0.0, row.dot(covariance * row)))});
   }

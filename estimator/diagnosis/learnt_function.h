@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "estimator/evidence/posterior.h"
-#include "estimator/explanations/drivers.h"
+#include "estimator/explanations/unnamed_functions.h"
 
 namespace sagitta {
 
@@ -21,18 +21,14 @@ struct FunctionPoint {
 
 // A function of the data that no effect of the catalogue is.
 struct LearntFunction {
-  std::string kind = "other";  // as UnnamedFunction::kind
-  std::string acts_on;         // joint, station or marker; empty: no cause stands out
-  std::vector<std::string> depends_on;
-  std::string words;
-  std::string driver, driver_unit, unit;  // of the table; empty where there is more than one driver
-  DriverKind driver_kind = DriverKind::kOther;
+  UnnamedFunction what;  // acts on nothing: no cause stands out
+  std::string unit;      // of the table, which is empty where there is more than one driver
   std::vector<FunctionPoint> table;
   std::string formula;
   std::vector<EffectSpec> pieces;  // of the same cause, each like an effect of the catalogue
 };
 
-// The strongest unnamed function of a model, the others of its set given; none (empty acts_on) where it has none.
+// The strongest unnamed function of a model, the others of its set given; none where it has none.
 LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& problem);
 
 }  // namespace sagitta

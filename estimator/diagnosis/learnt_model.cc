@@ -97,9 +97,7 @@ class Learner {
   // False: it does not predict what is left out of the fit better beyond chance.
   bool Choose(int explanation) {
     asked_.insert(evidence_.list().name[explanation]);
-    std::vector<int> members = set_.members;
-    members.insert(std::lower_bound(members.begin(), members.end(), explanation), explanation);
-    const WeightedSet with = search_.Evaluate(members);
+    const WeightedSet with = search_.Evaluate(EachOnce(set_.members, {explanation}));
     const Eigen::VectorXd errors = groups_.ErrorsLeftOut(with), gains = errors_ - errors;
     const double gain = gains.sum() / gains.norm();
     VLOG(1) << "diagnosis: " << evidence_.list().name[explanation] << " predicts what is left out better by " << gain
@@ -117,10 +115,10 @@ class Learner {
     while (true) {
       int best = -1;
       for (const int k : groups_.asked()) {
-        const double weight = weights[static_cast<size_t>(k)];
+        const double weight = weights[k];
         if (!evidence_.list().IsUnnamed(k) || !(weight > set_.log_weight + kStandsOut)) continue;
         if (asked_.count(evidence_.list().name[k]) > 0) continue;
-        if (best < 0 || weight > weights[static_cast<size_t>(best)]) best = k;
+        if (best < 0 || weight > weights[best]) best = k;
       }
       if (best < 0) return false;
       if (Choose(best)) return true;
@@ -145,8 +143,7 @@ class Learner {
       added_.push_back(piece->second);
       return;
     }
-    const auto place = std::lower_bound(set_.members.begin(), set_.members.end(), explanation) - set_.members.begin();
-    const double scale = set_.scales[static_cast<size_t>(place)];
+    const double scale = set_.scales[PlaceIn(set_.members, explanation)];
     const UnnamedFunction& function = evidence_.list().functions[evidence_.list().unnamed[explanation]];
     const double gap = LargestGap(function.driver, *final_.problem);
     for (const EffectSpec& spec : function.effects) {

@@ -144,7 +144,7 @@ DirectedScatter ScatterOf(const std::vector<ShotResidual>& shots, bool is_sigma_
   std::vector<double> along, across, by_angle, axes[3], ranges;
   for (const ShotResidual& shot : shots) {
     for (size_t i = 0; i < shot.observations.size(); ++i) {
-      const Eigen::Vector3d residual = shot.residual.segment<3>(static_cast<long>(3 * i));
+      const Eigen::Vector3d residual = shot.residual.segment<3>(3 * i);
       for (int axis = 0; axis < 3; ++axis) axes[axis].push_back(residual[axis] * residual[axis]);
       const double at = shot.places[i].norm();
       if (!(at > 0.0)) continue;
@@ -211,7 +211,7 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
     const double rigid = WithoutRigidMotion(shot, &dof).squaredNorm() / scatter.Most();
     std::vector<double> squares;
     for (size_t i = 0; i < n; ++i) {
-      squares.push_back(scatter.SquareOf(shot.residual.segment<3>(static_cast<long>(3 * i)), shot.places[i]));
+      squares.push_back(scatter.SquareOf(shot.residual.segment<3>(3 * i), shot.places[i]));
     }
     const double sum = std::accumulate(squares.begin(), squares.end(), 0.0);
     for (size_t i = 0; i < n; ++i) {
@@ -257,7 +257,7 @@ std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const Para
   }
   for (const ShotResidual& shot : ResidualsByShot(problem, parameters, outliers)) {
     for (size_t i = 0; i < shot.observations.size(); ++i) {
-      const Eigen::Vector3d residual = shot.residual.segment<3>(static_cast<long>(3 * i));
+      const Eigen::Vector3d residual = shot.residual.segment<3>(3 * i);
       if (scatter.SquareOf(residual, shot.places[i]) < limit) explained.push_back(shot.observations[i]);
     }
   }

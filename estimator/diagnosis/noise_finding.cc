@@ -17,7 +17,7 @@ double MeanStated(const CalibrationProblem& stated) {
   int count = 0;
   for (int i = 0; i < stated.latent.size(); ++i) {
     const int joint = stated.latent.joints[i];
-    if (stated.robot().chain.joints[static_cast<size_t>(joint)].type != JointType::kRevolute) continue;
+    if (stated.robot().chain.joints[joint].type != JointType::kRevolute) continue;
     sum += stated.latent.sigmas[i];
     ++count;
   }
@@ -42,7 +42,7 @@ void FindRepeatability(const Evidence& evidence, const WeightedModel& model, con
     const double arm = std::log((off > 0.0 ? fit.high : fit.low) / fit.sigma);  // to the end of 95 %
     if (off / arm < kOnePercent) return;
   }
-  const NoiseView& view = evidence.views()[model.view].view;
+  const NoiseView& view = evidence.ViewOf(model);
   noise->repeatability = fit.sigma > 0.0 ? fit.sigma : AppliedFactor(evidence, model) * view.sigma;
   noise->repeatability_low = fit.low;
   noise->repeatability_high = fit.high;
@@ -53,7 +53,7 @@ void FindRepeatability(const Evidence& evidence, const WeightedModel& model, con
 
 CalibrationProblem WithNoiseOf(const Evidence& evidence, const WeightedModel& model,
                                const CalibrationProblem& problem) {
-  const NoiseView& view = evidence.views()[model.view].view;
+  const NoiseView& view = evidence.ViewOf(model);
   CalibrationProblem with = problem;
   const double factor = AppliedFactor(evidence, model);
   if (view.kind == NoiseView::Kind::kVisit) with = WithRepeatability(with, factor * view.sigma);
@@ -79,10 +79,10 @@ NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, con
   for (const WeightedModel& each : evidence.models()) {
     if (seen > kNearlyAll) break;
     seen += each.probability;
-    const bool other = evidence.views()[each.view].view.kind == NoiseView::Kind::kVisit;
+    const bool other = evidence.ViewOf(each).kind == NoiseView::Kind::kVisit;
     noise.probability += each.probability * (other ? 1.0 : evidence.SigmaIsWrong(each));
   }
-  if (evidence.views()[model.view].view.kind == NoiseView::Kind::kVisit) {
+  if (evidence.ViewOf(model).kind == NoiseView::Kind::kVisit) {
     FindRepeatability(evidence, model, stated, final, &noise);
   }
   noise.scale_differs = noise.is_stated && evidence.SigmaIsWrong(model) > kEvenOdds;

@@ -44,7 +44,7 @@ ReportedPosterior ReportPosterior(const Evidence& evidence, const Posterior& pos
     sum += set.probability;
     const WeightedModel& best = evidence.models()[set.best];
     report.sets.push_back(ReportSet(list, best.set.members, set.probability, best.pieces));
-    if (evidence.views()[best.view].view.kind == NoiseView::Kind::kPose) {
+    if (evidence.ViewOf(best).kind == NoiseView::Kind::kPose) {
       report.sets.back().unnamed.push_back(JointsFollowPose());
     }
   }

@@ -28,7 +28,7 @@ EffectSpec SeededSpring(const Evidence& evidence, const WeightedModel& model, in
   const Eigen::VectorXd coefficients = group.mixing * evidence.ValuesOfMember(model, member).values;
   const Eigen::VectorXd turned = kTypicalTurn * evidence.columns().FunctionOf(group.columns) * coefficients;
   const int joint = problem.robot().chain.FindJoint(spring.target);
-  const Eigen::VectorXd angles = OfShots(problem, [joint](const ShotConditions& shot) { return shot.q[joint]; });
+  const Eigen::VectorXd angles = JointValues(problem, joint);
   std::vector<int> shots;
   for (const int i : problem.CalibrationObservations()) shots.push_back(problem.data().observations[i].shot);
   SeedSpring(angles(shots), turned(shots) / ComplianceOf(lacking.estimate.parameters, spring.target), &spring);
@@ -51,7 +51,7 @@ std::vector<EffectSpec> OtherSprings(const Evidence& evidence, const WeightedMod
 // near: the believed model with a noise like that of this model.
 DiagnosedModel LackingGiven(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& working,
                             const DiagnosedModel& baseline, const Estimate& near, const JointOptions& joint) {
-  const bool is_other = evidence.views()[model.view].view.kind != NoiseView::Kind::kStated;
+  const bool is_other = evidence.ViewOf(model).kind != NoiseView::Kind::kStated;
   if (!is_other && evidence.IsSigmaStated() && evidence.SigmaIsWrong(model) <= kEvenOdds) return baseline;
   DiagnosedModel refit = RefitFully(WithNoiseOf(evidence, model, working), near, joint);
   return IsUsable(refit.estimate.status) ? refit : baseline;
@@ -120,7 +120,7 @@ std::vector<SelectedEffect> SelectedEffectsOf(const Evidence& evidence, const We
                                               const DiagnosedModel& lacking) {
   const ExplanationList& list = evidence.list();
   const std::vector<double> losses = evidence.SearchIn(model.view).LossesOf(model.set);
-  const std::vector<GivenOthers> given = EachGivenOthers(evidence, model);
+  const Members members = evidence.MembersOf(model);
   std::vector<SelectedEffect> effects;
   for (size_t k = 0; k < model.set.members.size(); ++k) {
     const int member = model.set.members[k];
@@ -131,9 +131,9 @@ std::vector<SelectedEffect> SelectedEffectsOf(const Evidence& evidence, const We
     if (IsGravityCompensator(effect.candidate.spec)) {
       effect.candidate.spec = SeededSpring(evidence, model, member, lacking);
     }
-    effect.fit = FitOf(evidence, member, given[k]);
-    effect.candidate.poorly_determined = effect.fit.poorly_determined;
-    effect.candidate.loose = effect.fit.loose;
+    const GivenOthers given = members.Of(k);
+    effect.fit = FitOf(given);
+    MarkUndetermined(evidence, member, given, &effect.candidate);
     effect.candidate.prior_scale = std::max(kLargestUsual, model.set.scales[k]);
     effect.loss = losses[k];
     effects.push_back(std::move(effect));
@@ -194,19 +194,18 @@ double CorrectedP(double reduction, int parameters, double scatter, int dof, boo
 
 std::vector<ScreenedCandidate> Screen(const Evidence& evidence, const DiagnosedModel& baseline) {
   const ExplanationList& list = evidence.list();
-  const ProjectedNormal& normal = evidence.views()[0].given_believed.normal;
+  const ProjectedNormal& normal = evidence.NormalOf(0);
   const ResidualLikelihood likelihood = evidence.LikelihoodOf(0);
   std::map<std::string, ScreenedCandidate> best;  // by name
   int tests = 0;
   for (size_t k = 0; k < list.math.size(); ++k) {
     if (list.IsUnnamed(static_cast<int>(k))) continue;
     ++tests;
-    const Eigen::MatrixXd information = OwnInformation(normal, list.math[k].group);
-    const Eigen::VectorXd gradient = OwnGradient(normal, list.math[k].group);
-    const double log_evidence = AverageGain(likelihood, normal.residual, information, gradient, kNumScales);
+    const GivenOthers alone = GivenNothing(normal, list.math[k].group);
+    const double log_evidence = AverageGain(likelihood, alone);
     const auto entry = best.find(list.name[k]);
     if (entry != best.end() && entry->second.log_evidence >= log_evidence) continue;
-    const MemberFit fit = FitOf(evidence, static_cast<int>(k), {information, gradient, normal.residual, 0.0});
+    const MemberFit fit = FitOf(alone);
     if (fit.parameters == 0) continue;
     best[list.name[k]] = {list.start[k], static_cast<int>(k), fit.reduction, fit.parameters, 1.0, log_evidence, {}};
   }
@@ -255,7 +254,7 @@ double WaldP(const EffectSpec& spec, const Estimate& estimate) {
   }
   Eigen::VectorXd values(static_cast<long>(own.size()));
   for (size_t k = 0; k < own.size(); ++k) {
-    values[static_cast<long>(k)] = estimate.parameters.Value(estimate.estimated[static_cast<size_t>(own[k])]);
+    values[k] = estimate.parameters.Value(estimate.estimated[own[k]]);
   }
   const Eigen::MatrixXd covariance = estimate.covariance(own, own);
   const double square = values.dot(covariance.ldlt().solve(values));
@@ -287,7 +286,7 @@ std::vector<EffectGroup> GroupEffects(const std::vector<FoundEffect>& effects, c
   DiagnosedModel so_far = lacking;
   std::vector<Candidate> added;  // beyond those of `so_far`
   for (size_t g = 0; g < groups.size() && all > 0.0; ++g) {
-    for (const int k : groups[g].effects) added.push_back(effects[static_cast<size_t>(k)].candidate);
+    for (const int k : groups[g].effects) added.push_back(effects[k].candidate);
     const DiagnosedModel here = g + 1 == groups.size() ? final : Extend(so_far, added, joint);
     if (!IsUsable(here.estimate.status)) continue;
     const double now = beyond_floor(here);

@@ -4,14 +4,13 @@
 #include <vector>
 
 #include "estimator/diagnosis/diagnose.h"
-#include "estimator/diagnosis/refit.h"
 
 namespace sagitta {
 
 struct SelectedEffect {
   int explanation = 0;
   Candidate candidate;
-  MemberFit fit;
+  MemberFit fit;      // the others given
   double loss = 0.0;  // of log weight where it is left out
 };
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 
-#include "estimator/diagnosis/refit.h"
 #include "estimator/statistics/distributions.h"
 #include "models/effects/catalogue.h"
 #include "models/effects/first_order_lag.h"

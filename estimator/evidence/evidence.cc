@@ -62,9 +62,7 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
   ViewedNormal stated = Viewed({});
   DropInvisible(stated.given_believed.normal, masses, &list_);
   if (progress) progress("weighing " + std::to_string(list_.math.size()) + " explanations");
-  std::deque<SetSearch> searches;
-  const bool is_done =
-      Climb(std::move(stated), before == nullptr ? WeightedSet() : BestOf(*before), kFirstMoves, &searches);
+  const bool is_done = Climb(std::move(stated), before == nullptr ? WeightedSet() : BestOf(*before), kFirstMoves);
   const auto& joints = problem.robot().chain.joints;
   const bool any_turns =
       std::any_of(joints.begin(), joints.end(), [](const Joint& joint) { return joint.type == JointType::kRevolute; });
@@ -73,10 +71,10 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
     const std::optional<Trial> next = NextView();
     if (!next) break;
     if (progress) progress(SearchingWithRepeatability(next->view.sigma));
-    Climb(Viewed(next->view), best, kEveryMove, &searches);
+    Climb(Viewed(next->view), best, kEveryMove);
   }
-  if (!is_done) FinishStated(&searches);
-  Explore(&searches);
+  if (!is_done) FinishStated();
+  Explore();
 }
 
 std::optional<Evidence::Trial> Evidence::NextView() {
@@ -107,12 +105,12 @@ std::optional<Evidence::Trial> Evidence::NextView() {
   return next;
 }
 
-void Evidence::FinishStated(std::deque<SetSearch>* searches) {
+void Evidence::FinishStated() {
   const WeightedModel best = models_[0];
   const bool is_worth_it = best.view == 0 || LogWeightAsStated(best.set) >= best.log_weight + kWorthSearching;
   if (!is_worth_it) return;
-  searches->front().ClimbFrom(best.set);
-  AddModel(0, searches->front().Best());
+  searches_.front().ClimbFrom(best.set);
+  AddModel(0, searches_.front().Best());
   Normalise(&models_);
 }
 
@@ -120,7 +118,7 @@ JointScatter Evidence::ScatterOf(const NoiseView& view) const {
   JointScatter scatter = stated_;
   if (view.kind == NoiseView::Kind::kStated) return scatter;
   for (long j = 0; j < scatter.visit.size(); ++j) {
-    if (problem_.robot().chain.joints[static_cast<size_t>(j)].type != JointType::kRevolute) continue;
+    if (problem_.robot().chain.joints[j].type != JointType::kRevolute) continue;
     (view.kind == NoiseView::Kind::kVisit ? scatter.visit : scatter.pose)[j] = view.sigma;
   }
   return scatter;
@@ -138,8 +136,8 @@ double Evidence::LogWeight(const NoiseView& view, const WeightedSet& set, const 
   std::vector<int> members(set.members.size());
   std::iota(members.begin(), members.end(), 0);
   const GivenBelieved given_believed = columns_.Project(sums);
-  const SetSearch search(given_believed.normal, few.explanations, prior_, Likelihood(given_believed.normal.dof));
-  return search.Evaluate(members, set.scales).log_weight + given_believed.log_constant + view.log_prior;
+  return SearchAmong(few.explanations, given_believed.normal).Evaluate(members, set.scales).log_weight +
+         given_believed.log_constant + view.log_prior;
 }
 
 // In the first view, whose normal equations are there.
@@ -164,7 +162,7 @@ Evidence::Trial Evidence::BestView(NoiseView::Kind kind, double log_prior, const
   const auto weight = [&](double log_sigma) {
     if (every == 1) return among_some(log_sigma);
     const NoiseView view = view_at(log_sigma);
-    return LogWeight(view, set, few, columns_.Sum(ScatterOf(view), &few.columns));
+    return LogWeight(view, set, few, columns_.Sum(ScatterOf(view), few.columns));
   };
   const double spacing = std::log(2.0);
   double near = low, near_weight = among_some(low);
@@ -215,16 +213,14 @@ WeightedSet Evidence::BestOf(const Evidence& other) const {
     const auto same = here.find(key(other.list(), static_cast<size_t>(m)));
     if (same != here.end()) set.members.push_back(same->second);
   }
-  std::sort(set.members.begin(), set.members.end());
-  set.members.erase(std::unique(set.members.begin(), set.members.end()), set.members.end());
+  set.members = EachOnce(set.members);
   return set;
 }
 
-bool Evidence::Climb(ViewedNormal viewed, const WeightedSet& start, int most_moves, std::deque<SetSearch>* searches) {
+bool Evidence::Climb(ViewedNormal viewed, const WeightedSet& start, int most_moves) {
   views_.push_back(std::move(viewed));
   const int view = static_cast<int>(views_.size()) - 1;
-  searches->push_back(SearchIn(view));
-  SetSearch& search = searches->back();
+  SetSearch& search = searches_.emplace_back(SearchIn(view));
   const bool is_done = search.ClimbFrom(start, most_moves);
   AddModel(view, search.Best());
   if (!search.Best().members.empty()) AddModel(view, search.Empty());
@@ -232,20 +228,21 @@ bool Evidence::Climb(ViewedNormal viewed, const WeightedSet& start, int most_mov
   return is_done;
 }
 
-void Evidence::Explore(std::deque<SetSearch>* searches) {
+void Evidence::Explore() {
   std::vector<WeightedModel> climbed = std::move(models_);
   models_.clear();
   const double hopeless = climbed[0].log_weight - kWorthKeeping;
   for (int view = 0; view < static_cast<int>(views_.size()); ++view) {
     const auto is_near = [&](const WeightedModel& model) { return model.view == view && model.log_weight >= hopeless; };
     if (std::any_of(climbed.begin(), climbed.end(), is_near)) {
-      for (const WeightedSet& set : (*searches)[view].Explore()) AddModel(view, set);
+      for (const WeightedSet& set : searches_[view].Explore()) AddModel(view, set);
     } else {
       for (const WeightedModel& model : climbed) {
         if (model.view == view) models_.push_back(model);
       }
     }
   }
+  searches_.clear();
   AddReadings();
   Normalise(&models_);
   if (models_.size() <= kMostModels) return;
@@ -258,8 +255,7 @@ void Evidence::AddReadings() {
   NamelessCauses causes(list_, masses_.further);
   for (size_t i = models_.size(); i-- > 0;) {
     const WeightedModel& many = models_[i];
-    auto one = causes.ReadAsOne(many.set.members, many.set, list_.math, views_[many.view].given_believed.normal,
-                                LikelihoodOf(many.view));
+    auto one = causes.ReadAsOne(many.set.members, many.set, list_.math, NormalOf(many.view), LikelihoodOf(many.view));
     if (!one) continue;
     WeightedModel as_one = many;
     as_one.pieces = std::move(one->pieces);
@@ -271,13 +267,15 @@ void Evidence::AddReadings() {
 
 GroupValues Evidence::ValuesOfMember(const WeightedModel& model, int member) const {
   const std::vector<const ColumnGroup*> groups = GroupsOf(list_.math, model.set.members);
-  return ValuesOf(views_[model.view].given_believed.normal, groups, model.set.scales).Of(model.PlaceOf(member), groups);
+  return ValuesOf(NormalOf(model.view), groups, model.set.scales).Of(model.PlaceOf(member), groups);
 }
 
-double Evidence::ResidualOf(const WeightedModel& model) const {
-  const ProjectedNormal& normal = views_[model.view].given_believed.normal;
-  return Members(normal, GroupsOf(list_.math, model.set.members), model.set.scales).residual();
+Members Evidence::MembersOf(const WeightedModel& model, const std::vector<double>* scales) const {
+  return Members(NormalOf(model.view), GroupsOf(list_.math, model.set.members),
+                 scales == nullptr ? model.set.scales : *scales);
 }
+
+double Evidence::ResidualOf(const WeightedModel& model) const { return MembersOf(model).residual(); }
 
 double Evidence::SigmaIsWrong(const WeightedModel& model) const {
   return LikelihoodOf(model.view).ProbabilityWrong(ResidualOf(model));

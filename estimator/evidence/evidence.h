@@ -48,9 +48,7 @@ struct WeightedModel {
   // Members of the catalogue that are read as pieces of the set's nameless cause, ascending (nameless_cause.h).
   std::vector<int> pieces = {};
 
-  size_t PlaceOf(int member) const {
-    return static_cast<size_t>(std::find(set.members.begin(), set.members.end(), member) - set.members.begin());
-  }
+  size_t PlaceOf(int member) const { return PlaceIn(set.members, member); }
   bool HasPiece(int member) const { return std::binary_search(pieces.begin(), pieces.end(), member); }
 };
 
@@ -79,16 +77,21 @@ class Evidence {
   // Best first; without those below e^-kWorthKeeping of the best, but always with some that hold nothing.
   const std::vector<WeightedModel>& models() const { return models_; }
   const WeightedModel& BestOfNothing() const;
+  const NoiseView& ViewOf(const WeightedModel& model) const { return views_[model.view].view; }
+  const ProjectedNormal& NormalOf(int view) const { return views_[view].given_believed.normal; }
   // Adds to each model's log weight and sorts them anew.
   void Correct(const std::vector<double>& log_corrections);
-  ResidualLikelihood LikelihoodOf(int view) const { return Likelihood(views_[view].given_believed.normal.dof); }
+  ResidualLikelihood LikelihoodOf(int view) const { return Likelihood(NormalOf(view).dof); }
   ResidualLikelihood Likelihood(double dof) const { return {dof, sigma_dof_, kNoiseIsWrong}; }
   const SetPrior& prior() const { return prior_; }
   const PriorMasses& masses() const { return masses_; }
-  // Of all explanations given a view.
-  SetSearch SearchIn(int view) const {
-    return SetSearch(views_[view].given_believed.normal, list_.math, prior_, LikelihoodOf(view));
+  SetSearch SearchAmong(const std::vector<Explanation>& explanations, const ProjectedNormal& normal) const {
+    return SetSearch(normal, explanations, prior_, Likelihood(normal.dof));
   }
+  // Of all explanations given a view.
+  SetSearch SearchIn(int view) const { return SearchAmong(list_.math, NormalOf(view)); }
+  // A model's set; with other scales than its own where they are given.
+  Members MembersOf(const WeightedModel& model, const std::vector<double>* scales = nullptr) const;
   // Coefficients of one member of a model's set and their covariance, in typical sizes, the others estimated too.
   GroupValues ValuesOfMember(const WeightedModel& model, int member) const;
   bool IsSigmaStated() const { return sigma_dof_ > 0.0; }
@@ -115,12 +118,12 @@ class Evidence {
   // What the best set of another evidence is called here.
   WeightedSet BestOf(const Evidence& other) const;
   // In one more view, from a set; what is best there is added to the models. False: it was not reached.
-  bool Climb(ViewedNormal viewed, const WeightedSet& start, int most_moves, std::deque<SetSearch>* searches);
+  bool Climb(ViewedNormal viewed, const WeightedSet& start, int most_moves);
   // Where thirty moves in the stated view did not end, other noise is asked first, and this goes on where it is worth
   // it.
-  void FinishStated(std::deque<SetSearch>* searches);
+  void FinishStated();
   // All models, by views that are not hopeless: what lies further below the best than is kept is not explored.
-  void Explore(std::deque<SetSearch>* searches);
+  void Explore();
   void AddModel(int view, const WeightedSet& set);
   // Of each model of which members may be pieces of one nameless cause, that reading too.
   void AddReadings();
@@ -133,6 +136,7 @@ class Evidence {
   double sigma_dof_;
   JointScatter stated_;
   std::deque<ViewedNormal> views_;  // stay where they are
+  std::deque<SetSearch> searches_;  // in each view, until all are explored
   std::vector<WeightedModel> models_;
   // Best views with sets, by kind, members and scales: the set of nothing is asked every time.
   std::map<std::tuple<NoiseView::Kind, std::vector<int>, std::vector<double>>, Trial> tried_;

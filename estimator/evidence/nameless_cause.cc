@@ -43,7 +43,7 @@ const NamelessCauses::Pieces& NamelessCauses::PiecesOf(const std::vector<int>& f
   for (size_t k = 0; k < list_.math.size() && is_new; ++k) {
     const int named = static_cast<int>(k);
     const bool may_be = !list_.IsUnnamed(named) && std::any_of(functions.begin(), functions.end(), [&](int function) {
-      return IsLike(list_.functions[static_cast<size_t>(list_.unnamed[function])], list_.SpecOf(named));
+      return IsLike(list_.functions[list_.unnamed[function]], list_.SpecOf(named));
     });
     pieces.may_be.push_back(may_be);
     if (may_be) pieces.share += list_.math[k].share;
@@ -56,8 +56,7 @@ NamelessCauses::Cause NamelessCauses::OneOf(const std::vector<int>& members) {
   std::copy_if(members.begin(), members.end(), std::back_inserter(cause.functions),
                [&](int m) { return list_.IsUnnamed(m); });
   const Pieces& all = PiecesOf(cause.functions);
-  std::copy_if(members.begin(), members.end(), std::back_inserter(cause.pieces),
-               [&](int m) { return all.may_be[static_cast<size_t>(m)]; });
+  std::copy_if(members.begin(), members.end(), std::back_inserter(cause.pieces), [&](int m) { return all.may_be[m]; });
   return cause;
 }
 
@@ -82,9 +81,7 @@ std::optional<NamelessCauses::AsOne> NamelessCauses::ReadAsOne(const std::vector
   const double odds = LogPriorOdds(members, cause);
   if (odds <= 0.0) return std::nullopt;
   const auto counted = [&](std::vector<int> own) {
-    for (int& m : own) {
-      m = set.members[static_cast<size_t>(std::lower_bound(members.begin(), members.end(), m) - members.begin())];
-    }
+    for (int& m : own) m = set.members[PlaceIn(members, m)];
     return own;
   };
   AsOne one{cause.pieces, {}, 0.0};
@@ -123,7 +120,7 @@ WeightedSet NamelessCauses::WithOneSize(const WeightedSet& set, const Cause& cau
     if (logs.empty() || log > *std::max_element(logs.begin(), logs.end())) one.scales = members.scales();
     logs.push_back(log);
   }
-  one.log_likelihood = LogSumExp(logs) - std::log(kNumUsualScales) + lost;
+  one.log_likelihood = LogMean(logs) + lost;
   one.log_weight += one.log_likelihood - set.log_likelihood;
   return one;
 }

@@ -4,13 +4,14 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <random>
 #include <set>
 
 #include "estimator/evidence/pose_choice.h"
+#include "estimator/evidence/pose_groups.h"
+#include "estimator/explanations/drivers.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/planning/pose_space.h"
 #include "models/effects/catalogue.h"
@@ -30,12 +31,9 @@ constexpr size_t kMostShapes = 3;  // of an answer, such as those of a compensat
 Eigen::Matrix2Xd LimitsOf(const CalibrationProblem& problem) {
   Eigen::Matrix2Xd limits(2, problem.robot().num_joints());
   for (int j = 0; j < problem.robot().num_joints(); ++j) {
-    const Joint& joint = problem.robot().chain.joints[static_cast<size_t>(j)];
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const Configuration& each : problem.data().configurations) {
-      low = std::min(low, each.q[j]);
-      high = std::max(high, each.q[j]);
-    }
+    const Joint& joint = problem.robot().chain.joints[j];
+    const Eigen::VectorXd q = JointValues(problem, j);
+    const double low = q.minCoeff(), high = q.maxCoeff();
     const bool is_stated = joint.min && joint.max && high > low;
     limits.col(j) = is_stated ? Eigen::Vector2d(*joint.min, *joint.max) : Eigen::Vector2d(low, high);
   }
@@ -55,7 +53,7 @@ std::vector<ProposedPose> DrawPoses(const CalibrationProblem& problem, unsigned 
     ProposedPose pose;
     do {
       pose.like = static_cast<int>(random() % configurations.size());
-    } while (configurations[static_cast<size_t>(pose.like)].is_validation);
+    } while (configurations[pose.like].is_validation);
     pose.q.resize(problem.robot().num_joints());
     for (int j = 0; j < problem.robot().num_joints(); ++j) pose.q[j] = uniform(limits(0, j), limits(1, j));
     poses.push_back(std::move(pose));
@@ -69,7 +67,7 @@ CalibrationProblem WithPoses(const CalibrationProblem& problem, const std::vecto
   NoiseRoots roots = problem.resolved_noise;
   const std::vector<std::vector<int>> shots = ShotsByConfiguration(problem.data());
   for (const ProposedPose& pose : poses) {
-    const std::vector<int>& own = shots[static_cast<size_t>(pose.like)];
+    const std::vector<int>& own = shots[pose.like];
     const std::string id = "next" + std::to_string(data.configurations.size());
     AppendConfiguration(problem.data(), pose.like, own, pose.q, id, &data);
     data.configurations.back().is_validation = true;
@@ -94,7 +92,7 @@ CalibrationProblem AsPredicted(CalibrationProblem extended, const ParameterSet& 
   const Eigen::Matrix3Xd points = PredictPoints(extended, parameters, added);
   for (size_t i = 0; i < added.size(); ++i) {
     Observation& observation = extended.mutable_data()->observations[measured + i];
-    if (observation.is_point()) observation.point_in_station = points.col(static_cast<long>(i));
+    if (observation.is_point()) observation.point_in_station = points.col(i);
   }
   return extended;
 }
@@ -164,40 +162,19 @@ struct Rival {
   int name = 0;  // of the answer
 };
 
-// Rows of a set's unit prior coefficients behind the believed ones, of rows that are for [believed, columns]. groups:
-// within those columns.
-struct Coefficients {
-  std::vector<const ColumnGroup*> groups;
-  std::vector<double> scales;
-  long believed = 0, size = 0;  // of the set, without the believed
-
-  Eigen::MatrixXd Of(const Eigen::MatrixXd& rows) const {
-    Eigen::MatrixXd mixed(believed + size, rows.cols());
-    mixed.topRows(believed) = rows.topRows(believed);
-    const auto of_columns = rows.bottomRows(rows.rows() - believed);
-    long first = believed;
-    for (size_t k = 0; k < groups.size(); ++k) {
-      mixed.middleRows(first, groups[k]->size()) =
-          groups[k]->Mixed(scales[k] * of_columns(groups[k]->columns, Eigen::all));
-      first += groups[k]->size();
-    }
-    return mixed;
-  }
-};
-
 // What is known of a set's coefficients, and of all poses by it. sums: of the fitted rows with [believed, columns,
 // residual]; turned: the poses' rows in [believed, columns], transposed. With N = P' L D L' P of the coefficients and
 // the poses' rows R in them:  m = R x,  Y = D^-1/2 L^-1 P R'.
-void Predict(const Coefficients& coefficients, const Eigen::MatrixXd& sums, const Eigen::MatrixXd& turned,
+void Predict(const SetCoefficients& coefficients, const Eigen::MatrixXd& sums, const Eigen::MatrixXd& turned,
              RivalRows* rows) {
-  const Eigen::MatrixXd half = coefficients.Of(sums);
-  Eigen::MatrixXd precision = coefficients.Of(half.leftCols(turned.rows()).transpose());
-  precision.diagonal().tail(coefficients.size).array() += 1.0;
+  const Eigen::MatrixXd normal = coefficients.NormalOf(sums);
+  Eigen::MatrixXd precision = normal.leftCols(coefficients.size());
+  coefficients.AddPrior(&precision);
   // What hardly anything determines must not decide: a flat prior is one of a thousand times what the data say.
   precision.diagonal() *= 1.0 + 1e-9;
   const Eigen::LDLT<Eigen::MatrixXd> factor(precision);
   rows->spread = coefficients.Of(turned);
-  rows->means = -rows->spread.transpose() * factor.solve(half.col(turned.rows()));
+  rows->means = -rows->spread.transpose() * factor.solve(normal.col(coefficients.size()));
   rows->spread = factor.transpositionsP() * rows->spread;
   factor.matrixL().solveInPlace(rows->spread);
   rows->spread.array().colwise() *= factor.vectorD().array().max(kLeastPivot).rsqrt();
@@ -205,8 +182,8 @@ void Predict(const Coefficients& coefficients, const Eigen::MatrixXd& sums, cons
 
 // The sets that are worth deciding between. What is called alike, or predicts the same at new poses, is one answer: a
 // deviation that follows the pose has its own value at each, and whether an effect is a piece of a nameless cause no
-// pose shows.
-std::vector<Rival> RivalsOf(const Evidence& evidence) {
+// pose shows. probabilities: of the answers.
+std::vector<Rival> RivalsOf(const Evidence& evidence, std::vector<double>* probabilities) {
   struct Answer {
     double probability = 0.0;
     std::vector<int> models;
@@ -234,24 +211,15 @@ std::vector<Rival> RivalsOf(const Evidence& evidence) {
   for (const Answer& answer : sorted) all += answer.probability;
   std::vector<Rival> rivals;
   for (size_t k = 0; k < sorted.size(); ++k) {
+    probabilities->push_back(sorted[k].probability / all);
     double kept = 0.0;
     for (const int m : sorted[k].models) kept += evidence.models()[m].probability;
     for (const int m : sorted[k].models) {
       const double share = evidence.models()[m].probability / kept;
-      rivals.push_back({m, share * sorted[k].probability / all, static_cast<int>(k)});
+      rivals.push_back({m, share * probabilities->back(), static_cast<int>(k)});
     }
   }
   return rivals;
-}
-
-// Of the answers.
-std::vector<double> ProbabilitiesOf(const std::vector<Rival>& rivals) {
-  std::vector<double> probabilities;
-  for (const Rival& rival : rivals) {
-    probabilities.resize(std::max(probabilities.size(), static_cast<size_t>(rival.name) + 1), 0.0);
-    probabilities[static_cast<size_t>(rival.name)] += rival.probability;
-  }
-  return probabilities;
 }
 
 std::optional<PoseChoice> ChoiceOf(const Evidence& evidence, const std::vector<Rival>& rivals,
@@ -265,8 +233,7 @@ std::optional<PoseChoice> ChoiceOf(const Evidence& evidence, const std::vector<R
   for (const WeightedSet* set : sets) {
     for (const int m : set->members) chosen.push_back(few.NumberOf(m));
   }
-  std::sort(chosen.begin(), chosen.end());
-  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+  chosen = EachOnce(chosen);
   const FewExplanations explanations = WithTheirColumns(few.list().math, chosen);
   const std::vector<int>& columns = explanations.columns;
   const std::vector<std::vector<int>> all = ObservationsByConfiguration(extended.data());
@@ -281,16 +248,14 @@ std::optional<PoseChoice> ChoiceOf(const Evidence& evidence, const std::vector<R
     turned.middleCols(first_row[c], first_row[c + 1] - first_row[c]) =
         few.columns().RowsAt(observations[c], scatter, columns).transpose();
   }
-  const Eigen::MatrixXd sums = few.columns().WithPriors(few.columns().Sum(scatter, &columns).products);
+  const Eigen::MatrixXd sums = few.columns().WithPriors(few.columns().Sum(scatter, columns).products);
   std::vector<RivalRows> rows(rivals.size());
   for (size_t i = 0; i < rivals.size(); ++i) {
     rows[i].probability = rivals[i].probability;
     rows[i].name = rivals[i].name;
-    Coefficients coefficients{{}, sets[i]->scales, believed, 0};
+    SetCoefficients coefficients{{}, sets[i]->scales, believed};
     for (const int m : sets[i]->members) {
-      const auto at = std::lower_bound(chosen.begin(), chosen.end(), few.NumberOf(m)) - chosen.begin();
-      coefficients.groups.push_back(&explanations.explanations[static_cast<size_t>(at)].group);
-      coefficients.size += coefficients.groups.back()->size();
+      coefficients.groups.push_back(&explanations.explanations[PlaceIn(chosen, few.NumberOf(m))].group);
     }
     Predict(coefficients, sums, turned, &rows[i]);
   }
@@ -301,8 +266,8 @@ std::optional<PoseChoice> ChoiceOf(const Evidence& evidence, const std::vector<R
 
 std::optional<NextPoses> ProposeNext(const Evidence& evidence, const CalibrationProblem& problem,
                                      const ParameterSet& parameters, unsigned long long seed) {
-  const std::vector<Rival> rivals = RivalsOf(evidence);
-  const std::vector<double> now = ProbabilitiesOf(rivals);
+  std::vector<double> now;
+  const std::vector<Rival> rivals = RivalsOf(evidence, &now);
   if (now.size() < 2 || now[0] > kDecided) return std::nullopt;
   const std::vector<ProposedPose> drawn = DrawPoses(problem, seed);
   const CalibrationProblem extended =

@@ -20,7 +20,7 @@ PoseChoice::PoseChoice(std::vector<RivalRows> rivals, std::vector<long> first_ro
   CHECK_GE(first_row_.size(), 2u);
   probabilities_.resize(static_cast<long>(rivals_.size()));
   for (size_t i = 0; i < rivals_.size(); ++i) {
-    probabilities_[static_cast<long>(i)] = rivals_[i].probability;
+    probabilities_[i] = rivals_[i].probability;
     names_.push_back(rivals_[i].name);
   }
   asked_.resize(first_row_.size() - 1);

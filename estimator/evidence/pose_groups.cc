@@ -1,15 +1,17 @@
 #include "estimator/evidence/pose_groups.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <set>
 
+#include "estimator/evidence/nameless_cause.h"
 #include "estimator/statistics/shuffle.h"
 
 namespace sagitta {
 namespace {
 
-constexpr unsigned kSeedOfGroups = 1;
+constexpr unsigned kSeedOfGroups = 1, kSeedOfResamples = 2;
 // What may replace a member, or be one more, is asked for where it is among the first of all: so many names in each
 // place, so many explanations in addition to the set. With forty in each place the same kinds of effect have 0.9 and
 // more on the UR10's series D.
@@ -22,7 +24,7 @@ constexpr size_t kMostColumns = 1500;
 std::vector<int> WorthAsking(const Evidence& evidence, const WeightedModel& leading,
                              const std::vector<std::vector<NamedProbability>>& in_places) {
   std::set<int> asked(leading.set.members.begin(), leading.set.members.end());
-  const auto columns_of = [&](int k) { return evidence.list().math[static_cast<size_t>(k)].group.columns.size(); };
+  const auto columns_of = [&](int k) { return evidence.list().math[k].group.columns.size(); };
   size_t columns = 0;
   for (const int m : asked) columns += columns_of(m);
   const auto ask = [&](int k) {
@@ -39,8 +41,7 @@ std::vector<int> WorthAsking(const Evidence& evidence, const WeightedModel& lead
     if (std::isfinite(weights[k])) further.push_back(static_cast<int>(k));
   }
   const auto end = further.begin() + static_cast<long>(std::min(kFurther, further.size()));
-  std::partial_sort(further.begin(), end, further.end(),
-                    [&](int a, int b) { return weights[static_cast<size_t>(a)] > weights[static_cast<size_t>(b)]; });
+  std::partial_sort(further.begin(), end, further.end(), [&](int a, int b) { return weights[a] > weights[b]; });
   std::for_each(further.begin(), end, ask);
   return {asked.begin(), asked.end()};
 }
@@ -52,6 +53,27 @@ std::vector<int> GroupOfEach(int poses, int groups) {
   for (size_t k = 0; k < group.size(); ++k) group[k] = static_cast<int>(k) % groups;
   Shuffle(&group, &random);
   return group;
+}
+
+// The most probable set by these sums, in place of all that share the probability there, read as so many causes and as
+// one without a name; probabilities sum to 1.
+std::vector<WeightedModel> MostProbable(const Evidence& evidence, const PoseGroups& groups,
+                                        const ProjectedNormal& normal, NamelessCauses* causes) {
+  SetSearch search = evidence.SearchAmong(groups.explanations(), normal);
+  search.ClimbFrom();
+  const WeightedSet& here = search.Best();
+  WeightedModel best{groups.view(), here, 1.0, 0.0};
+  for (int& m : best.set.members) m = groups.asked()[m];
+  std::vector<WeightedModel> readings = {best};
+  const auto one =
+      causes->ReadAsOne(best.set.members, here, groups.explanations(), normal, evidence.Likelihood(normal.dof));
+  if (one) {
+    best.pieces = one->pieces;
+    best.log_weight = one->gain;
+    readings.push_back(best);
+  }
+  Normalise(&readings);
+  return readings;
 }
 
 }  // namespace
@@ -77,56 +99,63 @@ GivenBelieved PoseGroups::Resample(std::mt19937* random) const {
   return evidence_.columns().Project(sums);
 }
 
-PoseGroups::SetColumns PoseGroups::ColumnsOf(const WeightedSet& set) const {
-  const long believed = evidence_.columns().num_believed();
-  SetColumns own;
-  own.columns.resize(static_cast<size_t>(believed));
-  std::iota(own.columns.begin(), own.columns.end(), 0L);
-  std::vector<const ColumnGroup*> groups;
-  long size = believed;
-  for (const int m : set.members) {
-    const auto place = std::lower_bound(asked_.begin(), asked_.end(), m) - asked_.begin();
-    groups.push_back(&few_.explanations[static_cast<size_t>(place)].group);
-    for (const int column : groups.back()->columns) own.columns.push_back(believed + column);
-    size += groups.back()->size();
-  }
-  own.columns.push_back(all_.cols() - 1);
-  own.mixing = Eigen::MatrixXd::Zero(static_cast<long>(own.columns.size()), size + 1);
-  own.mixing.topLeftCorner(believed, believed).setIdentity();
-  own.mixing.bottomRightCorner(1, 1).setOnes();
-  own.prior = Eigen::VectorXd::Zero(size);
-  long row = believed, first = believed;
+long SetCoefficients::size() const {
+  return std::accumulate(groups.begin(), groups.end(), believed,
+                         [](long sum, const ColumnGroup* group) { return sum + group->size(); });
+}
+
+Eigen::MatrixXd SetCoefficients::Of(const Eigen::MatrixXd& rows) const {
+  Eigen::MatrixXd mixed(size(), rows.cols());
+  mixed.topRows(believed) = rows.topRows(believed);
+  const auto of_columns = rows.bottomRows(rows.rows() - believed);
+  long first = believed;
   for (size_t k = 0; k < groups.size(); ++k) {
-    const long height = static_cast<long>(groups[k]->columns.size()), width = groups[k]->size();
-    own.mixing.block(row, first, height, width) =
-        groups[k]->Mixed(Eigen::MatrixXd::Identity(height, height)).transpose();
-    own.prior.segment(first, width).setConstant(1.0 / (set.scales[k] * set.scales[k]));
-    row += height;
-    first += width;
+    mixed.middleRows(first, groups[k]->size()) =
+        groups[k]->Mixed(scales[k] * of_columns(groups[k]->columns, Eigen::all));
+    first += groups[k]->size();
   }
-  return own;
+  return mixed;
+}
+
+Eigen::MatrixXd SetCoefficients::NormalOf(const Eigen::MatrixXd& products) const {
+  const Eigen::MatrixXd half = Of(products);
+  Eigen::MatrixXd normal(size(), size() + 1);
+  normal << Of(half.leftCols(half.cols() - 1).transpose()), half.rightCols(1);
+  return normal;
 }
 
 // With P the products of a group, N those of all rows and S the prior of what the set adds,
 //
 //   x = -(N - P + S)_xx^-1 (N - P)_xr,   P_rr + 2 x'P_xr + x'P_xx x
 Eigen::VectorXd PoseGroups::ErrorsLeftOut(const WeightedSet& set) const {
-  const SetColumns own = ColumnsOf(set);
-  const long size = own.prior.size();
-  const auto of_set = [&](const Eigen::MatrixXd& products) {
-    return Eigen::MatrixXd(own.mixing.transpose() * products(own.columns, own.columns) * own.mixing);
-  };
-  const Eigen::MatrixXd all = of_set(all_);
-  Eigen::VectorXd errors(static_cast<long>(groups_.size()));
+  SetCoefficients own{{}, set.scales, evidence_.columns().num_believed()};
+  for (const int m : set.members) own.groups.push_back(&few_.explanations[PlaceIn(asked_, m)].group);
+  const Eigen::MatrixXd all = own.NormalOf(all_);
+  Eigen::VectorXd errors(groups_.size());
   for (size_t g = 0; g < groups_.size(); ++g) {
-    const Eigen::MatrixXd out = of_set(groups_[g].products), others = all - out;
-    Eigen::MatrixXd normal = others.topLeftCorner(size, size);
-    normal.diagonal() += own.prior;
-    const Eigen::VectorXd x = -normal.ldlt().solve(others.col(size).head(size));
-    errors[static_cast<long>(g)] =
-        out(size, size) + x.dot(2.0 * out.col(size).head(size) + out.topLeftCorner(size, size) * x);
+    const Eigen::MatrixXd out = own.NormalOf(groups_[g].products), others = all - out;
+    Eigen::MatrixXd normal = others.leftCols(own.size());
+    own.AddPrior(&normal);
+    const Eigen::VectorXd x = -normal.ldlt().solve(others.col(own.size()));
+    const double square = groups_[g].products(all_.rows() - 1, all_.cols() - 1);
+    errors[g] = square + x.dot(2.0 * out.col(own.size()) + out.leftCols(own.size()) * x);
   }
   return errors;
+}
+
+std::vector<WeightedModel> BaggedModels(const Evidence& evidence, const WeightedModel& leading,
+                                        const PoseGroups& groups) {
+  std::vector<WeightedModel> models = evidence.models();
+  if (leading.set.members.empty() || groups.HasOnePoseEach()) return models;
+  NamelessCauses causes(evidence.list(), evidence.masses().further);
+  std::mt19937 random(kSeedOfResamples);
+  for (int resample = 0; resample < kResamples; ++resample) {
+    const GivenBelieved sums = groups.Resample(&random);
+    for (const WeightedModel& model : MostProbable(evidence, groups, sums.normal, &causes)) models.push_back(model);
+  }
+  for (WeightedModel& model : models) model.log_weight = std::log(model.probability);
+  Normalise(&models);
+  return models;
 }
 
 }  // namespace sagitta

@@ -9,7 +9,7 @@ namespace {
 constexpr double kThreefold = 3.0;
 
 bool IsPose(const Evidence& evidence, const WeightedModel& model) {
-  return evidence.views()[model.view].view.kind == NoiseView::Kind::kPose;
+  return evidence.ViewOf(model).kind == NoiseView::Kind::kPose;
 }
 
 bool HasUnnamed(const Evidence& evidence, const WeightedModel& model) {
@@ -66,7 +66,7 @@ struct NamesInOrder {
 std::vector<int> Without(const NamesInOrder& all, const std::vector<int>& names, const std::vector<int>& others) {
   std::vector<int> own;
   for (const int name : names) {
-    if (!std::binary_search(others.begin(), others.end(), name)) own.push_back(all.first[static_cast<size_t>(name)]);
+    if (!std::binary_search(others.begin(), others.end(), name)) own.push_back(all.first[name]);
   }
   return own;
 }
@@ -132,7 +132,7 @@ Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>
     const bool has_unnamed = HasUnnamed(evidence, model);
     if (has_unnamed) posterior.unnamed += model.probability;
     if (model.set.members.empty() && !has_unnamed) {
-      const bool is_stated = evidence.views()[model.view].view.kind == NoiseView::Kind::kStated;
+      const bool is_stated = evidence.ViewOf(model).kind == NoiseView::Kind::kStated;
       const double wrong = is_stated ? evidence.SigmaIsWrong(model) : 1.0;
       posterior.noise += wrong * model.probability;
       posterior.nothing += (1.0 - wrong) * model.probability;
@@ -141,7 +141,7 @@ Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>
     std::vector<int> names;
     for (const int m : model.set.members) {
       if (model.HasPiece(m)) continue;
-      const int name = all.place[static_cast<size_t>(m)];
+      const int name = all.place[m];
       names.insert(std::lower_bound(names.begin(), names.end(), name), name);
       const auto [entry, is_new] = (list.IsUnnamed(m) ? functions : named).try_emplace(name);
       if (is_new) entry->second = {list.name[m], m, 0.0};

@@ -3,14 +3,10 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <set>
-
-#include "models/effects/bump.h"
 
 namespace sagitta {
-namespace {
 
-Eigen::MatrixXd ByKnots(const Eigen::VectorXd& x, const Knots& knots) {
+Eigen::MatrixXd OverKnots(const Eigen::VectorXd& x, const Knots& knots) {
   Eigen::MatrixXd functions(x.size(), knots.count);
   for (int k = 0; k < knots.count; ++k) {
     functions.col(k) = x.unaryExpr([&](double at) { return knots.Value(k, at); });
@@ -18,28 +14,28 @@ Eigen::MatrixXd ByKnots(const Eigen::VectorXd& x, const Knots& knots) {
   return functions;
 }
 
-}  // namespace
-
-Eigen::MatrixXd Bumps(const Eigen::VectorXd& x, double low, double high, int count) {
-  return ByKnots(x, {low, high, count});
+Eigen::MatrixX2d Wave(const Eigen::VectorXd& phase) {
+  Eigen::MatrixX2d wave(phase.size(), 2);
+  wave << phase.array().cos().matrix(), phase.array().sin().matrix();
+  return wave;
 }
 
-Eigen::MatrixXd Ramps(const Eigen::VectorXd& x, double low, double high, int count) {
-  return ByKnots(x, {low, high, count, true});
+Eigen::ArrayXcd Turn(const Eigen::ArrayXd& x) {
+  Eigen::ArrayXcd turn(x.size());
+  turn.real() = x.cos();
+  turn.imag() = x.sin();
+  return turn;
 }
 
-Eigen::MatrixXd Waves(const Eigen::VectorXd& x, int orders) {
-  Eigen::MatrixXd waves(x.size(), 2 * orders);
-  for (int n = 1; n <= orders; ++n) {
-    waves.col(2 * n - 2) = (n * x.array()).cos();
-    waves.col(2 * n - 1) = (n * x.array()).sin();
-  }
-  return waves;
+std::vector<double> Distinct(const Eigen::VectorXd& x) {
+  std::vector<double> sorted(x.begin(), x.end());
+  std::sort(sorted.begin(), sorted.end());
+  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+  return sorted;
 }
 
 std::vector<Gap> Gaps(const Eigen::VectorXd& x, int most) {
-  const std::set<double> distinct(x.data(), x.data() + x.size());
-  const std::vector<double> sorted(distinct.begin(), distinct.end());
+  const std::vector<double> sorted = Distinct(x);
   std::vector<Gap> gaps;
   const size_t stride = sorted.size() / static_cast<size_t>(most) + 1;
   for (size_t i = stride; i < sorted.size(); i += stride) gaps.emplace_back(sorted[i - 1], sorted[i]);
@@ -61,8 +57,7 @@ Eigen::MatrixXd Products(const Eigen::MatrixXd& one, const Eigen::MatrixXd& othe
 }
 
 Eigen::MatrixXd Stretches(const Eigen::VectorXd& x, int most) {
-  const std::set<double> distinct(x.data(), x.data() + x.size());
-  const std::vector<double> sorted(distinct.begin(), distinct.end());
+  const std::vector<double> sorted = Distinct(x);
   const long count = std::min<long>(most, static_cast<long>(sorted.size()));
   Eigen::MatrixXd stretches = Eigen::MatrixXd::Zero(x.size(), count);
   for (long s = 0; s < x.size(); ++s) {

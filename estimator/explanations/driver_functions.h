@@ -5,15 +5,18 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "models/effects/bump.h"
+
 namespace sagitta {
 
-// Gaussian bumps, `count` of them evenly over [low, high], as wide as they are apart: a random smooth function with a
-// correlation length of that distance.
-Eigen::MatrixXd Bumps(const Eigen::VectorXd& x, double low, double high, int count);
-// Ramps, `count` of them one after the other over [low, high]: what changes at once, creeps or wanders (bump.h).
-Eigen::MatrixXd Ramps(const Eigen::VectorXd& x, double low, double high, int count);
-// cos and sin of n x for n = 1 .. orders, in pairs.
-Eigen::MatrixXd Waves(const Eigen::VectorXd& x, int orders);
+// Bumps as wide as they are apart: a random smooth function with a correlation length of that distance. Or ramps.
+Eigen::MatrixXd OverKnots(const Eigen::VectorXd& x, const Knots& knots);
+// cos and sin.
+Eigen::MatrixX2d Wave(const Eigen::VectorXd& phase);
+// exp(i x): of multiples by products, which round a hundred times at most.
+Eigen::ArrayXcd Turn(const Eigen::ArrayXd& x);
+// Its values, each once, ascending.
+std::vector<double> Distinct(const Eigen::VectorXd& x);
 // Neighbours among the distinct values of x, at most so many pairs.
 using Gap = std::pair<double, double>;
 std::vector<Gap> Gaps(const Eigen::VectorXd& x, int most);

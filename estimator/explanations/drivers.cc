@@ -31,7 +31,7 @@ Eigen::MatrixXd TorquesOfWrenches(const CalibrationProblem& problem, const Param
   const Chain& chain = problem.robot().chain;
   const std::vector<int> slots = JointSlots(chain);
   const std::vector<double> theta = parameters.ModelValues();
-  Eigen::MatrixXd torques = Eigen::MatrixXd::Zero(static_cast<long>(problem.shot_inputs().size()), chain.num_joints());
+  Eigen::MatrixXd torques = Eigen::MatrixXd::Zero(problem.shot_inputs().size(), chain.num_joints());
   for (const int s : shots) {
     const ShotInput& shot = problem.shot_inputs()[s];
     const Matrix3<double> rotation = parameters.BaseInStation(problem.data().shots[s].station).rotation;
@@ -54,8 +54,7 @@ Eigen::MatrixXd TorquesOfOwnWrenches(const CalibrationProblem& problem, const Pa
   }
   const NoiseRoots metres(looked_at.size(), Matrix3<double>::Identity());
   const RowBatches batches(problem, looked_at, metres, LatentTreatment::kIgnore, RowsAgainst::kOrigin);
-  Eigen::MatrixXd torques =
-      Eigen::MatrixXd::Zero(static_cast<long>(problem.shot_inputs().size()), problem.robot().chain.num_joints());
+  Eigen::MatrixXd torques = Eigen::MatrixXd::Zero(problem.shot_inputs().size(), problem.robot().chain.num_joints());
   const std::vector<int> left = batches.FindWrenchTorques(parameters, &torques);
   const Eigen::MatrixXd by_model =
       TorquesOfWrenches(problem, parameters, left, [](const ShotInput& shot) { return shot.wrenches; });
@@ -71,6 +70,10 @@ std::vector<int> FittedShots(const CalibrationProblem& problem) {
   return {shots.begin(), shots.end()};
 }
 
+Eigen::VectorXd JointValues(const CalibrationProblem& problem, int joint) {
+  return OfShots(problem, [joint](const ShotConditions& shot) { return shot.q[joint]; });
+}
+
 bool IsRevolute(const CalibrationProblem& problem, int joint) {
   return problem.robot().chain.joints[joint].type == JointType::kRevolute;
 }
@@ -79,8 +82,7 @@ Driver AngleOf(const CalibrationProblem& problem, int joint) {
   const bool turns = IsRevolute(problem, joint);
   const double scale = turns ? 1.0 / kDegree : 1e3;
   return {problem.robot().chain.joints[joint].name, turns ? "deg" : "mm",
-          turns ? DriverKind::kAngle : DriverKind::kTravel,
-          OfShots(problem, [&](const ShotConditions& shot) { return scale * shot.q[joint]; })};
+          turns ? DriverKind::kAngle : DriverKind::kTravel, scale * JointValues(problem, joint)};
 }
 
 Driver ApproachOf(const CalibrationProblem& problem, int joint) {
@@ -102,10 +104,9 @@ Driver TemperatureOf(const CalibrationProblem& problem) {
 }
 
 Driver ConfigurationNumberOf(const CalibrationProblem& problem) {
-  Driver driver{"configuration", "", DriverKind::kOther,
-                Eigen::VectorXd(static_cast<long>(problem.data().shots.size()))};
+  Driver driver{"configuration", "", DriverKind::kOther, Eigen::VectorXd(problem.data().shots.size())};
   for (size_t s = 0; s < problem.data().shots.size(); ++s) {
-    driver.of_shot[static_cast<long>(s)] = 1.0 + problem.data().shots[s].configuration;
+    driver.of_shot[s] = 1.0 + problem.data().shots[s].configuration;
   }
   return driver;
 }
@@ -138,15 +139,13 @@ Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterS
 
 Eigen::MatrixXd TorquesPerWeight(const CalibrationProblem& problem, const ParameterSet& parameters) {
   const int flange = problem.robot().chain.FlangeFrame();
-  const Eigen::MatrixXd torques =
-      TorquesOfWrenches(problem, parameters, AllShots(problem), [flange](const ShotInput& shot) {
-        AppliedWrench weight;
-        weight.frame = flange;
-        weight.force = shot.conditions.gravity.normalized();
-        weight.expressed_in = shot.conditions.gravity_frame;
-        return std::vector<AppliedWrench>{weight};
-      });
-  return torques;
+  return TorquesOfWrenches(problem, parameters, AllShots(problem), [flange](const ShotInput& shot) {
+    AppliedWrench weight;
+    weight.frame = flange;
+    weight.force = shot.conditions.gravity.normalized();
+    weight.expressed_in = shot.conditions.gravity_frame;
+    return std::vector<AppliedWrench>{weight};
+  });
 }
 
 Vector3<double> DownInBase(const CalibrationProblem& problem, const ParameterSet& parameters) {

@@ -28,10 +28,12 @@ std::vector<int> FittedShots(const CalibrationProblem& problem);
 template <typename Value>
 Eigen::VectorXd OfShots(const CalibrationProblem& problem, const Value& value) {
   Eigen::VectorXd values(static_cast<long>(problem.shot_inputs().size()));
-  for (long s = 0; s < values.size(); ++s) values[s] = value(problem.shot_inputs()[static_cast<size_t>(s)].conditions);
+  for (long s = 0; s < values.size(); ++s) values[s] = value(problem.shot_inputs()[s].conditions);
   return values;
 }
 
+// Joint values, rad or m, commanded.
+Eigen::VectorXd JointValues(const CalibrationProblem& problem, int joint);
 // A revolute joint, whose angle is read; of the others a length is.
 bool IsRevolute(const CalibrationProblem& problem, int joint);
 

@@ -32,38 +32,32 @@ std::vector<EffectSpec> WithPull(const CalibrationProblem& problem, std::vector<
 
 }  // namespace
 
-double TypicalSizeOf(const Source& source, const Chain& chain) {
+SourceUnit UnitOf(const Source& source, const Chain& chain) {
   switch (source.kind) {
     case Source::Kind::kJoint:
-      return chain.joints[source.owner].type == JointType::kRevolute ? kTypicalTurn : kTypicalTravel;
+      if (chain.joints[source.owner].type == JointType::kRevolute) return {kTypicalTurn, "urad"};
+      return {kTypicalTravel, "um"};
     case Source::Kind::kStation:
     case Source::Kind::kMarker:
-      return kTypicalMovement;
+      break;
     case Source::Kind::kStationTurn:
-      return kTypicalStationTurn;
+      return {kTypicalStationTurn, "urad"};
     case Source::Kind::kStationScale:
-      return kTypicalScale;
+      return {kTypicalScale, "ppm"};
     case Source::Kind::kReading:
-      return source.axis == static_cast<int>(Sensed::kRange) ? kTypicalMovement : kTypicalStationTurn;
+      if (source.axis != static_cast<int>(Sensed::kRange)) return {kTypicalStationTurn, "urad"};
+      break;
     case Source::Kind::kPlate:
-      return source.axis < 3 ? kTypicalMovement : kTypicalPlateTurn;
+      if (source.axis >= 3) return {kTypicalPlateTurn, "urad"};
+      break;
     case Source::Kind::kLink:
-      return kTypicalGrowth;
+      return {kTypicalGrowth, "ppm"};
     case Source::Kind::kLoad:
-      return kTypicalLoadShift;
+      return {kTypicalLoadShift, "um"};
     case Source::Kind::kPull:
-      return kTypicalPull;
+      return {kTypicalPull, "um"};
   }
-  return 0.0;
-}
-
-const char* UnitOf(const Source& source, const Chain& chain) {
-  const bool is_turn = source.kind == Source::Kind::kStationTurn ||
-                       (source.kind == Source::Kind::kReading && source.axis != static_cast<int>(Sensed::kRange)) ||
-                       (source.kind == Source::Kind::kPlate && source.axis >= 3) ||
-                       (source.kind == Source::Kind::kJoint && chain.joints[source.owner].type == JointType::kRevolute);
-  const bool is_share = source.kind == Source::Kind::kLink || source.kind == Source::Kind::kStationScale;
-  return is_turn ? "urad" : is_share ? "ppm" : "um";
+  return {kTypicalMovement, "um"};
 }
 
 std::vector<int> MarkersOnFlange(const CalibrationProblem& problem) {
@@ -103,11 +97,9 @@ EvidenceColumns::SplitCandidates EvidenceColumns::Split(const CalibrationProblem
 
 EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
                                  const std::vector<Candidate>& candidates)
-    : EvidenceColumns(problem, parameters, candidates, Split(problem, candidates)) {}
-
-EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                 const std::vector<Candidate>& candidates, const SplitCandidates& split)
-    : extended_(problem.WithEffects(WithPull(problem, split.others))), of_candidate_(candidates.size()) {
+    : extended_(problem), of_candidate_(candidates.size()) {
+  const SplitCandidates split = Split(problem, candidates);
+  extended_ = problem.WithEffects(WithPull(problem, split.others));
   extended_.parameters.CopyByName(parameters);
   extended_.latent = WithAllJoints(problem.latent, problem.robot().num_joints());
   const ParameterSet& all = extended_.parameters;
@@ -122,7 +114,7 @@ EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const Parame
     const auto own = coordinates_of.find(candidates[c].spec.Path());
     if (own == coordinates_of.end()) continue;
     for (const int coordinate : own->second) {
-      names_[static_cast<int>(catalogue_.size())] = all.coordinates()[coordinate].name;
+      names_[catalogue_.size()] = all.coordinates()[coordinate].name;
       of_candidate_[c].push_back(static_cast<int>(catalogue_.size()));
       catalogue_.push_back(coordinate);
     }
@@ -156,7 +148,7 @@ void EvidenceColumns::AddMotions(const std::vector<Candidate>& candidates, const
       const bool is_joint = motions[k].of == SingleMotion::Of::kJoint;
       const Source source{is_joint ? Source::Kind::kJoint : Source::Kind::kMarker, motions[k].owner, motions[k].axis};
       of_source[source].push_back(
-          {c, k, spec.Path() + "/" + own[k].name, &motions[k].per_unit, sizes[k] / TypicalSizeOf(source, robot.chain)});
+          {c, k, spec.Path() + "/" + own[k].name, &motions[k].per_unit, sizes[k] / TypicalSizeOf(source)});
     }
     of_candidate_[c].resize(own.size());
   }
@@ -227,25 +219,21 @@ void EvidenceColumns::SetBlocks() {
     pose_of_observation_[i] = entry.first->second;
   }
   for (const std::set<int>& own : visits) has_revisits_ |= own.size() > 1;
-  int rows = 0;
-  for (int pose = 0; pose < num_poses(); ++pose) {
-    if (rows == 0 || rows > kRowsPerBlock) {
-      poses_of_block_.emplace_back();
-      rows = 0;
+  for (const std::vector<int>& pose : poses_) {
+    if (observations_of_block_.empty() || 3 * observations_of_block_.back().size() > kRowsPerBlock) {
+      observations_of_block_.emplace_back();
     }
-    poses_of_block_.back().push_back(pose);
-    rows += 3 * static_cast<int>(poses_[pose].size());
+    std::vector<int>& block = observations_of_block_.back();
+    block.insert(block.end(), pose.begin(), pose.end());
   }
   size_t bytes = 0;
-  for (const std::vector<int>& own : poses_of_block_) {
-    std::vector<int> observations;
-    for (const int pose : own) observations.insert(observations.end(), poses_[pose].begin(), poses_[pose].end());
+  for (const std::vector<int>& observations : observations_of_block_) {
     bytes += 3 * observations.size() * linearized_.size() * sizeof(double);
     if (!stored_.empty() && bytes > kMostStored) break;
     stored_.push_back(LinearizeBlock(observations));
   }
   VLOG(1) << "diagnosis: " << linearized_.size() << " linearized columns of " << num_rows() << " rows, "
-          << stored_.size() << " of " << poses_of_block_.size() << " blocks are kept";
+          << stored_.size() << " of " << observations_of_block_.size() << " blocks are kept";
 }
 
 std::vector<int> EvidenceColumns::Add(const FunctionFamily& family) {
@@ -279,8 +267,8 @@ std::vector<std::pair<int, double>> EvidenceColumns::LengthsOf(int joint) const 
 }
 
 int EvidenceColumns::LoadPointOf(int load, int axis) const {
-  const EffectSpec spec{LoadCom().name, loads_[static_cast<size_t>(load)], {}, {}};
-  const std::string name = FindEffect(spec.effect)->parameters(extended_.robot(), spec)[static_cast<size_t>(axis)].name;
+  const EffectSpec spec{LoadCom().name, loads_[load], {}, {}};
+  const std::string name = FindEffect(spec.effect)->parameters(extended_.robot(), spec)[axis].name;
   const int coordinate = extended_.parameters.FindCoordinate(spec.Path() + "/" + name);
   const bool is_there = std::find(linearized_.begin(), linearized_.end(), coordinate) != linearized_.end();
   return is_there ? coordinate : -1;
@@ -291,11 +279,10 @@ int EvidenceColumns::PullAlong(int axis) const {
 }
 
 Eigen::MatrixXd EvidenceColumns::FunctionOf(const std::vector<int>& columns) const {
-  Eigen::MatrixXd functions(static_cast<long>(extended_.data().shots.size()), static_cast<long>(columns.size()));
+  Eigen::MatrixXd functions(static_cast<long>(extended_.data().shots.size()), columns.size());
   for (size_t c = 0; c < columns.size(); ++c) {
     const size_t beyond = static_cast<size_t>(columns[c]) - catalogue_.size();
-    functions.col(static_cast<long>(c)) =
-        families_[family_of_column_[beyond]].functions->col(function_of_column_[beyond]);
+    functions.col(c) = families_[family_of_column_[beyond]].functions->col(function_of_column_[beyond]);
   }
   return functions;
 }
@@ -309,17 +296,13 @@ EvidenceColumns::Block EvidenceColumns::LinearizeBlock(const std::vector<int>& o
 
 const EvidenceColumns::Block& EvidenceColumns::BlockOf(int index, Block* scratch) const {
   if (index < static_cast<int>(stored_.size())) return stored_[index];
-  std::vector<int> observations;
-  for (const int pose : poses_of_block_[index]) {
-    observations.insert(observations.end(), poses_[pose].begin(), poses_[pose].end());
-  }
-  *scratch = LinearizeBlock(observations);
+  *scratch = LinearizeBlock(observations_of_block_[index]);
   return *scratch;
 }
 
 std::vector<std::pair<int, double>> EvidenceColumns::MovedBy(const Source& source) const {
   const ParameterSet& all = extended_.parameters;
-  const double size = TypicalSizeOf(source, extended_.robot().chain);
+  const double size = TypicalSizeOf(source);
   const Vector3<double> axis = Vector3<double>::Unit(source.axis % 3);
   std::vector<std::pair<int, double>> moved;
   switch (source.kind) {
@@ -359,7 +342,7 @@ std::vector<std::pair<int, double>> EvidenceColumns::MovedBy(const Source& sourc
 // rows.
 Eigen::VectorXd EvidenceColumns::SourceRows(const Block& block, const Source& source) const {
   if (source.kind == Source::Kind::kJoint) {
-    return TypicalSizeOf(source, extended_.robot().chain) * block.here.latent.col(source.owner);
+    return TypicalSizeOf(source) * block.here.latent.col(source.owner);
   }
   if (source.kind == Source::Kind::kStationScale || source.kind == Source::Kind::kReading) {
     return ReadingRows(block, source);
@@ -376,37 +359,34 @@ Eigen::VectorXd EvidenceColumns::SourceRows(const Block& block, const Source& so
 Eigen::VectorXd EvidenceColumns::ReadingRows(const Block& block, const Source& source) const {
   const bool is_scale = source.kind == Source::Kind::kStationScale;
   const SightTerm term{0, static_cast<Sensed>(source.axis), SightLaw::kOne, {}};
-  Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(3, static_cast<long>(block.observations.size()));
+  Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(3, block.observations.size());
   for (size_t o = 0; o < block.observations.size(); ++o) {
     const Observation& reading = extended_.data().observations[block.observations[o]];
     const Vector3<double>& point = reading.point_in_station;
     if (!point.allFinite() || (!is_scale && reading.marker != source.marker)) continue;
     const Vector3<double>& instrument = extended_.shot_inputs()[reading.shot].conditions.instrument;
-    motions.col(static_cast<long>(o)) =
-        is_scale ? point : SightDisplacement<double>(term, point - instrument, Vector3<double>::Zero());
+    motions.col(o) = is_scale ? point : SightDisplacement<double>(term, point - instrument, Vector3<double>::Zero());
   }
-  motions *= TypicalSizeOf(source, extended_.robot().chain);
+  motions *= TypicalSizeOf(source);
   Eigen::VectorXd rows = Eigen::VectorXd::Zero(block.here.num_rows());
   for (int axis = 0; axis < 3; ++axis) {
     const Source along{Source::Kind::kStation, source.owner, axis};
-    Eigen::VectorXd moved = SourceRows(block, along) / TypicalSizeOf(along, extended_.robot().chain);
+    Eigen::VectorXd moved = SourceRows(block, along) / TypicalSizeOf(along);
     for (long o = 0; o < motions.cols(); ++o) moved.segment<3>(3 * o) *= motions(axis, o);
     rows += moved;
   }
   return rows;
 }
 
-void EvidenceColumns::FillRows(const Block& block, const std::vector<int>* of, Eigen::MatrixXd* rows) const {
-  const long believed = static_cast<long>(believed_.size()), height = block.here.num_rows();
-  const long count = of == nullptr ? num_columns_ : static_cast<long>(of->size());
-  rows->resize(height, believed + count + 1);
+void EvidenceColumns::FillRows(const Block& block, const std::vector<int>& columns, Eigen::MatrixXd* rows) const {
+  const long believed = num_believed(), count = columns.size();
+  rows->resize(block.here.num_rows(), believed + count + 1);
   rows->leftCols(believed) = block.here.jacobian.leftCols(believed);
   rows->col(believed + count) = block.here.residual;
   int family = -1;
   Eigen::VectorXd source;
-  Eigen::MatrixXd functions;
   for (long k = 0; k < count; ++k) {
-    const int column = of == nullptr ? static_cast<int>(k) : (*of)[static_cast<size_t>(k)];
+    const int column = columns[k];
     auto own = rows->col(believed + k);
     if (column < static_cast<int>(catalogue_.size())) {
       own = units_[column] * block.here.jacobian.col(believed + column);
@@ -421,7 +401,7 @@ void EvidenceColumns::FillRows(const Block& block, const std::vector<int>* of, E
     const auto function = families_[family].functions->col(function_of_column_[beyond]);
     for (size_t o = 0; o < block.observations.size(); ++o) {
       const double value = function[extended_.data().observations[block.observations[o]].shot];
-      own.segment<3>(static_cast<long>(3 * o)) = value * source.segment<3>(static_cast<long>(3 * o));
+      own.segment<3>(3 * o) = value * source.segment<3>(3 * o);
     }
   }
 }

@@ -52,9 +52,13 @@ struct Source {
   std::tuple<Kind, int, int, int> Parts() const { return {kind, owner, axis, marker}; }
 };
 
-// SI, and what it is millionths of, in words: urad, um or ppm.
-double TypicalSizeOf(const Source& source, const Chain& chain);
-const char* UnitOf(const Source& source, const Chain& chain);
+// Its typical size, SI, and what millionths of that unit are called.
+struct SourceUnit {
+  double typical;
+  const char* micro;
+};
+// Of a source's motion.
+SourceUnit UnitOf(const Source& source, const Chain& chain);
 
 // Indices of the markers that are on the flange.
 std::vector<int> MarkersOnFlange(const CalibrationProblem& problem);
@@ -133,10 +137,9 @@ class EvidenceColumns {
   // Whether any pose has more than one visit.
   bool HasRevisits() const { return has_revisits_; }
 
-  // All columns (null), or some; all poses (empty), or some.
-  RowSums Sum(const JointScatter& scatter, const std::vector<int>* columns = nullptr,
-              const std::vector<int>& poses = {}) const;
-  // Of some columns, over the poses of each group by themselves.
+  std::vector<int> AllColumns() const;
+  // Of some columns over all rows; over the poses of each group by themselves.
+  RowSums Sum(const JointScatter& scatter, const std::vector<int>& columns) const;
   std::vector<RowSums> SumEach(const JointScatter& scatter, const std::vector<int>& columns,
                                const std::vector<int>& group_of_pose) const;
   // Of one block in `every`; their sum is that over all where `every` is 1. least, per_unit: scatters of C_0 and M.
@@ -185,8 +188,6 @@ class EvidenceColumns {
     std::vector<EffectSpec> others;
   };
   static SplitCandidates Split(const CalibrationProblem& problem, const std::vector<Candidate>& candidates);
-  EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
-                  const std::vector<Candidate>& candidates, const SplitCandidates& split);
   // Coordinates of a block's columns.
   void SetLinearized();
   // Poses and blocks of them; the first blocks are linearized.
@@ -197,14 +198,15 @@ class EvidenceColumns {
   const Block& BlockOf(int index, Block* scratch) const;
   // Of a family's column.
   size_t SourceOf(int column) const {
-    return source_of_family_[static_cast<size_t>(family_of_column_[static_cast<size_t>(column) - catalogue_.size()])];
+    return source_of_family_[family_of_column_[static_cast<size_t>(column) - catalogue_.size()]];
   }
+  double TypicalSizeOf(const Source& source) const { return UnitOf(source, extended_.robot().chain).typical; }
   // What a unit of the source moves: coordinates, and by how much, SI.
   std::vector<std::pair<int, double>> MovedBy(const Source& source) const;
   Eigen::VectorXd SourceRows(const Block& block, const Source& source) const;
   Eigen::VectorXd ReadingRows(const Block& block, const Source& source) const;
-  // of: null for all columns.
-  void FillRows(const Block& block, const std::vector<int>* of, Eigen::MatrixXd* rows) const;
+  // [believed, columns, residual].
+  void FillRows(const Block& block, const std::vector<int>& columns, Eigen::MatrixXd* rows) const;
   // Their number.
   int AddPriors(Eigen::MatrixXd* own, Eigen::VectorXd* along, double* square) const;
   BlockRoots RootsOf(const std::vector<int>& observations, const Eigen::MatrixXd& latent,
@@ -223,7 +225,6 @@ class EvidenceColumns {
   struct AllSums;
   AllSums SumAll(const JointScatter& scatter, const std::set<std::vector<int>>& own,
                  std::vector<BlockRoots>* roots) const;
-  void SumFamilies(const std::set<std::vector<int>>& own, const std::vector<BlockRoots>& roots, AllSums* all) const;
   Eigen::MatrixXd SumsOfShots(size_t source, const std::vector<Eigen::MatrixXd>& along, long first, long rows) const;
   // u'A of all columns of families; along: u' of each block.
   Eigen::MatrixXd AlongFamilies(const std::vector<Eigen::MatrixXd>& along) const;
@@ -248,7 +249,7 @@ class EvidenceColumns {
   std::vector<std::string> loads_;
   int num_columns_ = 0;
   std::vector<std::vector<int>> poses_;  // observations of each
-  std::vector<std::vector<int>> poses_of_block_;
+  std::vector<std::vector<int>> observations_of_block_;
   std::vector<int> pose_of_observation_;
   bool has_revisits_ = false;
   std::vector<Block> stored_;  // of the first blocks

@@ -46,13 +46,6 @@ class EvidenceColumns::ShotProducts {
     return own;
   }
 
-  // Squares of each column of a family.
-  Eigen::VectorXd Squares(size_t family) {
-    const size_t source = columns_.source_of_family_[family];
-    const Eigen::MatrixXd& functions = *columns_.families_[family].functions;
-    return functions.cwiseProduct(Of(source, source).Times(functions)).colwise().sum().transpose();
-  }
-
  private:
   // Columns of one source.
   struct Part {
@@ -67,7 +60,7 @@ class EvidenceColumns::ShotProducts {
     std::vector<Part> parts;
     for (const auto& [source, own] : places) {
       std::vector<int> columns;
-      for (const long k : own) columns.push_back(listed[static_cast<size_t>(k)]);
+      for (const long k : own) columns.push_back(listed[k]);
       parts.push_back({source, own, columns_.FunctionOf(columns)});
     }
     return parts;
@@ -124,7 +117,7 @@ class EvidenceColumns::ShotProducts {
       const auto first = static_cast<size_t>(pose.top / 3), last = first + static_cast<size_t>(height / 3);
       std::map<int, long> place;  // of its shots
       for (size_t o = first; o < last; ++o) place.emplace(shot_of(o), static_cast<long>(place.size()));
-      Eigen::MatrixXd by_shot = Eigen::MatrixXd::Zero(height, static_cast<long>(place.size()));
+      Eigen::MatrixXd by_shot = Eigen::MatrixXd::Zero(height, place.size());
       for (size_t o = first; o < last; ++o) {
         const long top = static_cast<long>(3 * (o - first));
         by_shot.col(place[shot_of(o)]).segment<3>(top) = t.segment<3>(pose.top + top);
@@ -147,7 +140,6 @@ class EvidenceColumns::ShotProducts {
 struct EvidenceColumns::AllSums {
   RowSums whitened;               // log det and rows alone
   Eigen::MatrixXd with_believed;  // [J A r]'C^-1 [J r]
-  Eigen::VectorXd squares;        // of each of A
   ColumnProducts::OwnBlocks own;
 };
 
@@ -182,14 +174,13 @@ EvidenceColumns::AllSums EvidenceColumns::SumAll(const JointScatter& scatter, co
   for (const std::vector<int>& list : own) {
     if (list.empty() || *std::min_element(list.begin(), list.end()) >= of_linearization) continue;
     places[list] = PlacesOf(list, by_rows);
-    all.own[list] = Eigen::MatrixXd::Zero(static_cast<long>(list.size()), static_cast<long>(list.size()));
+    all.own[list] = Eigen::MatrixXd::Zero(list.size(), list.size());
   }
   Eigen::MatrixXd of_rows = Eigen::MatrixXd::Zero(believed + count + 1, believed + 1);
-  Eigen::VectorXd squares = Eigen::VectorXd::Zero(count);
   std::vector<Eigen::MatrixXd> along;  // [J r]'C^-1 of each block
   Eigen::MatrixXd rows;
   for (const Block& block : stored_) {
-    FillRows(block, &by_rows, &rows);
+    FillRows(block, by_rows, &rows);
     roots->push_back(RootsOf(block.observations, block.here.latent, scatter));
     all.whitened.log_det += Whiten(roots->back(), &rows);
     all.whitened.rows += block.here.num_rows();
@@ -197,7 +188,6 @@ EvidenceColumns::AllSums EvidenceColumns::SumAll(const JointScatter& scatter, co
     with << rows.leftCols(believed), rows.rightCols(1);
     of_rows += TallProduct(rows.transpose(), with);
     const Eigen::MatrixXd explaining = rows.middleCols(believed, count);
-    squares += explaining.colwise().squaredNorm().transpose();
     for (const auto& [list, own_places] : places) {
       const Eigen::MatrixXd of = explaining(Eigen::all, own_places);
       all.own[list] += TallProduct(of.transpose(), of);
@@ -211,31 +201,17 @@ EvidenceColumns::AllSums EvidenceColumns::SumAll(const JointScatter& scatter, co
   all.with_believed.resize(believed + num_columns_ + 1, believed + 1);
   all.with_believed << of_rows.topRows(believed + of_linearization), AlongFamilies(along).transpose(),
       of_rows.bottomRows(1);
-  all.squares.resize(num_columns_);
-  all.squares.head(of_linearization) = squares.head(of_linearization);
-  SumFamilies(own, *roots, &all);
-  return all;
-}
-
-// Squares of the families' columns, and blocks of the lists that hold nothing else.
-void EvidenceColumns::SumFamilies(const std::set<std::vector<int>>& own, const std::vector<BlockRoots>& roots,
-                                  AllSums* all) const {
-  ShotProducts by_shot(*this, roots);
+  ShotProducts by_shot(*this, *roots);
   for (const std::vector<int>& list : own) {
-    const auto [place, is_new] = all->own.try_emplace(list);
+    const auto [place, is_new] = all.own.try_emplace(list);
     if (is_new) place->second = by_shot.Own(list);
   }
-  auto first = static_cast<long>(catalogue_.size());
-  for (size_t f = 0; f < families_.size(); ++f) {
-    const long columns = families_[f].functions->cols();
-    all->squares.segment(first, columns) = by_shot.Squares(f);
-    first += columns;
-  }
+  return all;
 }
 
 GivenBelieved EvidenceColumns::ProjectAll(const JointScatter& scatter, const std::set<std::vector<int>>& own) const {
   VLOG(1) << "diagnosis: products of " << num_columns_ << " columns in " << own.size() << " groups";
-  if (stored_.size() < poses_of_block_.size()) return Project(Sum(scatter));
+  if (stored_.size() < observations_of_block_.size()) return Project(Sum(scatter, AllColumns()));
   const long believed = num_believed();
   std::vector<BlockRoots> roots;
   AllSums all = SumAll(scatter, own, &roots);
@@ -247,8 +223,11 @@ GivenBelieved EvidenceColumns::ProjectAll(const JointScatter& scatter, const std
   const Eigen::MatrixXd along = out.along.leftCols(num_columns_);
   const Eigen::VectorXd of_residual = out.along.rightCols(1);
   Eigen::VectorXd seen = Eigen::VectorXd::Ones(num_columns_);  // 0: of a column that what is believed contains
-  for (int c = 0; c < num_columns_; ++c) {
-    if (!(all.squares[c] - along.col(c).squaredNorm() > kContained * all.squares[c])) seen[c] = 0.0;
+  for (const auto& [columns, sum] : all.own) {
+    for (size_t k = 0; k < columns.size(); ++k) {
+      const double left = sum(k, k) - along.col(columns[k]).squaredNorm();
+      if (!(left > kContained * sum(k, k))) seen[columns[k]] = 0.0;
+    }
   }
   for (auto& [columns, sum] : all.own) {
     const Eigen::MatrixXd of = along(Eigen::all, columns);
@@ -271,7 +250,7 @@ Eigen::MatrixXd EvidenceColumns::SumsOfShots(size_t source, const std::vector<Ei
                                              long rows) const {
   const Measurements& data = extended_.data();
   const long own = std::min(rows, along[0].rows() - first);
-  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(rows, static_cast<long>(fitted_shots_.size()));
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(rows, fitted_shots_.size());
   for (size_t b = 0; b < stored_.size(); ++b) {
     const Block& block = stored_[b];
     for (size_t o = 0; o < block.observations.size(); ++o) {
@@ -317,7 +296,7 @@ Eigen::MatrixXd EvidenceColumns::ProductsOf(const std::vector<int>& columns,
   Eigen::MatrixXd rows;
   for (size_t b = 0; b < stored_.size(); ++b) {
     const Block& block = stored_[b];
-    FillRows(block, &columns, &rows);
+    FillRows(block, columns, &rows);
     Eigen::MatrixXd u = rows.middleCols(believed, size);
     for (const PoseRoot& pose : roots[b]) {
       auto own = u.middleRows(pose.top, pose.root.rows());
@@ -327,7 +306,7 @@ Eigen::MatrixXd EvidenceColumns::ProductsOf(const std::vector<int>& columns,
     products.leftCols(of_linearization) +=
         TallProduct(along.back(), block.here.jacobian.middleCols(believed, of_linearization));
   }
-  for (long c = 0; c < of_linearization; ++c) products.col(c) *= units_[static_cast<size_t>(c)];
+  for (long c = 0; c < of_linearization; ++c) products.col(c) *= units_[c];
   products.rightCols(num_columns_ - of_linearization) = AlongFamilies(along);
   return products;
 }

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include "estimator/explanations/evidence_columns.h"
@@ -26,8 +27,6 @@ void AddUpperProducts(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& weight
   }
 }
 
-double LogDet(const Eigen::LLT<Eigen::MatrixXd>& root) { return 2.0 * root.matrixLLT().diagonal().array().log().sum(); }
-
 }  // namespace
 
 std::vector<EvidenceColumns::PoseRows> EvidenceColumns::PosesAmong(const std::vector<int>& observations) const {
@@ -50,7 +49,7 @@ Eigen::MatrixXd EvidenceColumns::SharedBy(const PoseRows& pose, const std::vecto
   Eigen::MatrixXd shared = of_pose * of_pose.transpose();
   const Eigen::MatrixXd within = of_visit * of_visit.transpose();
   const auto visit = [&](long row) {
-    const int observation = observations[static_cast<size_t>((pose.top + row) / 3)];
+    const int observation = observations[(pose.top + row) / 3];
     return extended_.latent.visit_of_shot[extended_.data().observations[observation].shot];
   };
   for (long i = 0; i < pose.height; ++i) {
@@ -83,30 +82,14 @@ double EvidenceColumns::Whiten(const BlockRoots& roots, Eigen::MatrixXd* rows) {
   return log_det;
 }
 
-RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>* columns,
-                             const std::vector<int>& poses) const {
-  const std::set<int> wanted(poses.begin(), poses.end());
-  const long count = columns == nullptr ? num_columns_ : static_cast<long>(columns->size());
-  const long width = static_cast<long>(believed_.size()) + count + 1;
-  RowSums sums = RowSums::Zero(width);
-  Block scratch;
-  Eigen::MatrixXd rows;
-  for (size_t b = 0; b < poses_of_block_.size(); ++b) {
-    const Block& block = BlockOf(static_cast<int>(b), &scratch);
-    FillRows(block, columns, &rows);
-    if (!poses.empty()) {
-      for (size_t o = 0; o < block.observations.size(); ++o) {
-        if (wanted.count(pose_of_observation_[block.observations[o]]) > 0) continue;
-        rows.middleRows(static_cast<long>(3 * o), 3).setZero();
-        sums.rows -= 3;
-      }
-    }
-    sums.log_det += Whiten(RootsOf(block.observations, block.here.latent, scatter), &rows);
-    AddUpperProducts(rows, rows, &sums.products);
-    sums.rows += block.here.num_rows();
-  }
-  sums.products = Eigen::MatrixXd(sums.products.selfadjointView<Eigen::Upper>());
-  return sums;
+std::vector<int> EvidenceColumns::AllColumns() const {
+  std::vector<int> all(num_columns_);
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>& columns) const {
+  return SumEach(scatter, columns, std::vector<int>(poses_.size(), 0))[0];
 }
 
 RowSums& RowSums::operator+=(const RowSums& other) {
@@ -119,20 +102,20 @@ RowSums& RowSums::operator+=(const RowSums& other) {
 std::vector<RowSums> EvidenceColumns::SumEach(const JointScatter& scatter, const std::vector<int>& columns,
                                               const std::vector<int>& group_of_pose) const {
   const int groups = 1 + *std::max_element(group_of_pose.begin(), group_of_pose.end());
-  const long width = static_cast<long>(believed_.size() + columns.size()) + 1;
+  const long width = believed_.size() + columns.size() + 1;
   std::vector<RowSums> sums(static_cast<size_t>(groups), RowSums::Zero(width));
   Block scratch;
   Eigen::MatrixXd rows;
-  for (size_t b = 0; b < poses_of_block_.size(); ++b) {
-    const Block& block = BlockOf(static_cast<int>(b), &scratch);
-    FillRows(block, &columns, &rows);
+  for (size_t b = 0; b < observations_of_block_.size(); ++b) {
+    const Block& block = BlockOf(b, &scratch);
+    FillRows(block, columns, &rows);
     const BlockRoots roots = RootsOf(block.observations, block.here.latent, scatter);
     Whiten(roots, &rows);
     std::vector<std::vector<long>> of_group(sums.size());
     const std::vector<PoseRows> poses = PosesAmong(block.observations);
     for (size_t k = 0; k < poses.size(); ++k) {
-      const int pose = pose_of_observation_[block.observations[static_cast<size_t>(poses[k].top / 3)]];
-      const auto group = static_cast<size_t>(group_of_pose[static_cast<size_t>(pose)]);
+      const int pose = pose_of_observation_[block.observations[poses[k].top / 3]];
+      const auto group = static_cast<size_t>(group_of_pose[pose]);
       for (long row = 0; row < poses[k].height; ++row) of_group[group].push_back(poses[k].top + row);
       if (!roots.empty()) sums[group].log_det += LogDet(roots[k].root);
     }
@@ -148,12 +131,11 @@ std::vector<RowSums> EvidenceColumns::SumEach(const JointScatter& scatter, const
 
 AlongSources EvidenceColumns::SumAlong(const std::vector<Source>& sources) const {
   const Measurements& data = extended_.data();
-  const Eigen::MatrixXd none =
-      Eigen::MatrixXd::Zero(static_cast<long>(data.shots.size()), static_cast<long>(sources.size()));
+  const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(data.shots.size(), sources.size());
   AlongSources sums{none, none};
   Block scratch;
-  for (size_t b = 0; b < poses_of_block_.size(); ++b) {
-    const Block& block = BlockOf(static_cast<int>(b), &scratch);
+  for (size_t b = 0; b < observations_of_block_.size(); ++b) {
+    const Block& block = BlockOf(b, &scratch);
     for (size_t s = 0; s < sources.size(); ++s) {
       const Eigen::VectorXd moved = SourceRows(block, sources[s]);
       for (size_t o = 0; o < block.observations.size(); ++o) {
@@ -171,10 +153,10 @@ std::vector<FilledBlock> EvidenceColumns::Fill(const std::vector<int>& columns, 
                                                const JointScatter& per_unit) const {
   std::vector<FilledBlock> filled;
   Block scratch;
-  for (size_t b = 0; b < poses_of_block_.size(); b += static_cast<size_t>(every)) {
-    const Block& block = BlockOf(static_cast<int>(b), &scratch);
+  for (size_t b = 0; b < observations_of_block_.size(); b += static_cast<size_t>(every)) {
+    const Block& block = BlockOf(b, &scratch);
     FilledBlock& own = filled.emplace_back();
-    FillRows(block, &columns, &own.rows);
+    FillRows(block, columns, &own.rows);
     own.growth.resize(own.rows.rows());
     const BlockRoots roots = RootsOf(block.observations, block.here.latent, least);
     own.log_det = Whiten(roots, &own.rows);
@@ -223,7 +205,7 @@ Eigen::MatrixXd EvidenceColumns::RowsAt(const std::vector<int>& observations, co
                                         const std::vector<int>& columns) const {
   const Block block = LinearizeBlock(observations);
   Eigen::MatrixXd rows;
-  FillRows(block, &columns, &rows);
+  FillRows(block, columns, &rows);
   Whiten(RootsOf(block.observations, block.here.latent, scatter), &rows);
   return rows.leftCols(rows.cols() - 1);
 }
@@ -260,7 +242,7 @@ EvidenceColumns::Eliminated EvidenceColumns::Eliminate(Eigen::MatrixXd own, Eige
 
 // [G g; g' R] = [A r]'C^-1 [A r] - along' along.
 GivenBelieved EvidenceColumns::Project(const RowSums& sums) const {
-  const long believed = static_cast<long>(believed_.size()), width = sums.products.cols(), count = width - believed - 1;
+  const long believed = num_believed(), count = sums.products.cols() - believed - 1;
   const Eliminated out =
       Eliminate(sums.products.topLeftCorner(believed, believed), sums.products.topRightCorner(believed, count + 1),
                 sums.products(count + believed, count + believed), sums);

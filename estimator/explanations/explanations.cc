@@ -58,13 +58,6 @@ void SetShares(const PriorMasses& prior, ExplanationList* list) {
   }
 }
 
-template <typename Value>
-std::vector<Value> Kept(std::vector<Value> values, const std::vector<size_t>& kept) {
-  std::vector<Value> few;
-  for (const size_t k : kept) few.push_back(std::move(values[k]));
-  return few;
-}
-
 class ListBuilder {
  public:
   ListBuilder(const CalibrationProblem& problem, const ParameterSet& parameters, const CandidateList& candidates,
@@ -119,7 +112,7 @@ class ListBuilder {
     const int joint = problem_.robot().chain.FindJoint(spec.target);
     const Source source{Source::Kind::kJoint, joint, 0};
     const std::vector<EffectSpec> shapes = CompensatorShapes(spec.target);
-    const Eigen::VectorXd angles = OfShots(problem_, [&](const ShotConditions& shot) { return shot.q[joint]; });
+    const Eigen::VectorXd angles = JointValues(problem_, joint);
     Eigen::MatrixXd torques(angles.size(), kPerShape * static_cast<long>(shapes.size()));
     const double turn = kTypicalSpringTurn / kTypicalTurn * std::sqrt(static_cast<double>(fitted_.size()));
     for (size_t s = 0; s < shapes.size(); ++s) {
@@ -131,7 +124,7 @@ class ListBuilder {
     const std::vector<int> own = columns_->Add({source, std::make_shared<const Eigen::MatrixXd>(functions.basis)});
     for (size_t s = 0; s < shapes.size(); ++s) {
       Append({own, functions.mixing.middleCols(kPerShape * static_cast<long>(s), kPerShape)}, candidate, -1, shapes[s],
-             {spec.effect, spec.target, weights[static_cast<long>(s)]}, spec.effect);
+             {spec.effect, spec.target, weights[s]}, spec.effect);
     }
   }
 
@@ -203,12 +196,17 @@ void DropInvisible(const ProjectedNormal& normal, const PriorMasses& prior, Expl
     if (is_visible) continue;
     list->not_testable.push_back({what.first, what.second, RowsAboveTheNoise()});
   }
-  list->math = Kept(std::move(list->math), kept);
-  list->candidate = Kept(std::move(list->candidate), kept);
-  list->unnamed = Kept(std::move(list->unnamed), kept);
-  list->start = Kept(std::move(list->start), kept);
-  list->name = Kept(std::move(list->name), kept);
-  list->place = Kept(std::move(list->place), kept);
+  const auto keep = [&kept](auto* values) {
+    std::remove_reference_t<decltype(*values)> few;
+    for (const size_t k : kept) few.push_back(std::move((*values)[k]));
+    *values = std::move(few);
+  };
+  keep(&list->math);
+  keep(&list->candidate);
+  keep(&list->unnamed);
+  keep(&list->start);
+  keep(&list->name);
+  keep(&list->place);
   SetShares(prior, list);
 }
 

@@ -51,9 +51,7 @@ std::map<std::string, Best> BestMoments(const CalibrationProblem& problem, const
   for (size_t c = 0; c < candidates.size(); ++c) {
     const ColumnGroup group{columns.ColumnsOf(static_cast<int>(c)), {}};
     if (group.columns.empty()) continue;
-    const double log_evidence =
-        AverageGain(known_sigma, given_believed.normal.residual, OwnInformation(given_believed.normal, group),
-                    OwnGradient(given_believed.normal, group), group.num_scales);
+    const double log_evidence = AverageGain(known_sigma, GivenNothing(given_believed.normal, group));
     EffectSpec others = candidates[c].spec;
     others.settings.erase(MomentOf(problem.robot(), others));
     Best& known = best[others.Path()];

@@ -46,7 +46,7 @@ std::vector<double> TypicalSizes(const CalibrationProblem& problem, const Parame
   const std::vector<double> largest =
       AnyAsksForMotion(problem.robot(), effects) ? LargestTrueMotions(problem, parameters) : std::vector<double>();
   for (size_t i = 0; i < largest.size(); ++i) {
-    motions[static_cast<size_t>(parameters.model_parameter(static_cast<int>(i)).first_coordinate)] = largest[i];
+    motions[parameters.model_parameter(static_cast<int>(i)).first_coordinate] = largest[i];
   }
   for (const EffectSpec& spec : effects) {
     const EffectDefinition* definition = FindEffect(problem.robot(), spec.effect);

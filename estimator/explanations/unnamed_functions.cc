@@ -4,7 +4,6 @@
 
 #include "estimator/explanations/driver_functions.h"
 #include "estimator/explanations/unnamed_list.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -45,43 +44,40 @@ const std::shared_ptr<const Compressed>& GroupedFunctions::Few() const {
   return few_;
 }
 
+Settings VectorSettings(const std::string& before, const Vector3<double>& vector, const std::string& after) {
+  Settings settings;
+  for (int axis = 0; axis < 3; ++axis) settings[before + "xyz"[axis] + after] = AsSetting(vector[axis]);
+  return settings;
+}
+
 UnnamedList::UnnamedList(const CalibrationProblem& problem, EvidenceColumns* columns)
     : problem_(problem), columns_(columns), fitted_(FittedShots(problem)) {}
 
 bool UnnamedList::Smooth(const Eigen::VectorXd& x, const std::string& kind, GroupedFunctions* functions) const {
-  const Eigen::VectorXd fitted = OnFitted(x);
-  const double low = fitted.minCoeff(), high = fitted.maxCoeff();
-  if (!(high - low > 1e-9 * (1.0 + std::abs(high)))) return false;
+  if (!RangeOf(x).Varies()) return false;
   for (const int count : kUnnamedBumps) AppendBumps(x, kind, count, functions);
   return true;
 }
 
 void UnnamedList::AppendBumps(const Eigen::VectorXd& x, const std::string& kind, int count,
                               GroupedFunctions* functions) const {
-  const Eigen::VectorXd fitted = OnFitted(x);
-  functions->Append(Bumps(x, fitted.minCoeff(), fitted.maxCoeff(), count), kind, {{"knots", std::to_string(count)}});
+  const Range range = RangeOf(x);
+  functions->Append(OverKnots(x, {range.low, range.high, count}), kind, {{"knots", std::to_string(count)}});
 }
 
-void UnnamedList::AppendRamps(const Eigen::VectorXd& order, const std::string& kind, int count,
-                              GroupedFunctions* functions) const {
-  const Eigen::VectorXd fitted = OnFitted(order);
-  functions->Append(Ramps(order, fitted.minCoeff(), fitted.maxCoeff(), count), kind,
+void UnnamedList::AppendRamps(const Eigen::VectorXd& time, int count, GroupedFunctions* functions) const {
+  const Range range = RangeOf(time);
+  functions->Append(OverKnots(time, {range.low, range.high, count, true}), "time",
                     {{"knots", std::to_string(count)}, {"shape", "ramps"}});
 }
 
 EffectSpec UnnamedList::Over(const Driver& driver, const std::string& effect, const std::string& target) const {
-  const Eigen::VectorXd seen = OnFitted(driver.of_shot);
+  const Range range = RangeOf(driver.of_shot);
   EffectSpec spec{effect, target, {{"by", SettingOf(driver.kind)}}, {}};
-  spec.settings["from"] = Significant(seen.minCoeff(), kDigits);
-  spec.settings["to"] = Significant(seen.maxCoeff(), kDigits);
+  spec.settings["from"] = AsSetting(range.low);
+  spec.settings["to"] = AsSetting(range.high);
   if (driver.kind == DriverKind::kAngle || driver.kind == DriverKind::kTravel) spec.settings["driver"] = driver.name;
   return spec;
-}
-
-Settings UnnamedList::DownSettings(const Vector3<double>& down_in_base) {
-  return {{"down_x", Significant(down_in_base.x(), kDigits)},
-          {"down_y", Significant(down_in_base.y(), kDigits)},
-          {"down_z", Significant(down_in_base.z(), kDigits)}};
 }
 
 void UnnamedList::AddFunctions(const GroupedFunctions& functions, const UnnamedFunction& what,
@@ -92,58 +88,31 @@ void UnnamedList::AddFunctions(const GroupedFunctions& functions, const UnnamedF
 }
 
 void UnnamedList::AddEach(const std::vector<GroupedFunctions>& of_source, const UnnamedFunction& what,
-                          const std::string& family) {
+                          const std::string& family, bool together) {
+  if (of_source.empty()) return;
   std::vector<int> own;
   for (size_t s = 0; s < of_source.size(); ++s) {
     const std::shared_ptr<const Compressed>& few = of_source[s].Few();
     for (const int column : columns_->Add({what.sources[s], {few, &few->basis}})) own.push_back(column);
   }
-  for (size_t g = 0; !of_source.empty() && g < of_source[0].groups.size(); ++g) {
-    const GroupedFunctions::Group& group = of_source[0].groups[g];
-    ColumnGroup columns{
-        own, Eigen::MatrixXd::Zero(static_cast<long>(own.size()), group.count * static_cast<long>(of_source.size()))};
+  const long lists = together ? 1 : of_source.size();  // of coefficients
+  for (const GroupedFunctions::Group& group : of_source[0].groups) {
+    ColumnGroup columns{own, Eigen::MatrixXd::Zero(own.size(), group.count * lists)};
     long top = 0, left = 0;
     for (const GroupedFunctions& functions : of_source) {
       const Eigen::MatrixXd mixing = functions.Few()->mixing.middleCols(group.first, group.count);
       columns.mixing.block(top, left, mixing.rows(), mixing.cols()) = mixing;
       top += mixing.rows();
-      left += mixing.cols();
+      if (!together) left += mixing.cols();
     }
-    Append(std::move(columns), group, what, family);
-  }
-}
-
-void UnnamedList::AddTogether(const std::vector<GroupedFunctions>& of_source, const UnnamedFunction& what,
-                              const std::string& family) {
-  std::vector<int> own;
-  long height = 0;
-  for (size_t s = 0; s < of_source.size(); ++s) {
-    const std::shared_ptr<const Compressed>& few = of_source[s].Few();
-    height += few->basis.cols();
-    for (const int column : columns_->Add({what.sources[s], {few, &few->basis}})) own.push_back(column);
-  }
-  for (size_t g = 0; g < of_source[0].groups.size(); ++g) {
-    const GroupedFunctions::Group& group = of_source[0].groups[g];
-    ColumnGroup columns{own, Eigen::MatrixXd(height, group.count)};
-    long top = 0;
-    for (const GroupedFunctions& functions : of_source) {
-      const Eigen::MatrixXd mixing = functions.Few()->mixing.middleCols(group.first, group.count);
-      columns.mixing.middleRows(top, mixing.rows()) = mixing;
-      top += mixing.rows();
+    UnnamedFunction function = what;
+    function.kind = group.kind;
+    for (EffectSpec& effect : function.effects) {
+      if (!group.effect.empty()) effect = {group.effect, effect.target, {}, {}};
+      effect.settings.insert(group.settings.begin(), group.settings.end());
     }
-    Append(std::move(columns), group, what, family);
+    list_.push_back({std::move(columns), std::move(function), family, group.listed});
   }
-}
-
-void UnnamedList::Append(ColumnGroup columns, const GroupedFunctions::Group& group, const UnnamedFunction& what,
-                         const std::string& family) {
-  UnnamedFunction function = what;
-  function.kind = group.kind;
-  for (EffectSpec& effect : function.effects) {
-    if (!group.effect.empty()) effect = {group.effect, effect.target, {}, {}};
-    effect.settings.insert(group.settings.begin(), group.settings.end());
-  }
-  list_.push_back({std::move(columns), std::move(function), family, group.listed});
 }
 
 std::vector<UnnamedGroup> ListUnnamed(const CalibrationProblem& problem, const ParameterSet& parameters,

@@ -13,14 +13,24 @@ namespace sagitta {
 
 // A deviation outside the catalogue.
 struct UnnamedFunction {
-  std::string kind;                     // smooth, periodic, step (a jump), time, other: FORMATS section 6
+  UnnamedFunction() = default;
+  UnnamedFunction(std::string part, std::vector<std::string> drivers, std::string sentence, std::vector<Source> moved,
+                  std::vector<EffectSpec> same, Driver over = {})
+      : acts_on(std::move(part)),
+        depends_on(std::move(drivers)),
+        words(std::move(sentence)),
+        sources(std::move(moved)),
+        effects(std::move(same)),
+        driver(std::move(over)) {}
+
   std::string acts_on;                  // joint, station or marker
   std::vector<std::string> depends_on;  // joints, time, temperature, a station or a marker
   std::string words;
   std::vector<Source> sources;  // each with the same functions
-  Driver driver;                // of one driver; else empty
   // The same function as effects of the model, without values; empty where time is not stated and it goes by visits.
   std::vector<EffectSpec> effects;
+  Driver driver;     // of one driver; else empty
+  std::string kind;  // smooth, periodic, step (a jump), time, other: FORMATS section 6
 };
 
 // One of them with its columns.

@@ -8,7 +8,6 @@
 #include "estimator/report/explanations_words.h"
 #include "models/constants.h"
 #include "models/single_motion.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -39,9 +38,11 @@ class JointFunctions : public UnnamedList {
   }
 
  private:
+  static Source OfJoint(int j) { return {Source::Kind::kJoint, j, 0}; }
+
   std::vector<Source> Joints() const {
     std::vector<Source> sources;
-    for (int j = 0; j < joints(); ++j) sources.push_back({Source::Kind::kJoint, j, 0});
+    for (int j = 0; j < joints(); ++j) sources.push_back(OfJoint(j));
     return sources;
   }
 
@@ -50,46 +51,40 @@ class JointFunctions : public UnnamedList {
     const bool loaded = std::any_of(problem_.shot_inputs().begin(), problem_.shot_inputs().end(),
                                     [](const ShotInput& shot) { return !shot.wrenches.empty(); });
     const Eigen::MatrixXd torques = loaded ? JointTorques(problem_, parameters_) : Eigen::MatrixXd();
-    std::vector<std::pair<Driver, std::string>> common = {{TimeOf(problem_), "time"},
-                                                          {TemperatureOf(problem_), "temperature"}};
+    const Driver time = TimeOf(problem_), temperature = TemperatureOf(problem_);
     for (int j = 0; j < joints(); ++j) {
-      const Source source{Source::Kind::kJoint, j, 0};
-      for (int k = 0; k < joints(); ++k) {
-        GroupedFunctions functions;
-        const Eigen::VectorXd q = OfShots(problem_, [k](const ShotConditions& shot) { return shot.q[k]; });
-        if (!Smooth(q, "smooth", &functions)) continue;
-        if (k == j) AppendBumps(q, "smooth", kFineBumps, &functions);
-        if (k == j) AppendJumps(q, j, &functions);
-        if (k != j && IsRevolute(problem_, k)) AppendWaves(q, k, &functions);
-        const Driver angle = AngleOf(problem_, k);
-        AddFunctions(functions,
-                     {"",
-                      JointName(j),
-                      {JointName(k)},
-                      DeviatesWith(JointName(j), JointName(k)),
-                      {source},
-                      angle,
-                      {Over(angle, "learnt_deviation", JointName(j))}},
-                     k == j ? "own angle" : "other angle");
+      for (int k = 0; k < joints(); ++k) AddOverAngle(j, k);
+      GroupedFunctions in_time, by_temperature, by_torque;
+      if (Smooth(time.of_shot, "time", &in_time)) {
+        AppendRamps(time.of_shot, kRamps, &in_time);
+        AddDeviation(in_time, j, time, "time", "time", "time");
       }
-      std::vector<std::pair<Driver, std::string>> drivers = common;
-      if (loaded) drivers.push_back({TorqueOf(problem_, j, torques), "torque"});
-      for (const auto& [driver, family] : drivers) {
-        GroupedFunctions functions;
-        if (!Smooth(driver.of_shot, driver.kind == DriverKind::kTime ? "time" : "smooth", &functions)) continue;
-        const bool is_torque = driver.kind == DriverKind::kTorque;
-        if (driver.kind == DriverKind::kTime) AppendRamps(driver.of_shot, "time", kRamps, &functions);
-        AddFunctions(functions,
-                     {"",
-                      JointName(j),
-                      {is_torque ? JointName(j) : family},
-                      DeviatesWith(JointName(j), is_torque ? "the torque on it" : family),
-                      {source},
-                      driver,
-                      {Over(driver, "learnt_deviation", JointName(j))}},
-                     family);
+      if (Smooth(temperature.of_shot, "smooth", &by_temperature)) {
+        AddDeviation(by_temperature, j, temperature, "temperature", "temperature", "temperature");
       }
+      if (!loaded) continue;
+      const Driver torque = TorqueOf(problem_, j, torques);
+      if (!Smooth(torque.of_shot, "smooth", &by_torque)) continue;
+      AddDeviation(by_torque, j, torque, JointName(j), "the torque on it", "torque");
     }
+  }
+
+  void AddOverAngle(int j, int k) {
+    GroupedFunctions functions;
+    const Eigen::VectorXd q = JointValues(problem_, k);
+    if (!Smooth(q, "smooth", &functions)) return;
+    if (k == j) AppendBumps(q, "smooth", kFineBumps, &functions);
+    if (k == j) AppendJumps(q, j, &functions);
+    if (k != j && IsRevolute(problem_, k)) AppendWaves(q, k, &functions);
+    AddDeviation(functions, j, AngleOf(problem_, k), JointName(k), JointName(k), k == j ? "own angle" : "other angle");
+  }
+
+  void AddDeviation(const GroupedFunctions& functions, int j, const Driver& driver, const std::string& depends_on,
+                    const std::string& driver_in_words, const std::string& family) {
+    AddFunctions(functions,
+                 UnnamedFunction(JointName(j), {depends_on}, DeviatesWith(JointName(j), driver_in_words), {OfJoint(j)},
+                                 {Over(driver, "learnt_deviation", JointName(j))}, driver),
+                 family);
   }
 
   // Of the gaps between poses those that the rows say most of, each by itself.
@@ -101,17 +96,16 @@ class JointFunctions : public UnnamedList {
     const double unit = IsRevolute(problem_, j) ? kDegree : 1e-3;
     const double listed = static_cast<double>(best.size()) / static_cast<double>(scan.size());
     for (const Gap& gap : best) {
-      functions->Append(Jump(q, gap), "step",
-                        {{"driver", JointName(j)},
-                         {"from", Significant(gap.first / unit, kDigits)},
-                         {"to", Significant(gap.second / unit, kDigits)}},
-                        "learnt_jump_deviation", listed);
+      functions->Append(
+          Jump(q, gap), "step",
+          {{"driver", JointName(j)}, {"from", AsSetting(gap.first / unit)}, {"to", AsSetting(gap.second / unit)}},
+          "learnt_jump_deviation", listed);
     }
   }
 
   void AppendWaves(const Eigen::VectorXd& q, int driver, GroupedFunctions* functions) const {
     for (int n = 1; n <= kWaveOrders; ++n) {
-      functions->Append(Waves(n * q, 1), "periodic", {{"driver", JointName(driver)}, {"order", std::to_string(n)}},
+      functions->Append(Wave(n * q), "periodic", {{"driver", JointName(driver)}, {"order", std::to_string(n)}},
                         "learnt_wave_deviation");
     }
   }
@@ -121,11 +115,8 @@ class JointFunctions : public UnnamedList {
     const Driver time = TimeOf(problem_);
     GroupedFunctions functions;
     if (joints() < 2 || !Smooth(time.of_shot, "time", &functions)) return;
-    UnnamedFunction what{"", "joints", {"time"}, EachJointDeviatesWithTime(), {}, time, {}};
-    for (int j = 0; j < joints(); ++j) {
-      what.sources.push_back({Source::Kind::kJoint, j, 0});
-      what.effects.push_back(Over(time, "learnt_deviation", JointName(j)));
-    }
+    UnnamedFunction what("joints", {"time"}, EachJointDeviatesWithTime(), Joints(), {}, time);
+    for (int j = 0; j < joints(); ++j) what.effects.push_back(Over(time, "learnt_deviation", JointName(j)));
     AddFunctions(functions, what, "joints in time");
   }
 
@@ -134,9 +125,9 @@ class JointFunctions : public UnnamedList {
     const std::vector<ShotInput>& shots = problem_.shot_inputs();
     const auto motions =
         SingleMotionsOf(problem_.model().robot(), problem_.data().markers, spec, shots, OrderOfTime(shots));
-    if (!motions) return Eigen::MatrixXd(static_cast<long>(shots.size()), 0);
-    Eigen::MatrixXd functions(static_cast<long>(shots.size()), static_cast<long>(motions->size()));
-    for (size_t k = 0; k < motions->size(); ++k) functions.col(static_cast<long>(k)) = (*motions)[k].per_unit;
+    if (!motions) return Eigen::MatrixXd(shots.size(), 0);
+    Eigen::MatrixXd functions(static_cast<long>(shots.size()), motions->size());
+    for (size_t k = 0; k < motions->size(); ++k) functions.col(k) = (*motions)[k].per_unit;
     return functions;
   }
 
@@ -149,7 +140,7 @@ class JointFunctions : public UnnamedList {
     const Eigen::MatrixXd own = FunctionsOf(spec);
     const double most = own.cols() > 0 ? OnFitted(own).cwiseAbs().maxCoeff() : 0.0;
     if (!(most > 0.0)) return std::nullopt;
-    spec.settings["unit"] = Significant(most, kDigits);
+    spec.settings["unit"] = AsSetting(most);
     GroupedFunctions functions;
     functions.Append(own / std::stod(spec.settings["unit"]), "time", {});
     return std::make_pair(spec, functions);
@@ -157,8 +148,8 @@ class JointFunctions : public UnnamedList {
 
   // Creep under what hangs on the arm, and the heat of the drives.
   void AddLags() {
-    if (OrderOf(problem_).kind != DriverKind::kTime || !Varies(TimeOf(problem_).of_shot)) return;
-    const Settings down = DownSettings(DownInBase(problem_, parameters_));
+    if (OrderOf(problem_).kind != DriverKind::kTime || !RangeOf(TimeOf(problem_).of_shot).Varies()) return;
+    const Settings down = VectorSettings("down_", DownInBase(problem_, parameters_));
     const bool loaded = std::any_of(problem_.shot_inputs().begin(), problem_.shot_inputs().end(),
                                     [](const ShotInput& shot) { return !shot.conditions.load_wrenches.empty(); });
     for (const char* lag : kLags) {
@@ -171,34 +162,25 @@ class JointFunctions : public UnnamedList {
 
   // One joint follows late; all of them, each in its own way.
   void AddLag(const std::string& by, const std::string& what, const Settings& settings) {
-    UnnamedFunction each{"", "joints", {"time"}, EachJointFollowsLate(what), {}, {}, {}};
+    UnnamedFunction each("joints", {"time"}, EachJointFollowsLate(what), {}, {});
     std::vector<GroupedFunctions> of_joints;
     for (int j = 0; j < joints(); ++j) {
       const auto own = Lagging(j, by, settings);
       if (!own) continue;
-      const Source source{Source::Kind::kJoint, j, 0};
-      AddFunctions(own->second,
-                   {"", JointName(j), {"time"}, FollowsLate(JointName(j), what), {source}, {}, {own->first}}, "lag");
-      each.sources.push_back(source);
+      const UnnamedFunction one(JointName(j), {"time"}, FollowsLate(JointName(j), what), {OfJoint(j)}, {own->first});
+      AddFunctions(own->second, one, "lag");
+      each.sources.push_back(OfJoint(j));
       each.effects.push_back(own->first);
       of_joints.push_back(own->second);
     }
     AddEach(of_joints, each, "joints in time");
   }
 
-  // exp(i n q): of n = 1 here, of others by products, which round a hundred times at most.
-  static Eigen::ArrayXcd TurnOf(const Eigen::ArrayXd& q) {
-    Eigen::ArrayXcd turn(q.size());
-    turn.real() = q.cos();
-    turn.imag() = q.sin();
-    return turn;
-  }
-
   // Orders d of which d q is the same at all poses, as on a lattice; up to `most`. Where phases scatter by v,
   // |mean exp(i phase)| = 1 - v / 2.
   static std::vector<bool> SameEverywhere(const Eigen::ArrayXd& q, int most) {
     std::vector<bool> same;
-    const Eigen::ArrayXcd turn = TurnOf(q);
+    const Eigen::ArrayXcd turn = Turn(q);
     Eigen::ArrayXcd wave = Eigen::ArrayXcd::Ones(q.size());
     for (int d = 0; d <= most; ++d, wave *= turn) same.push_back(std::abs(wave.mean()) > kSame);
     return same;
@@ -211,14 +193,14 @@ class JointFunctions : public UnnamedList {
     const int first = ResolvedOrders(problem_) + 1, orders = kMostHarmonicOrders + 1 - first;
     for (int j = 0; j < joints(); ++j) {
       if (!IsRevolute(problem_, j) || orders < kRipples) continue;
-      const Eigen::ArrayXd q = OfShots(problem_, [j](const ShotConditions& shot) { return shot.q[j]; });
+      const Eigen::ArrayXd q = JointValues(problem_, j);
       // Waves of orders n and k are the same functions on these angles where (n - k) q or (n + k) q is the same.
       const std::vector<bool> same = SameEverywhere(OnFitted(q.matrix()).array(), kMostHarmonicOrders + first);
-      const auto is_same = [&same](int order) { return same[static_cast<size_t>(order)]; };
+      const auto is_same = [&same](int order) { return same[order]; };
       std::map<int, std::pair<int, int>> aliases;  // by order of the catalogue: the lowest, and how many
       Scan<int> scan;
-      const Eigen::ArrayXcd turn = TurnOf(q);
-      Eigen::ArrayXcd wave = TurnOf(first * q);
+      const Eigen::ArrayXcd turn = Turn(q);
+      Eigen::ArrayXcd wave = Turn(first * q);
       for (int n = first; n <= kMostHarmonicOrders; ++n, wave *= turn) {
         int k = 1;
         while (k < first && !is_same(n - k) && !is_same(n + k)) ++k;
@@ -237,11 +219,10 @@ class JointFunctions : public UnnamedList {
 
   void AddWave(int j, int order, const Eigen::ArrayXd& q, double listed) {
     GroupedFunctions functions;
-    functions.Append(Waves(order * q, 1), "periodic", {}, "", listed);
+    functions.Append(Wave(order * q), "periodic", {}, "", listed);
     const std::string& name = JointName(j);
     const EffectSpec effect{"joint_harmonic", name, {{"order", std::to_string(order)}}, {}};
-    AddFunctions(functions,
-                 {"", name, {name}, RepeatsPerTurn(name, order), {{Source::Kind::kJoint, j, 0}}, {}, {effect}},
+    AddFunctions(functions, UnnamedFunction(name, {name}, RepeatsPerTurn(name, order), {OfJoint(j)}, {effect}),
                  "ripple");
   }
 
@@ -268,25 +249,18 @@ class JointFunctions : public UnnamedList {
                        "other", {{"knots", std::to_string(kUnnamedBumps[0])}});
         for (const int j : {a, b}) {
           AddFunctions(surface,
-                       {"",
-                        JointName(j),
-                        {JointName(a), JointName(b)},
-                        DeviatesOver(JointName(j), JointName(a), JointName(b)),
-                        {{Source::Kind::kJoint, j, 0}},
-                        {},
-                        {OverBoth("learnt_surface_deviation", j, a, b)}},
+                       UnnamedFunction(JointName(j), {JointName(a), JointName(b)},
+                                       DeviatesOver(JointName(j), JointName(a), JointName(b)), {OfJoint(j)},
+                                       {OverBoth("learnt_surface_deviation", j, a, b)}),
                        "surface");
         }
       }
     }
   }
 
-  bool Varies(const Eigen::VectorXd& x) const { return OnFitted(x).maxCoeff() > OnFitted(x).minCoeff(); }
-
   // -1 to 1 over the range of the fitted shots.
   Eigen::VectorXd OverItsRange(const Eigen::VectorXd& x) const {
-    const Eigen::VectorXd seen = OnFitted(x);
-    const double low = seen.minCoeff(), high = seen.maxCoeff();
+    const auto [low, high] = RangeOf(x);
     return (2.0 * x.array() - low - high) / (high - low);
   }
 
@@ -294,26 +268,20 @@ class JointFunctions : public UnnamedList {
   void AddPairs() {
     for (int a = 0; a < joints(); ++a) {
       for (int b = a + 1; b < joints(); ++b) {
-        const Eigen::VectorXd p = OfShots(problem_, [a](const ShotConditions& shot) { return shot.q[a]; });
-        const Eigen::VectorXd q = OfShots(problem_, [b](const ShotConditions& shot) { return shot.q[b]; });
-        if (!Varies(p) || !Varies(q)) continue;
+        const Eigen::VectorXd p = JointValues(problem_, a), q = JointValues(problem_, b);
+        if (!RangeOf(p).Varies() || !RangeOf(q).Varies()) continue;
         const Eigen::VectorXd u = OverItsRange(p), v = OverItsRange(q);
         GroupedFunctions product, waves;
         Eigen::MatrixXd bilinear(p.size(), 3);
         bilinear << u, v, u.cwiseProduct(v);
         product.Append(bilinear, "other", {});
         Eigen::MatrixXd turning(p.size(), 4);
-        turning << (p + q).array().cos().matrix(), (p + q).array().sin().matrix(), (p - q).array().cos().matrix(),
-            (p - q).array().sin().matrix();
+        turning << Wave(p + q), Wave(p - q);
         waves.Append(turning, "other", {});
         for (int j = 0; j < joints(); ++j) {
-          UnnamedFunction what{"",
-                               JointName(j),
-                               {JointName(a), JointName(b)},
-                               DeviatesWithBoth(JointName(j), JointName(a), JointName(b)),
-                               {{Source::Kind::kJoint, j, 0}},
-                               {},
-                               {OverBoth("learnt_product_deviation", j, a, b)}};
+          UnnamedFunction what(JointName(j), {JointName(a), JointName(b)},
+                               DeviatesWithBoth(JointName(j), JointName(a), JointName(b)), {OfJoint(j)},
+                               {OverBoth("learnt_product_deviation", j, a, b)});
           AddFunctions(product, what, "two angles");
           what.effects = {
               {"learnt_pair_deviation", JointName(j), {{"driver", JointName(a)}, {"with", JointName(b)}}, {}}};

@@ -9,6 +9,7 @@
 
 #include "estimator/explanations/driver_functions.h"
 #include "estimator/explanations/unnamed_functions.h"
+#include "problems/text.h"
 
 namespace sagitta {
 
@@ -16,12 +17,13 @@ namespace sagitta {
 constexpr int kUnnamedBumps[] = {4, 10};
 constexpr int kFineBumps = 25;  // of a joint's own angle: a bump of 10 degrees
 constexpr int kRamps = 50;      // in time: where something changed at once is known to within visits, some tens
-constexpr int kDigits = 7;      // of a range, a place or a direction, in the settings of an effect
 
 using Settings = std::map<std::string, std::string>;
 
-// What follows jumps and waves as well as so many knots do.
-inline Settings Fine() { return {{"knots", std::to_string(kFineBumps)}}; }
+// A range, a place or a direction, in the settings of an effect.
+inline std::string AsSetting(double value) { return Significant(value, 7); }
+// The same of x, y and z.
+Settings VectorSettings(const std::string& before, const Vector3<double>& vector, const std::string& after = "");
 
 // What functions one driver has, and which of them go together.
 struct GroupedFunctions {
@@ -52,38 +54,37 @@ class UnnamedList {
   std::vector<UnnamedGroup> Take() { return std::move(list_); }
 
  protected:
+  // Of a driver over the fitted shots.
+  struct Range {
+    double low, high;
+
+    bool Varies() const { return high - low > 1e-9 * (1.0 + std::abs(high)); }
+  };
+
   Eigen::MatrixXd OnFitted(const Eigen::MatrixXd& functions) const { return functions(fitted_, Eigen::all); }
-  std::string JointName(int j) const { return problem_.robot().chain.joints[static_cast<size_t>(j)].name; }
+  Range RangeOf(const Eigen::VectorXd& x) const { return {x(fitted_).minCoeff(), x(fitted_).maxCoeff()}; }
+  std::string JointName(int j) const { return problem_.robot().chain.joints[j].name; }
   int joints() const { return problem_.robot().num_joints(); }
 
   // Smooth functions of x over the range of the fitted shots. False: it does not vary.
   bool Smooth(const Eigen::VectorXd& x, const std::string& kind, GroupedFunctions* functions) const;
   void AppendBumps(const Eigen::VectorXd& x, const std::string& kind, int count, GroupedFunctions* functions) const;
-  // Of what puts the visits in order: a random walk.
-  void AppendRamps(const Eigen::VectorXd& order, const std::string& kind, int count, GroupedFunctions* functions) const;
+  // Of time: a random walk.
+  void AppendRamps(const Eigen::VectorXd& time, int count, GroupedFunctions* functions) const;
   // An effect over the range of a driver; its knots go by the group of functions.
   EffectSpec Over(const Driver& driver, const std::string& effect, const std::string& target) const;
-  // Of an effect that asks which way is down.
-  static Settings DownSettings(const Vector3<double>& down_in_base);
   // Every group of functions on one source or on several, each with coefficients of its own.
   void AddFunctions(const GroupedFunctions& functions, const UnnamedFunction& what, const std::string& family);
-
-  // The same where each source has functions of its own, in groups that are alike.
-  void AddEach(const std::vector<GroupedFunctions>& of_source, const UnnamedFunction& what, const std::string& family);
-
-  // Every group of functions on several sources that have the same coefficients, each with its own values of these
-  // functions.
-  void AddTogether(const std::vector<GroupedFunctions>& of_source, const UnnamedFunction& what,
-                   const std::string& family);
+  // The same where each source has functions of its own, in groups that are alike. together: all sources have the same
+  // coefficients.
+  void AddEach(const std::vector<GroupedFunctions>& of_source, const UnnamedFunction& what, const std::string& family,
+               bool together = false);
 
   const CalibrationProblem& problem_;
   EvidenceColumns* columns_;
   std::vector<int> fitted_;  // shots
 
  private:
-  void Append(ColumnGroup columns, const GroupedFunctions::Group& group, const UnnamedFunction& what,
-              const std::string& family);
-
   std::vector<UnnamedGroup> list_;
 };
 

@@ -11,7 +11,6 @@
 #include "models/constants.h"
 #include "models/effects/bump.h"
 #include "models/sight.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -22,6 +21,8 @@ namespace {
 constexpr int kFewestQuarters = 4;
 constexpr int kMostQuarters = 400;
 constexpr size_t kRangeWaves = 4;
+
+constexpr bool kTogether = true;  // all markers go by the same coefficients
 
 const char* NameOf(Sensed angle) { return angle == Sensed::kAzimuth ? "azimuth" : "elevation"; }
 
@@ -73,15 +74,13 @@ class ReadingFunctions : public UnnamedList {
     }
   }
 
-  // Between the fitted ones.
-  std::pair<double, double> RangeOf(Sensed reading) const {
-    std::pair<double, double> range(1e300, -1e300);
+  // Of the fitted ones.
+  Eigen::VectorXd FittedOf(Sensed reading) const {
+    std::vector<double> values;
     for (const Read& read : read_) {
-      if (!read.is_fitted) continue;
-      range.first = std::min(range.first, read.Of(reading));
-      range.second = std::max(range.second, read.Of(reading));
+      if (read.is_fitted) values.push_back(read.Of(reading));
     }
-    return range;
+    return Eigen::Map<const Eigen::VectorXd>(values.data(), values.size());
   }
 
   // Of a marker, shots x functions; zero where it was not read.
@@ -126,16 +125,18 @@ class ReadingFunctions : public UnnamedList {
   }
 
   void AddBumps(int station, Sensed reads, Sensed by) {
-    const std::string& name = problem_.data().stations[static_cast<size_t>(station)];
-    const auto [low, high] = RangeOf(by);
+    const std::string& name = problem_.data().stations[station];
+    const Eigen::VectorXd fitted = FittedOf(by);
+    if (fitted.size() == 0) return;
+    const double low = fitted.minCoeff(), high = fitted.maxCoeff();
     if (!(high - low > 1e-9)) return;  // rad
     const double middle = by == Sensed::kAzimuth ? middle_azimuth_ : 0.0;
     const EffectSpec effect{"learnt_reading",
                             name,
                             {{"reads", NameOf(reads)},
                              {"by", std::string(NameOf(by)) + "_deg"},
-                             {"from", Significant((middle + low) / kDegree, kDigits)},
-                             {"to", Significant((middle + high) / kDegree, kDigits)}},
+                             {"from", AsSetting((middle + low) / kDegree)},
+                             {"to", AsSetting((middle + high) / kDegree)}},
                             {}};
     std::vector<GroupedFunctions> of_source;
     for (const int marker : markers_) {
@@ -147,25 +148,23 @@ class ReadingFunctions : public UnnamedList {
       }
       of_source.push_back(std::move(functions));
     }
-    AddTogether(
-        of_source,
-        {"", name, {name}, ReadsWrongOver(name, NameOf(reads), NameOf(by)), SourcesOf(station, reads), {}, {effect}},
-        "reading");
+    AddEach(of_source,
+            UnnamedFunction(name, {name}, ReadsWrongOver(name, NameOf(reads), NameOf(by)), SourcesOf(station, reads),
+                            {effect}),
+            "reading", kTogether);
   }
 
   // Waves of one period, of each marker.
   std::vector<GroupedFunctions> WavesOf(const std::string& period_mm, double listed) const {
+    const double period = 1e-3 * std::stod(period_mm);
     std::vector<GroupedFunctions> of_source;
     for (const int marker : markers_) {
       GroupedFunctions functions;
-      functions.Append(WavesOf(marker, 1e-3 * std::stod(period_mm)), "other", {{"period_mm", period_mm}}, "", listed);
+      const auto wave = [period](const auto& x) { return Wave(2.0 * kPi / period * x); };
+      functions.Append(Of(marker, Sensed::kRange, wave), "other", {{"period_mm", period_mm}}, "", listed);
       of_source.push_back(std::move(functions));
     }
     return of_source;
-  }
-
-  Eigen::MatrixXd WavesOf(int marker, double period) const {
-    return Of(marker, Sensed::kRange, [period](const auto& x) { return Waves(2.0 * kPi / period * x, 1); });
   }
 
   // Ranges of the fitted readings in units of a length, with the square of what a metre of each moves and its product
@@ -173,13 +172,7 @@ class ReadingFunctions : public UnnamedList {
   struct Ranges {
     Eigen::ArrayXd at, square, residual;
 
-    // exp(2 pi i n at).
-    Eigen::ArrayXcd Wave(double n) const {
-      Eigen::ArrayXcd wave(at.size());
-      wave.real() = (2.0 * kPi * n * at).cos();
-      wave.imag() = (2.0 * kPi * n * at).sin();
-      return wave;
-    }
+    Eigen::ArrayXcd WaveOf(double n) const { return Turn(2.0 * kPi * n * at); }
 
     // What a wave explains of chi-square by itself: b'A^-1 b of its cosine and sine.
     double Reduction(const Eigen::ArrayXcd& wave) const {
@@ -189,7 +182,7 @@ class ReadingFunctions : public UnnamedList {
       const Eigen::Vector2d along((residual * c).sum(), (residual * s).sum());
       return all.determinant() > 0.0 ? along.dot(all.inverse() * along) : 0.0;
     }
-    double Reduction(double n) const { return Reduction(Wave(n)); }
+    double Reduction(double n) const { return Reduction(WaveOf(n)); }
   };
 
   Ranges RangesOf(const AlongSources& along, double unit) const {
@@ -211,27 +204,18 @@ class ReadingFunctions : public UnnamedList {
     return {of(at), of(square), of(residual)};
   }
 
-  // Down to two readings: so many quarters over the span.
-  int MostQuarters() const {
-    std::set<double> distinct;
-    for (const Read& read : read_) {
-      if (read.is_fitted) distinct.insert(read.range);
-    }
-    return std::min<int>(kMostQuarters, 2 * static_cast<int>(distinct.size()));
-  }
-
   // Of all waves those that say most of the rows, and more than their neighbours, each by itself.
   void AddWaves(int station) {
-    const std::string& name = problem_.data().stations[static_cast<size_t>(station)];
+    const std::string& name = problem_.data().stations[station];
     const std::vector<Source> sources = SourcesOf(station, Sensed::kRange);
-    const auto [low, high] = RangeOf(Sensed::kRange);
-    const int most = MostQuarters();
-    if (!(high > low) || most < kFewestQuarters) return;
-    const double four_spans = 4.0 * (high - low);
+    const std::vector<double> distinct = Distinct(FittedOf(Sensed::kRange));
+    const int most = std::min<int>(kMostQuarters, 2 * distinct.size());  // down to two readings
+    if (most < kFewestQuarters) return;
+    const double four_spans = 4.0 * (distinct.back() - distinct.front());
     const Ranges ranges = RangesOf(columns_->SumAlong(sources), four_spans);
     std::vector<double> tried = {0.0};
-    const Eigen::ArrayXcd turn = ranges.Wave(1.0);
-    Eigen::ArrayXcd wave = ranges.Wave(kFewestQuarters);
+    const Eigen::ArrayXcd turn = ranges.WaveOf(1.0);
+    Eigen::ArrayXcd wave = ranges.WaveOf(kFewestQuarters);
     for (int n = kFewestQuarters; n <= most; ++n, wave *= turn) tried.push_back(ranges.Reduction(wave));
     tried.push_back(0.0);
     Scan<double> peaks;
@@ -243,15 +227,10 @@ class ReadingFunctions : public UnnamedList {
     const double listed = static_cast<double>(best.size()) / static_cast<double>(tried.size() - 2);
     for (const double quarters : best) {
       const double period = 1e3 * four_spans / Refined(ranges, quarters);
-      AddTogether(WavesOf(Significant(period, kDigits), listed),
-                  {"",
-                   name,
-                   {name},
-                   RangeRepeats(name, Significant(period, 3)),
-                   sources,
-                   {},
-                   {{"learnt_range_wave", name, {}, {}}}},
-                  "range wave");
+      AddEach(WavesOf(AsSetting(period), listed),
+              UnnamedFunction(name, {name}, RangeRepeats(name, Significant(period, 3)), sources,
+                              {{"learnt_range_wave", name, {}, {}}}),
+              "range wave", kTogether);
     }
   }
 

@@ -4,6 +4,13 @@
 
 namespace sagitta {
 
+std::vector<int> EachOnce(std::vector<int> numbers, const std::vector<int>& more) {
+  numbers.insert(numbers.end(), more.begin(), more.end());
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  return numbers;
+}
+
 ColumnProducts::ColumnProducts(const Eigen::MatrixXd& whole) {
   for (const auto& row : whole.rowwise()) known_.push_back(row);
 }
@@ -16,16 +23,15 @@ Eigen::MatrixXd ColumnProducts::Own(const std::vector<int>& columns) const {
 Eigen::MatrixXd ColumnProducts::Between(const std::vector<int>& a, const std::vector<int>& b) const {
   if (!AreKnown(a) && AreKnown(b)) return Between(b, a).transpose();
   Ask(a);
-  Eigen::MatrixXd between(static_cast<long>(a.size()), static_cast<long>(b.size()));
-  for (size_t k = 0; k < a.size(); ++k) between.row(static_cast<long>(k)) = known_[static_cast<size_t>(a[k])](b);
+  Eigen::MatrixXd between(static_cast<long>(a.size()), b.size());
+  for (size_t k = 0; k < a.size(); ++k) between.row(k) = known_[a[k]](b);
   return between;
 }
 
 Eigen::MatrixXd ColumnProducts::Rows(const std::vector<int>& columns) const {
   Ask(columns);
-  Eigen::MatrixXd rows(static_cast<long>(columns.size()),
-                       columns.empty() ? 0 : known_[static_cast<size_t>(columns[0])].size());
-  for (size_t k = 0; k < columns.size(); ++k) rows.row(static_cast<long>(k)) = known_[static_cast<size_t>(columns[k])];
+  Eigen::MatrixXd rows(static_cast<long>(columns.size()), columns.empty() ? 0 : known_[columns[0]].size());
+  for (size_t k = 0; k < columns.size(); ++k) rows.row(k) = known_[columns[k]];
   return rows;
 }
 
@@ -37,9 +43,7 @@ void ColumnProducts::AskTogether(const std::vector<const std::vector<int>*>& lis
     ++unknown;
     all.insert(all.end(), list->begin(), list->end());
   }
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  if (unknown > 1) Ask(all);
+  if (unknown > 1) Ask(EachOnce(all));
 }
 
 void ColumnProducts::Ask(const std::vector<int>& columns) const {
@@ -50,11 +54,11 @@ void ColumnProducts::Ask(const std::vector<int>& columns) const {
   if (asked.empty()) return;
   const Eigen::MatrixXd rows = rows_of_(asked);
   known_.resize(static_cast<size_t>(rows.cols()));
-  for (size_t k = 0; k < asked.size(); ++k) known_[static_cast<size_t>(asked[k])] = rows.row(static_cast<long>(k));
+  for (size_t k = 0; k < asked.size(); ++k) known_[asked[k]] = rows.row(k);
 }
 
 bool ColumnProducts::IsKnown(int column) const {
-  return static_cast<size_t>(column) < known_.size() && known_[static_cast<size_t>(column)].size() > 0;
+  return static_cast<size_t>(column) < known_.size() && known_[column].size() > 0;
 }
 
 bool ColumnProducts::AreKnown(const std::vector<int>& columns) const {

@@ -22,7 +22,7 @@ GroupGain GainBy(const Eigen::Ref<const Eigen::MatrixXd>& information,
   if (root.info() != Eigen::Success) return {};
   const Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, Matrix::MaxRowsAtCompileTime> rotated =
       root.matrixL().solve(gradient);
-  return {variance * rotated.squaredNorm(), 2.0 * root.matrixLLT().diagonal().array().log().sum()};
+  return {variance * rotated.squaredNorm(), LogDet(root)};
 }
 
 }  // namespace
@@ -41,7 +41,7 @@ GroupGain GainOf(const Eigen::Ref<const Eigen::MatrixXd>& information,
 }
 
 Eigen::VectorXd MostQuads(const Eigen::MatrixXd& least_information, const Eigen::MatrixXd& gradients) {
-  const double variance = kScales[kNumScales - 1] * kScales[kNumScales - 1];
+  const double variance = kWidestScale * kWidestScale;
   Eigen::MatrixXd posterior = variance * least_information;
   posterior.diagonal().array() += 1.0;
   const Eigen::LLT<Eigen::MatrixXd> root(posterior);
@@ -59,6 +59,8 @@ double LogSumExp(const std::vector<double>& logs) {
   for (const double value : logs) sum += std::exp(value - largest);
   return largest + std::log(sum);
 }
+
+double LogMean(const std::vector<double>& logs) { return LogSumExp(logs) - std::log(static_cast<double>(logs.size())); }
 
 ResidualLikelihood::ResidualLikelihood(double dof, double sigma_dof, double wrong)
     : dof_(std::max(1.0, dof)), sigma_dof_(sigma_dof), wrong_(sigma_dof > 0.0 ? wrong : 1.0) {
@@ -104,17 +106,26 @@ double ResidualLikelihood::Factor(double residual) const {
   return std::sqrt((sigma_dof_ + residual) / (sigma_dof_ + dof_));
 }
 
-// log B = log mean_s B(s).
-double AverageGain(const ResidualLikelihood& likelihood, double residual, const Eigen::MatrixXd& information,
-                   const Eigen::VectorXd& gradient, int num_scales, double* scale) {
-  const double nothing = likelihood.Log(residual);
-  std::vector<double> logs(static_cast<size_t>(num_scales));
-  for (int s = 0; s < num_scales; ++s) {
-    const GroupGain gain = GainOf(information, gradient, kScales[s]);
-    logs[s] = likelihood.Log(residual - gain.quad) - nothing - 0.5 * gain.log_det;
+// log L(s) = log f(R - quad(s)) - 1/2 (log |Q| + log |I + s^2 G|), R, Q, G given the others.
+std::vector<double> LogsOfScales(const ResidualLikelihood& likelihood, const GivenOthers& given) {
+  std::vector<double> logs;
+  for (int s = 0; s < given.num_scales; ++s) {
+    const GroupGain gain = GainOf(given.information, given.gradient, kScales[s]);
+    logs.push_back(likelihood.Log(given.residual - gain.quad) - 0.5 * (given.log_det + gain.log_det));
   }
+  return logs;
+}
+
+double LossOfScale(const ResidualLikelihood& likelihood, const GivenOthers& given) {
+  const std::vector<double> logs = LogsOfScales(likelihood, given);
+  return LogMean(logs) - *std::max_element(logs.begin(), logs.end());
+}
+
+// log B = log mean_s B(s).
+double AverageGain(const ResidualLikelihood& likelihood, const GivenOthers& given, double* scale) {
+  const std::vector<double> logs = LogsOfScales(likelihood, given);
   if (scale != nullptr) *scale = kScales[std::max_element(logs.begin(), logs.end()) - logs.begin()];
-  return LogSumExp(logs) - std::log(num_scales);
+  return LogMean(logs) - likelihood.Log(given.residual) + 0.5 * given.log_det;
 }
 
 }  // namespace sagitta

@@ -26,6 +26,7 @@ namespace sagitta {
 // out among two effects that do the same.
 constexpr double kScales[] = {0.03, 0.1, 0.3, 1.0, 3.0, 10.0};
 constexpr int kNumScales = 6;
+constexpr double kWidestScale = kScales[kNumScales - 1];
 // Without the last: of functions without a name, which would absorb a named cause of the usual size as gross bends.
 constexpr int kNumUsualScales = 5;
 constexpr double kLargestUsual = kScales[kNumUsualScales - 1];  // at which all that is looked for has to be visible
@@ -52,8 +53,15 @@ GroupGain GainOf(const Eigen::Ref<const Eigen::MatrixXd>& information,
 // scale costs, log det, is no gain. Of each column of gradients.
 Eigen::VectorXd MostQuads(const Eigen::MatrixXd& least_information, const Eigen::MatrixXd& gradients);
 
-// log of the sum of exponentials, without overflow.
+// Of the matrix with this Cholesky factor.
+template <typename Root>
+double LogDet(const Root& root) {
+  return 2.0 * root.matrixLLT().diagonal().array().log().sum();
+}
+
+// log of the sum, and of the mean, of exponentials, without overflow.
 double LogSumExp(const std::vector<double>& logs);
+double LogMean(const std::vector<double>& logs);
 
 // A wrong unit's decades: mm for 10 um, or a sigma of the last digit. Where the true factor lay beyond, what no factor
 // absorbs would be given to explanations with certainty.
@@ -81,9 +89,18 @@ class ResidualLikelihood {
   double open_constant_, stated_constant_;
 };
 
-// Log evidence that a group adds to a residual of this square, averaged over its scales, the first so many; scale: the
-// best of them, or null.
-double AverageGain(const ResidualLikelihood& likelihood, double residual, const Eigen::MatrixXd& information,
-                   const Eigen::VectorXd& gradient, int num_scales, double* scale = nullptr);
+// A group given others that are in the set: what GainOf needs, and R and log |Q| without it.
+struct GivenOthers {
+  Eigen::MatrixXd information;
+  Eigen::VectorXd gradient;
+  double residual = 0.0, log_det = 0.0;
+  int num_scales = kNumScales;  // the first of kScales
+};
+
+// Log likelihood with the group at each of its scales; and what their average has less than the best of them.
+std::vector<double> LogsOfScales(const ResidualLikelihood& likelihood, const GivenOthers& given);
+double LossOfScale(const ResidualLikelihood& likelihood, const GivenOthers& given);
+// Log evidence that the group adds, averaged over its scales; log_det is left out. scale: the best of them, or null.
+double AverageGain(const ResidualLikelihood& likelihood, const GivenOthers& given, double* scale = nullptr);
 
 }  // namespace sagitta

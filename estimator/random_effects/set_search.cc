@@ -30,8 +30,7 @@ struct Difference {
 // A member with another scale goes and comes.
 Difference DifferenceOf(const WeightedSet& one, const WeightedSet& other) {
   const auto holds = [](const WeightedSet& set, int member, double scale) {
-    const auto at = std::lower_bound(set.members.begin(), set.members.end(), member) - set.members.begin();
-    const auto place = static_cast<size_t>(at);
+    const size_t place = PlaceIn(set.members, member);
     return place < set.members.size() && set.members[place] == member && set.scales[place] == scale;
   };
   Difference difference;
@@ -46,7 +45,7 @@ Difference DifferenceOf(const WeightedSet& one, const WeightedSet& other) {
 
 // A set with one more, or one fewer; its weights are to be found.
 WeightedSet Grown(WeightedSet set, int candidate, double scale) {
-  const auto at = std::lower_bound(set.members.begin(), set.members.end(), candidate) - set.members.begin();
+  const size_t at = PlaceIn(set.members, candidate);
   set.members.insert(set.members.begin() + at, candidate);
   set.scales.insert(set.scales.begin() + at, scale);
   return set;
@@ -83,14 +82,10 @@ FewExplanations WithTheirColumns(const std::vector<Explanation>& list, const std
     const std::vector<int>& own = list[k].group.columns;
     few.columns.insert(few.columns.end(), own.begin(), own.end());
   }
-  std::sort(few.columns.begin(), few.columns.end());
-  few.columns.erase(std::unique(few.columns.begin(), few.columns.end()), few.columns.end());
+  few.columns = EachOnce(few.columns);
   for (const int k : chosen) {
     few.explanations.push_back(list[k]);
-    for (int& column : few.explanations.back().group.columns) {
-      const auto at = std::lower_bound(few.columns.begin(), few.columns.end(), column);
-      column = static_cast<int>(at - few.columns.begin());
-    }
+    for (int& column : few.explanations.back().group.columns) column = PlaceIn(few.columns, column);
   }
   return few;
 }
@@ -121,6 +116,12 @@ bool SetSearch::IsExcluded(const Key& members, int candidate) const {
 std::vector<double> SetSearch::SharesOf(const Key& members) const {
   std::vector<double> shares;
   for (const int m : members) shares.push_back(explanations_[m].share);
+  return shares;
+}
+
+std::vector<double> SetSearch::SharesWithOneMore(const Key& members) const {
+  std::vector<double> shares = SharesOf(members);
+  shares.push_back(1.0);
   return shares;
 }
 
@@ -173,7 +174,7 @@ WeightedSet SetSearch::EvaluateFrom(const std::vector<int>& given_members, Membe
       const auto most = std::max_element(logs.begin(), logs.end());
       const double best = kScales[most - logs.begin()];
       set.log_likelihood = *most;
-      averages += LogSumExp(logs) - std::log(members.NumScales(k)) - *most;
+      averages += LogMean(logs) - *most;
       if (best == set.scales[k] || round == kScaleRounds) continue;
       set.scales[k] = best;
       members.Rescale(k, best);
@@ -203,7 +204,7 @@ double SetSearch::AverageOverScales(const Members& members) const {
     }
   };
   add(members, 0);
-  return LogSumExp(logs) - std::log(static_cast<double>(logs.size()));
+  return LogMean(logs);
 }
 
 const Eigen::MatrixXd& SetSearch::OwnOf(size_t candidate) const {
@@ -220,20 +221,16 @@ std::vector<double> SetSearch::Additions(const WeightedSet& given, std::vector<d
 // log w(set + k) = log L(set) + log B_k + log P(set + k), B_k by what the sweep leaves of G_kk and g_k.
 std::vector<double> SetSearch::AdditionsTo(const WeightedSet& set, const Sweep& sweep,
                                            std::vector<double>* scales) const {
-  std::vector<double> shares = SharesOf(set.members);
-  shares.push_back(1.0);
-  const double base = set.log_likelihood + prior_.Log(shares);
+  const double base = set.log_likelihood + prior_.Log(SharesWithOneMore(set.members));
   std::vector<double> weights(explanations_.size(), -kInfinity);
   if (scales != nullptr) scales->assign(explanations_.size(), 1.0);
   for (size_t k = 0; k < explanations_.size(); ++k) {
     const Explanation& candidate = explanations_[k];
     if (IsExcluded(set.members, static_cast<int>(k)) || !(candidate.share > 0.0)) continue;
     double scale = 1.0;
-    const Eigen::MatrixXd information = OwnOf(k) - sweep.Taken(candidate.group);
-    weights[k] = base +
-                 AverageGain(likelihood_, sweep.residual(), information, sweep.Gradient(candidate.group),
-                             candidate.group.num_scales, &scale) +
-                 std::log(candidate.share);
+    const GivenOthers given{OwnOf(k) - sweep.Taken(candidate.group), sweep.Gradient(candidate.group), sweep.residual(),
+                            0.0, candidate.group.num_scales};
+    weights[k] = base + AverageGain(likelihood_, given, &scale) + std::log(candidate.share);
     if (scales != nullptr) (*scales)[k] = scale;
   }
   return weights;
@@ -320,9 +317,8 @@ std::vector<SetSearch::Swap> SetSearch::SwapsOf(const WeightedSet& set, const Sw
   std::vector<double> bases;  // without the likelihood of what is left
   for (size_t m = 0; m < set.members.size(); ++m) {
     sweeps.push_back(sweep.Without(m));
-    std::vector<double> shares = SharesOf(without[m].members);
-    shares.push_back(1.0);
-    bases.push_back(without[m].log_likelihood + prior_.Log(shares) - likelihood_.Log(sweeps[m].residual));
+    bases.push_back(without[m].log_likelihood + prior_.Log(SharesWithOneMore(without[m].members)) -
+                    likelihood_.Log(sweeps[m].residual));
   }
   const Eigen::MatrixXd of_all = sweep.Gradients(sweeps);
   std::vector<Swap> swaps;
@@ -341,9 +337,9 @@ std::vector<SetSearch::Swap> SetSearch::SwapsOf(const WeightedSet& set, const Sw
       if (base + likelihood_.Log(residual - most_quads[place]) < most - kWorthKeeping) continue;
       if (solved.size() == 0) solved = sweep.Solved(explanations_[k].group);
       double scale = 1.0;
-      const double gain = AverageGain(likelihood_, residual, given_all + sweeps[m].Information(solved),
-                                      gradients.col(place), explanations_[k].group.num_scales, &scale);
-      const double weight = base + likelihood_.Log(residual) + gain;
+      const GivenOthers given{given_all + sweeps[m].Information(solved), gradients.col(place), residual, 0.0,
+                              explanations_[k].group.num_scales};
+      const double weight = base + likelihood_.Log(residual) + AverageGain(likelihood_, given, &scale);
       if (weight < most - kWorthKeeping) continue;
       most = std::max(most, weight);
       swaps.push_back({m, static_cast<int>(k), scale, weight});
@@ -383,15 +379,14 @@ void SetSearch::SwapTogether(const WeightedSet& set, const Members& all, const s
     if (swap.log_weight <= set.log_weight) return;
     const int out = set.members[swap.member];
     if (!done.insert(out).second) continue;
-    const auto at = std::find(now.members.begin(), now.members.end(), out) - now.members.begin();
-    WeightedSet swapped = Shrunk(now, static_cast<size_t>(at));
+    const size_t at = PlaceIn(now.members, out);
+    WeightedSet swapped = Shrunk(now, at);
     Members theirs = members;
-    theirs.Remove(static_cast<size_t>(at));
+    theirs.Remove(at);
     if (swap.candidate >= 0) {
       const auto& others = swapped.members;
-      const auto place = std::lower_bound(others.begin(), others.end(), swap.candidate);
-      if ((place != others.end() && *place == swap.candidate) || IsExcluded(others, swap.candidate)) continue;
-      theirs.Insert(static_cast<size_t>(place - others.begin()), explanations_[swap.candidate].group, swap.scale);
+      if (IsExcluded(others, swap.candidate)) continue;
+      theirs.Insert(PlaceIn(others, swap.candidate), explanations_[swap.candidate].group, swap.scale);
       swapped = Grown(std::move(swapped), swap.candidate, swap.scale);
     }
     const WeightedSet settled = Settled(swapped, &theirs);

@@ -99,6 +99,7 @@ class SetSearch {
 
   bool IsExcluded(const Key& members, int candidate) const;
   std::vector<double> SharesOf(const Key& members) const;
+  std::vector<double> SharesWithOneMore(const Key& members) const;  // of it 1
   // conditioned: the members, at scales to begin with.
   WeightedSet EvaluateFrom(const std::vector<int>& given_members, Members conditioned) const;
   double AverageOverScales(const Members& members) const;

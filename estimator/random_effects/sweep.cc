@@ -28,46 +28,6 @@ Eigen::MatrixXd Solved(const Eigen::LLT<Eigen::MatrixXd>& root, const Eigen::Mat
   return root.solve(right);
 }
 
-// Square, without the rows and columns of one group.
-Eigen::MatrixXd WithoutGroup(long first, long size, const Eigen::MatrixXd& all) {
-  const long left = all.rows() - size, last = left - first;
-  Eigen::MatrixXd others(left, left);
-  others.topLeftCorner(first, first) = all.topLeftCorner(first, first);
-  others.topRightCorner(first, last) = all.topRightCorner(first, last);
-  others.bottomLeftCorner(last, first) = all.bottomLeftCorner(last, first);
-  others.bottomRightCorner(last, last) = all.bottomRightCorner(last, last);
-  return others;
-}
-
-// Symmetric, with a group's corner and its rows next to the others.
-Eigen::MatrixXd WithGroup(long first, const Eigen::MatrixXd& corner, const Eigen::MatrixXd& rows,
-                          const Eigen::MatrixXd& others) {
-  const long size = corner.rows(), last = others.rows() - first;
-  Eigen::MatrixXd all(others.rows() + size, others.rows() + size);
-  all.topLeftCorner(first, first) = others.topLeftCorner(first, first);
-  all.topRightCorner(first, last) = others.topRightCorner(first, last);
-  all.bottomLeftCorner(last, first) = others.bottomLeftCorner(last, first);
-  all.bottomRightCorner(last, last) = others.bottomRightCorner(last, last);
-  all.block(first, first, size, size) = corner;
-  all.block(first, 0, size, first) = rows.leftCols(first);
-  all.block(first, first + size, size, last) = rows.rightCols(last);
-  all.block(0, first, first, size) = rows.leftCols(first).transpose();
-  all.block(first + size, first, last, size) = rows.rightCols(last).transpose();
-  return all;
-}
-
-Eigen::VectorXd WithoutPart(long first, long size, const Eigen::VectorXd& all) {
-  Eigen::VectorXd others(all.size() - size);
-  others << all.head(first), all.tail(others.size() - first);
-  return others;
-}
-
-Eigen::VectorXd WithPart(long first, const Eigen::VectorXd& part, const Eigen::VectorXd& others) {
-  Eigen::VectorXd all(others.size() + part.size());
-  all << others.head(first), part, others.tail(others.size() - first);
-  return all;
-}
-
 }  // namespace
 
 Eigen::MatrixXd ColumnGroup::Mixed(Eigen::MatrixXd rows) const {
@@ -81,8 +41,8 @@ Eigen::MatrixXd ColumnGroup::MixedBlock(Eigen::MatrixXd block) const {
 }
 
 Eigen::MatrixXd ColumnsOf(const ColumnGroup& group, const Eigen::MatrixXd& matrix) {
-  Eigen::MatrixXd own(matrix.rows(), static_cast<long>(group.columns.size()));
-  for (long c = 0; c < own.cols(); ++c) own.col(c) = matrix.col(group.columns[static_cast<size_t>(c)]);
+  Eigen::MatrixXd own(matrix.rows(), group.columns.size());
+  for (long c = 0; c < own.cols(); ++c) own.col(c) = matrix.col(group.columns[c]);
   if (group.mixing.size() == 0) return own;
   return own * group.mixing;
 }
@@ -95,27 +55,24 @@ Eigen::VectorXd OwnGradient(const ProjectedNormal& normal, const ColumnGroup& gr
   return group.Mixed(normal.gradient(group.columns));
 }
 
-// log L(s_k) = log f(R - quad(s_k)) - 1/2 (log |Q| + log |I + s_k^2 G_k|), R, Q, G_k given the others.
-std::vector<double> LogsOfScales(const ResidualLikelihood& likelihood, const GivenOthers& given) {
-  std::vector<double> logs;
-  for (int s = 0; s < given.num_scales; ++s) {
-    const GroupGain gain = GainOf(given.information, given.gradient, kScales[s]);
-    logs.push_back(likelihood.Log(given.residual - gain.quad) - 0.5 * (given.log_det + gain.log_det));
-  }
-  return logs;
+GivenOthers GivenNothing(const ProjectedNormal& normal, const ColumnGroup& group) {
+  return {OwnInformation(normal, group), OwnGradient(normal, group), normal.residual, 0.0, group.num_scales};
 }
 
-double LossOfScale(const ResidualLikelihood& likelihood, const GivenOthers& given) {
-  const std::vector<double> logs = LogsOfScales(likelihood, given);
-  return LogSumExp(logs) - std::log(given.num_scales) - *std::max_element(logs.begin(), logs.end());
-}
-
+// Q = I + D M'GM D,  W W' = Q^-1,  t = Q^-1 D M'g,  log |Q| = -2 sum log W_ii.
 Members::Members(const ProjectedNormal& normal, std::vector<const ColumnGroup*> groups, std::vector<double> scales)
     : normal_(&normal), groups_(std::move(groups)), scales_(std::move(scales)) {
   SetFirst();
   gradient_.resize(first_.back());
   for (size_t k = 0; k < size(); ++k) gradient_.segment(first_[k], SizeOf(k)) = OwnGradient(normal, *groups_[k]);
-  Condition();
+  const Eigen::VectorXd diagonal = Scales();
+  Eigen::MatrixXd inner = diagonal.asDiagonal() * Information() * diagonal.asDiagonal();
+  inner.diagonal().array() += 1.0;
+  const Eigen::MatrixXd root = InverseRoot(inner);
+  inverse_ = SquareOfRoot(root);
+  solved_ = inverse_ * diagonal.cwiseProduct(gradient_);
+  log_det_ = -2.0 * root.diagonal().array().log().sum();
+  SetResidual();
 }
 
 void Members::SetFirst() {
@@ -153,18 +110,6 @@ Eigen::MatrixXd Members::ScaledRows() const {
   return rows;
 }
 
-// Q = I + D M'GM D,  W W' = Q^-1,  t = Q^-1 D M'g,  log |Q| = -2 sum log W_ii.
-void Members::Condition() {
-  const Eigen::VectorXd diagonal = Scales();
-  Eigen::MatrixXd inner = diagonal.asDiagonal() * Information() * diagonal.asDiagonal();
-  inner.diagonal().array() += 1.0;
-  const Eigen::MatrixXd root = InverseRoot(inner);
-  inverse_ = SquareOfRoot(root);
-  solved_ = inverse_ * diagonal.cwiseProduct(gradient_);
-  log_det_ = -2.0 * root.diagonal().array().log().sum();
-  SetResidual();
-}
-
 // `extra`: e;  `beside`: A_k;  `left`: (I + e A_kk)^-1 A_k';  `own`: (I + e A_kk)^-1 t_k.
 void Members::Rescale(size_t group, double scale) {
   const long first = first_[group], size = first_[group + 1] - first;
@@ -189,14 +134,21 @@ void Members::Rescale(size_t group, double scale) {
 // `beside`: A_k;  t <- t - A_k A_kk^-1 t_k. Of the group itself nothing is left.
 void Members::Remove(size_t group) {
   const long first = first_[group], size = SizeOf(group);
-  const Eigen::LLT<Eigen::MatrixXd> root(Eigen::MatrixXd(inverse_.block(first, first, size, size)));
-  const Eigen::MatrixXd beside = inverse_.middleCols(first, size), left = root.solve(beside.transpose());
+  const Apart apart = Without(group);
+  const Eigen::MatrixXd beside = inverse_.middleCols(first, size), left = apart.root.solve(beside.transpose());
   inverse_.noalias() -= beside * left;
-  inverse_ = WithoutGroup(first, size, inverse_);
-  const Eigen::VectorXd own = root.solve(solved_.segment(first, size));
-  solved_ = WithoutPart(first, size, solved_ - beside * own);
-  gradient_ = WithoutPart(first, size, gradient_);
-  log_det_ += 2.0 * root.matrixLLT().diagonal().array().log().sum();
+  solved_ -= beside * apart.own;
+  log_det_ = apart.log_det;
+  const long last = num_columns() - first - size;
+  Eigen::MatrixXd inverse(first + last, first + last);
+  inverse << inverse_.topLeftCorner(first, first), inverse_.topRightCorner(first, last),
+      inverse_.bottomLeftCorner(last, first), inverse_.bottomRightCorner(last, last);
+  Eigen::VectorXd solved(first + last), gradient(first + last);
+  solved << solved_.head(first), solved_.tail(last);
+  gradient << gradient_.head(first), gradient_.tail(last);
+  inverse_ = std::move(inverse);
+  solved_ = std::move(solved);
+  gradient_ = std::move(gradient);
   groups_.erase(groups_.begin() + static_cast<long>(group));
   scales_.erase(scales_.begin() + static_cast<long>(group));
   SetFirst();
@@ -205,7 +157,7 @@ void Members::Remove(size_t group) {
 
 // `column`: q;  `beside`: U = A q;  `corner`: c - q'U = i^-1.
 void Members::Insert(size_t place, const ColumnGroup& group, double scale) {
-  const long count = num_columns(), more = group.size(), first = first_[place];
+  const long count = num_columns(), more = group.size(), first = first_[place], last = count - first;
   Eigen::MatrixXd column(count, more);
   for (size_t k = 0; k < size(); ++k) {
     column.middleRows(first_[k], SizeOf(k)) = scale * scales_[k] * Cross(*normal_, *groups_[k], group);
@@ -217,12 +169,20 @@ void Members::Insert(size_t place, const ColumnGroup& group, double scale) {
   const Eigen::VectorXd gradient = OwnGradient(*normal_, group);
   const Eigen::MatrixXd left = Solved(root, beside.transpose());  // i U'
   const Eigen::VectorXd own = root.solve(scale * gradient - column.transpose() * solved_);
-  const Eigen::MatrixXd of_group = root.solve(Eigen::MatrixXd::Identity(more, more));
   inverse_.noalias() += beside * left;
-  inverse_ = WithGroup(first, of_group, -left, inverse_);
-  solved_ = WithPart(first, own, solved_ - beside * own);
-  gradient_ = WithPart(first, gradient, gradient_);
-  log_det_ += 2.0 * root.matrixLLT().diagonal().array().log().sum();
+  Eigen::MatrixXd inverse(count + more, count + more);
+  inverse << inverse_.topLeftCorner(first, first), -left.leftCols(first).transpose(),
+      inverse_.topRightCorner(first, last),                                                             //
+      -left.leftCols(first), root.solve(Eigen::MatrixXd::Identity(more, more)), -left.rightCols(last),  //
+      inverse_.bottomLeftCorner(last, first), -left.rightCols(last).transpose(), inverse_.bottomRightCorner(last, last);
+  solved_ -= beside * own;
+  Eigen::VectorXd solved(count + more), gradients(count + more);
+  solved << solved_.head(first), own, solved_.tail(last);
+  gradients << gradient_.head(first), gradient, gradient_.tail(last);
+  inverse_ = std::move(inverse);
+  solved_ = std::move(solved);
+  gradient_ = std::move(gradients);
+  log_det_ += LogDet(root);
   groups_.insert(groups_.begin() + static_cast<long>(place), &group);
   scales_.insert(scales_.begin() + static_cast<long>(place), scale);
   SetFirst();
@@ -232,20 +192,25 @@ void Members::Insert(size_t place, const ColumnGroup& group, double scale) {
 // R - g'M D t = R - g'M D Q^-1 D M'g.
 void Members::SetResidual() { residual_ = normal_->residual - Scales().cwiseProduct(gradient_).dot(solved_); }
 
-// s_k^2 G_k = A_kk^-1 - I,  s_k g_k = A_kk^-1 t_k;  without k: R + t_k'A_kk^-1 t_k,  log |Q| + log |A_kk|.
+Members::Apart Members::Without(size_t group) const {
+  const long first = first_[group], size = SizeOf(group);
+  const Eigen::VectorXd solved = solved_.segment(first, size);
+  Apart apart;
+  apart.root.compute(inverse_.block(first, first, size, size));
+  apart.own = apart.root.solve(solved);
+  apart.residual = residual_ + solved.dot(apart.own);
+  apart.log_det = log_det_ + LogDet(apart.root);
+  return apart;
+}
+
+// s_k^2 G_k = A_kk^-1 - I,  s_k g_k = A_kk^-1 t_k.
 GivenOthers Members::Of(size_t group) const {
-  const long first = first_[group], size = first_[group + 1] - first;
-  const Eigen::LLT<Eigen::MatrixXd> root(Eigen::MatrixXd(inverse_.block(first, first, size, size)));
-  const Eigen::VectorXd own = solved_.segment(first, size);
+  const Apart apart = Without(group);
   const double scale = scales_[group];
-  GivenOthers given;
-  given.information = root.solve(Eigen::MatrixXd::Identity(size, size));
+  GivenOthers given{apart.root.solve(Eigen::MatrixXd::Identity(SizeOf(group), SizeOf(group))), apart.own / scale,
+                    apart.residual, apart.log_det, groups_[group]->num_scales};
   given.information.diagonal().array() -= 1.0;
   given.information /= scale * scale;
-  given.gradient = root.solve(own) / scale;
-  given.residual = residual_ + own.dot(root.solve(own));
-  given.num_scales = groups_[group]->num_scales;
-  given.log_det = log_det_ + 2.0 * root.matrixLLT().diagonal().array().log().sum();
   return given;
 }
 
@@ -275,7 +240,7 @@ void Sweep::Insert(size_t place, const ColumnGroup& group, double scale) {
   const long top = FreeRows(group.size());
   latest_ = {};
   members_.Insert(place, group, scale);
-  tops_.insert(tops_.begin() + static_cast<long>(place), top);
+  tops_.insert(tops_.begin() + place, top);
   solved_.middleRows(top, rows.rows()) = rows;
   rows_.middleRows(top, rows.rows()) = own;
 }
@@ -314,7 +279,7 @@ void Sweep::Remove(size_t group) {
   rows_.middleRows(top, size).setZero();
   latest_ = {};
   members_.Remove(group);
-  tops_.erase(tops_.begin() + static_cast<long>(group));
+  tops_.erase(tops_.begin() + group);
 }
 
 Eigen::MatrixXd Sweep::Taken(const ColumnGroup& group) const {
@@ -331,17 +296,7 @@ Eigen::MatrixXd Sweep::Information(const ColumnGroup& group) const {
 
 Eigen::VectorXd Sweep::Gradient(const ColumnGroup& group) const { return group.Mixed(gradient_(group.columns)); }
 
-Sweep::WithoutOne Sweep::Without(size_t group) const {
-  const long first = members_.First(group), size = members_.SizeOf(group);
-  const Eigen::VectorXd solved = members_.solved_.segment(first, size);
-  WithoutOne without;
-  without.top = tops_[group];
-  without.root.compute(members_.inverse_.block(first, first, size, size));
-  without.own = without.root.solve(solved);
-  without.residual = members_.residual() + solved.dot(without.own);
-  without.log_det = members_.log_det() + 2.0 * without.root.matrixLLT().diagonal().array().log().sum();
-  return without;
-}
+Sweep::WithoutOne Sweep::Without(size_t group) const { return {members_.Without(group), tops_[group]}; }
 
 // X'X,  X = C^(-1/2) T_k.
 Eigen::MatrixXd Sweep::WithoutOne::Information(const Eigen::MatrixXd& solved) const {
@@ -356,7 +311,7 @@ Eigen::VectorXd Sweep::WithoutOne::Gradient(const Eigen::MatrixXd& solved) const
 Eigen::MatrixXd Sweep::Gradients(const std::vector<WithoutOne>& without) const {
   Eigen::MatrixXd gradients(static_cast<long>(without.size()), gradient_.size());
   for (size_t m = 0; m < without.size(); ++m) {
-    gradients.row(static_cast<long>(m)) = (gradient_ + without[m].Gradient(solved_)).transpose();
+    gradients.row(m) = (gradient_ + without[m].Gradient(solved_)).transpose();
   }
   return gradients;
 }

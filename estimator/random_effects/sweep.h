@@ -28,6 +28,9 @@ Eigen::MatrixXd ColumnsOf(const ColumnGroup& group, const Eigen::MatrixXd& matri
 Eigen::MatrixXd OwnInformation(const ProjectedNormal& normal, const ColumnGroup& group);
 Eigen::VectorXd OwnGradient(const ProjectedNormal& normal, const ColumnGroup& group);
 
+// A group alone with what is believed.
+GivenOthers GivenNothing(const ProjectedNormal& normal, const ColumnGroup& group);
+
 // Values of the groups' coefficients, in typical sizes, and their covariance: -(M'GM + I/s^2)^-1 M'g, as the residual
 // is predicted - measured.
 struct GroupValues {
@@ -40,18 +43,6 @@ struct GroupValues {
 // scales: prior standard deviation of each group, in typical sizes.
 GroupValues ValuesOf(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& groups,
                      const std::vector<double>& scales);
-
-// One more group given others, or without one of them: what GainOf needs and what the evidence is without it.
-struct GivenOthers {
-  Eigen::MatrixXd information;
-  Eigen::VectorXd gradient;
-  double residual = 0.0, log_det = 0.0;
-  int num_scales = kNumScales;
-};
-
-// Log likelihood at each of its scales of a group given others; and what their average has less than the best of them.
-std::vector<double> LogsOfScales(const ResidualLikelihood& likelihood, const GivenOthers& given);
-double LossOfScale(const ResidualLikelihood& likelihood, const GivenOthers& given);
 
 // Groups among themselves, for any scales: with D = diag(s), t = Q^-1 D M'g,
 //
@@ -75,11 +66,19 @@ class Members {
   void Insert(size_t place, const ColumnGroup& group, double scale);
   const std::vector<double>& scales() const { return scales_; }
   GivenOthers Of(size_t group) const;
+  // The others without it: with C = A_kk,  R + t_k' C^-1 t_k,  log |Q| + log |C|.
+  struct Apart {
+    Eigen::LLT<Eigen::MatrixXd> root;  // of C
+    Eigen::VectorXd own;               // C^-1 t_k
+    double residual = 0.0, log_det = 0.0;
+  };
+  Apart Without(size_t group) const;
   double residual() const { return residual_; }
   double log_det() const { return log_det_; }
+  const Eigen::VectorXd& Standardised() const { return solved_; }  // t: minus the coefficients over their scales
   size_t size() const { return groups_.size(); }
   int NumScales(size_t group) const { return groups_[group]->num_scales; }
-  int num_columns() const { return static_cast<int>(gradient_.size()); }
+  long num_columns() const { return gradient_.size(); }
   // Where a group's columns begin among those of all.
   long First(size_t group) const { return first_[group]; }
   long SizeOf(size_t group) const { return groups_[group]->size(); }
@@ -91,7 +90,6 @@ class Members {
   friend GroupValues ValuesOf(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& groups,
                               const std::vector<double>& scales);
 
-  void Condition();
   Eigen::MatrixXd Information() const;  // M'GM
   Eigen::VectorXd Scales() const;       // of every column
   void SetFirst();
@@ -128,15 +126,12 @@ class Sweep {
   const Members& members() const { return members_; }
 
   // Given all but one of the groups.
-  struct WithoutOne {
+  struct WithoutOne : Members::Apart {
     // What it adds to G and g of a group with this T:  T_k' C^-1 T_k,  T_k' C^-1 t_k.
     Eigen::MatrixXd Information(const Eigen::MatrixXd& solved) const;
     Eigen::VectorXd Gradient(const Eigen::MatrixXd& solved) const;
 
-    long top = 0;                      // row of T_k in T
-    Eigen::LLT<Eigen::MatrixXd> root;  // of C
-    Eigen::VectorXd own;               // C^-1 t_k
-    double residual = 0.0, log_det = 0.0;
+    long top = 0;  // row of T_k in T
   };
   WithoutOne Without(size_t group) const;
   // Given all but each of these: a row of g each, of all columns.

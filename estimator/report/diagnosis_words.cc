@@ -284,8 +284,8 @@ std::string GroupInWords(const Diagnosis& d, const EffectGroup& group) {
 
 std::string UnexplainedInWords(const Diagnosis& d) {
   const LearntFunction& learnt = d.unexplained;
-  if (learnt.acts_on.empty()) return "no driving variable stands out";
-  std::string words = learnt.words + (learnt.formula.empty() ? "" : ": " + learnt.formula);
+  if (learnt.what.acts_on.empty()) return "no driving variable stands out";
+  std::string words = learnt.what.words + (learnt.formula.empty() ? "" : ": " + learnt.formula);
   for (const EffectSpec& piece : learnt.pieces) {  // settings of one effect read alike
     const std::string like = "; " + PartlyLike(piece.effect, piece.target);
     if ((words + ";").find(like + ";") == std::string::npos) words += like;

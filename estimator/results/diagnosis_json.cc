@@ -169,15 +169,19 @@ Json LearntToJson(const Robot& robot, const LearntModel& learnt) {
 
 Json UnexplainedToJson(const Diagnosis& d) {
   const LearntFunction& learnt = d.unexplained;
-  Json json = {{"words", UnexplainedInWords(d)}, {"depends_on", learnt.depends_on}, {"kind", learnt.kind}};
+  Json json = {{"words", UnexplainedInWords(d)}, {"depends_on", learnt.what.depends_on}, {"kind", learnt.what.kind}};
   json["learnt"] = nullptr;
   if (d.learnt) json["learnt"] = LearntToJson(d.final.problem->robot(), *d.learnt);
   json["function"] = nullptr;
   if (learnt.table.empty()) return json;
   Json table = Json::array();
   for (const FunctionPoint& point : learnt.table) table.push_back({point.at, point.value, point.sigma});
-  json["function"] = {{"acts_on", learnt.acts_on}, {"driver", learnt.driver}, {"driver_unit", learnt.driver_unit},
-                      {"unit", learnt.unit},       {"table", table},          {"formula", learnt.formula}};
+  json["function"] = {{"acts_on", learnt.what.acts_on},
+                      {"driver", learnt.what.driver.name},
+                      {"driver_unit", learnt.what.driver.unit},
+                      {"unit", learnt.unit},
+                      {"table", table},
+                      {"formula", learnt.formula}};
   return json;
 }
 

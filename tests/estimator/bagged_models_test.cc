@@ -1,14 +1,13 @@
 // What is weighed, averaged over resamples of the poses: what every resample shows stays, and each has one share.
-#include "estimator/evidence/bagged_models.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 #include <memory>
 
+#include "estimator/diagnosis/diagnosed_model.h"
 #include "estimator/diagnosis/effect_checks.h"
-#include "estimator/diagnosis/refit.h"
+#include "estimator/evidence/pose_groups.h"
 #include "tests/support/moved_kr270.h"
 
 namespace sagitta::bagged_models_test {

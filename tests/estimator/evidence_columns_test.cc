@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
 #include <tuple>
 
@@ -43,7 +44,7 @@ TEST(EvidenceColumns, ProductsThatAreAskedForAreThoseOfAllRows) {
   const int joints = problem.robot().num_joints();
   for (const JointScatter& scatter :
        {StatedScatter(problem), Scatter(joints, 3e-5, 0.0), Scatter(joints, 2e-5, 4e-5)}) {
-    const GivenBelieved whole = columns.Project(columns.Sum(scatter));
+    const GivenBelieved whole = columns.Project(columns.Sum(scatter, columns.AllColumns()));
     const GivenBelieved asked = columns.ProjectAll(scatter, own);
     EXPECT_NEAR(asked.log_constant, whole.log_constant, 1e-9 * std::abs(whole.log_constant));
     EXPECT_EQ(asked.normal.dof, whole.normal.dof);
@@ -72,21 +73,25 @@ TEST(EvidenceColumns, SumsOfGroupsOfPosesAddUp) {
   const JointScatter scatter = Scatter(problem.robot().num_joints(), 2e-5, 4e-5);
   const std::vector<int> some = {0, 3, columns.num_columns() - 1};
   std::vector<int> group_of_pose;
-  std::vector<std::vector<int>> poses(3);
-  for (int pose = 0; pose < columns.num_poses(); ++pose) {
-    group_of_pose.push_back(pose % 7 % 3);
-    poses[static_cast<size_t>(group_of_pose.back())].push_back(pose);
+  std::vector<std::vector<int>> observations(3);
+  std::map<int, int> pose_of;  // by configuration
+  for (const int i : problem.CalibrationObservations()) {
+    const int configuration = problem.data().shots[problem.data().observations[i].shot].configuration;
+    const int pose = pose_of.emplace(configuration, static_cast<int>(pose_of.size())).first->second;
+    observations[pose % 7 % 3].push_back(i);
   }
+  ASSERT_EQ(static_cast<int>(pose_of.size()), columns.num_poses());
+  for (int pose = 0; pose < columns.num_poses(); ++pose) group_of_pose.push_back(pose % 7 % 3);
   const std::vector<RowSums> each = columns.SumEach(scatter, some, group_of_pose);
   ASSERT_EQ(each.size(), 3u);
   RowSums all = RowSums::Zero(each[0].products.rows());
   for (size_t g = 0; g < each.size(); ++g) {
     all += each[g];
-    const RowSums alone = columns.Sum(scatter, &some, poses[g]);
-    EXPECT_EQ(each[g].rows, alone.rows);
-    EXPECT_LT((each[g].products - alone.products).norm(), 1e-9 * alone.products.norm()) << g;
+    const Eigen::MatrixXd rows = columns.RowsAt(observations[g], scatter, some), alone = rows.transpose() * rows;
+    EXPECT_EQ(each[g].rows, rows.rows());
+    EXPECT_LT((each[g].products.topLeftCorner(rows.cols(), rows.cols()) - alone).norm(), 1e-9 * alone.norm()) << g;
   }
-  const RowSums whole = columns.Sum(scatter, &some);
+  const RowSums whole = columns.Sum(scatter, some);
   EXPECT_EQ(all.rows, whole.rows);
   EXPECT_NEAR(all.log_det, whole.log_det, 1e-9 * std::abs(whole.log_det));
   EXPECT_LT((all.products - whole.products).norm(), 1e-9 * whole.products.norm());
@@ -146,7 +151,7 @@ TEST(EvidenceColumns, RowsOfVisitsAndOfPosesScatterTogether) {
   all << rows.jacobian, rows.residual;
   const Eigen::LLT<Eigen::MatrixXd> root(covariance);
   const Eigen::MatrixXd products = all.transpose() * root.solve(all);
-  const RowSums sums = columns.Sum(Scatter(6, sigma[0], sigma[1]));
+  const RowSums sums = columns.Sum(Scatter(6, sigma[0], sigma[1]), columns.AllColumns());
   EXPECT_EQ(sums.rows, 3 * count);
   const double log_det = 2.0 * root.matrixLLT().diagonal().array().log().sum();
   ASSERT_GT(log_det, 1.0);

@@ -101,7 +101,7 @@ TEST(EvidenceScore, AGroupAloneIsAveragedOverItsSizes) {
     best = scale;
   }
   double scale = 0.0;
-  const double gain = AverageGain(known, normal.residual, AllOf(normal), normal.gradient, kNumScales, &scale);
+  const double gain = AverageGain(known, {AllOf(normal), normal.gradient, normal.residual}, &scale);
   EXPECT_NEAR(gain, std::log(mean) - small.LogDensity(Scaled(2, 0.0)), 1e-9);
   EXPECT_EQ(scale, best);
   EXPECT_GT(most, 1.1 * mean);

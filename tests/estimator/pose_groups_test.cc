@@ -10,8 +10,8 @@
 #include <cmath>
 #include <limits>
 
+#include "estimator/diagnosis/diagnosed_model.h"
 #include "estimator/diagnosis/effect_checks.h"
-#include "estimator/diagnosis/refit.h"
 #include "estimator/explanations/typical_units.h"
 #include "tests/support/moved_kr270.h"
 

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "estimator/diagnosis/diagnose.h"
-#include "estimator/diagnosis/refit.h"
 #include "tests/support/kr270_experiment.h"
 #include "tests/support/random_vector.h"
 

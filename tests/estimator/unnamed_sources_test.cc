@@ -253,7 +253,7 @@ TEST(DriverFunctions, StretchesShareTheVisitsEvenly) {
 // A row of bumps with weights of unit variance has unit variance between the knots.
 TEST(DriverFunctions, BumpsHaveUnitVariance) {
   const Eigen::VectorXd inside = Eigen::VectorXd::LinSpaced(50, 30.0, 70.0);
-  EXPECT_LT((Bumps(inside, 0.0, 100.0, 10).rowwise().squaredNorm().array() - 1.0).abs().maxCoeff(), 2e-3);
+  EXPECT_LT((OverKnots(inside, {0.0, 100.0, 10}).rowwise().squaredNorm().array() - 1.0).abs().maxCoeff(), 2e-3);
 }
 
 // Of n ramps with independent weights of variance v the walk has the variance (t - u (1 - u) / n) n v at t, u the place
@@ -262,10 +262,10 @@ TEST(DriverFunctions, BumpsHaveUnitVariance) {
 TEST(DriverFunctions, RampsHaveUnitVarianceAboutTheirMean) {
   const Eigen::VectorXd at = Eigen::VectorXd::LinSpaced(20001, 30.0, 70.0);
   for (const int n : {4, 50}) {
-    const Eigen::MatrixXd ramps = Ramps(at, 30.0, 70.0, n);
+    const Eigen::MatrixXd ramps = OverKnots(at, {30.0, 70.0, n, true});
     const double square = ramps.rowwise().squaredNorm().mean(), of_mean = ramps.colwise().mean().squaredNorm();
     EXPECT_NEAR(square - of_mean, 1.0 - 1.0 / n + 0.5 / (n * n), 1e-3) << n;
-    EXPECT_EQ(Ramps(at.array() - 40.0, 30.0, 70.0, n).row(0).norm(), 0.0);
+    EXPECT_EQ(OverKnots(at.array() - 40.0, {30.0, 70.0, n, true}).row(0).norm(), 0.0);
   }
 }
 
