@@ -5,6 +5,7 @@
 #include "estimator/baselines/compare_methods.h"
 #include "estimator/calibration/noise_loop.h"
 #include "estimator/calibration/unit_guess.h"
+#include "estimator/diagnosis/undecided.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/intervals/intervals.h"
 #include "estimator/report/calibration_words.h"
@@ -121,8 +122,9 @@ Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& option
 Calibration ExtendedCalibration(const Diagnosis& diagnosis, std::uint64_t seed) {
   Calibration extended{*diagnosis.final.problem, diagnosis.final.estimate, {}};
   const FittedStream fitted(extended.problem);
-  const BetweenParts between =
+  BetweenParts between =
       CheckAgreement(extended.problem, fitted, {seed, RandomHalves(extended.problem)}, &extended.estimate);
+  AddTo(diagnosis.choice, &between);
   extended.trust = JudgeTrust(extended.problem, fitted, seed, &extended.estimate, between);
   return extended;
 }

@@ -134,7 +134,9 @@ BetweenParts ModelErrorOf(const std::vector<PartComparison>& kinds, const std::m
     all.Add(moments.at(kind.by));
     TakeLarger(moments.at(kind.by).Result(whole.turns), &found);
   }
-  if (found.known()) found.covariance = all.Result(whole.turns).covariance;
+  if (!found.known()) return found;
+  found.covariance = all.Result(whole.turns).covariance;
+  found.reason = PartsContradict();
   return found;
 }
 

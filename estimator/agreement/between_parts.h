@@ -7,6 +7,7 @@
 // is itself that of one region and one series: for any other it has C + T. Noise averages over the parts, T does not.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "estimator/agreement/base_turns.h"
@@ -18,6 +19,7 @@ struct BetweenParts {
   Eigen::MatrixXd covariance;  // T, a moment estimate: single combinations may come out below 0. Empty: not known
   Eigen::VectorXd variance;    // of each coordinate, not below 0
   Eigen::VectorXd draws;       // splits behind it: its degrees of freedom
+  std::string reason;          // what it was found by, in words
 
   bool known() const { return variance.size() > 0; }
 };

@@ -123,7 +123,8 @@ class Session {
     posterior_ = PosteriorOf(*evidence_, evidence_->models());
     RefittedSet leading;
     named_ = IsNamed();
-    if (named_) leading = RefitLeading(working, d_.baseline, joint_, NamingGate(), evidence_.get(), &posterior_);
+    if (named_)
+      leading = RefitLeading(working, d_.baseline, joint_, NamingGate(), evidence_.get(), &posterior_, &rivals_);
     named_ = IsNamed();  // the full model may leave less of it
     if (!named_) leading = RefitSet(*evidence_, evidence_->BestOfNothing(), working, d_.baseline, joint_);
     leading_ = leading.model;
@@ -183,7 +184,18 @@ class Session {
     d_.has_unexplained |= posterior_.MoreThan(selected_.size()) > NamingGate();
     aside_.FromHeldOut(!named_, &d_.baseline, &d_.final);
     FindRest();
-    d_.has_unexplained |= Misfits();
+    d_.has_unexplained |= Misfits() || (MayFollowThePose() && selected_.empty());
+    if (!selected_.empty()) AllowForRivals();
+    // The noise that goes with a cause without a name is no better model.
+    if (selected_.empty() && d_.has_unexplained) d_.final = d_.baseline;
+  }
+
+  // What the estimate holds is one of the sets that share the probability.
+  void AllowForRivals() {
+    const double own = posterior_.sets[posterior_.Leading(NamingGate())].probability;
+    d_.choice = ErrorOfChoice(d_.final.estimate, own, rivals_);
+    const std::vector<std::vector<EffectSpec>> instead = WhatRivalsHold(own, rivals_, 1.0 - NamingGate());
+    if (!instead.empty()) d_.cautions.push_back(IsOneOfSeveral(instead));
   }
 
   // Of the selected effects; -1: all hold.
@@ -416,11 +428,11 @@ class Session {
     }
     d_.noise.outliers_held_out = aside_.held_out();
     d_.baseline_p = LackOfFit(problem_, d_.baseline, {});
-    d_.has_unexplained |= MayFollowThePose() && selected_.empty();
     if (d_.has_unexplained) {
       d_.unexplained = LearnFunction(*evidence_, leading_, *lacking_.problem);
       Say("learning what has no name");
-      auto learnt = LearnModel(*evidence_, leading_, Groups(), d_.baseline, d_.final, joint_);
+      auto learnt =
+          LearnModel(*evidence_, leading_, Groups(), d_.baseline, selected_.empty() ? lacking_ : d_.final, joint_);
       if (learnt) d_.learnt = std::make_shared<LearntModel>(*std::move(learnt));
     }
     d_.noise.is_bound = d_.has_unexplained;
@@ -455,6 +467,7 @@ class Session {
   DiagnosedModel lacking_;  // the believed model with the noise that goes with the leading set
   std::vector<std::vector<NamedProbability>> in_places_;
   std::unique_ptr<PoseGroups> groups_;
+  std::vector<RivalSet> rivals_;                        // of the leading set
   std::vector<SelectedEffect> selected_, unconfirmed_;  // named; what untouched rows do not confirm
   std::vector<DiagnosedModel> prefixes_;                // the lacking model with none, one, two, … of them
 };

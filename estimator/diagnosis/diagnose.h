@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "estimator/agreement/between_parts.h"
 #include "estimator/diagnosis/effect_checks.h"
 #include "estimator/diagnosis/gap.h"
 #include "estimator/diagnosis/gap_map.h"
@@ -90,6 +91,7 @@ struct Diagnosis {
   LearntFunction unexplained;
   std::shared_ptr<const LearntModel> learnt;  // null: no function of one driver stands out
   std::vector<std::string> cautions;          // what limits the verdict, in words
+  BetweenParts choice;                        // that the final model holds one of several sets; not known: it is alone
 };
 
 // Effects with their probability while the work goes on: refitted, not yet judged by the full estimator.

@@ -73,7 +73,8 @@ class Learner {
     LearntModel learnt;
     const ParameterSet& start = with.estimate.parameters;
     learnt.model = JudgeFully(with.problem, start, start, joint_);
-    if (!IsUsable(learnt.model.estimate.status) || HoldoutRms(learnt.model) >= HoldoutRms(final_)) return std::nullopt;
+    if (!IsUsable(learnt.model.estimate.status)) return std::nullopt;
+    if (HoldoutRms(learnt.model) >= std::min(HoldoutRms(final_), HoldoutRms(baseline))) return std::nullopt;
     // What the functions' own coefficients are uncertain by is no noise.
     learnt.gap = JudgeGap(baseline, learnt.model, baseline.estimate.noise_floor, evidence_.IsSigmaStated());
     for (const Candidate& candidate : added_) learnt.functions.push_back(WithValues(candidate.spec, learnt.model));

@@ -1,5 +1,7 @@
 #include "estimator/diagnosis/selected_effects.h"
 
+#include <glog/logging.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -15,7 +17,8 @@ namespace {
 
 // Of the probability: a set that may lead once others have lost what the full model does not keep.
 constexpr double kMayLead = 0.05;
-constexpr size_t kMostRefitted = 4;
+constexpr size_t kMostRefitted = 4;  // where the linear evidence holds
+constexpr size_t kMostInDoubt = 10;
 constexpr size_t kMostSprings = 8;  // of 144 shapes: neighbours in ratio and in direction
 constexpr size_t kMostGroups = 5;   // FORMATS section 6
 
@@ -73,15 +76,6 @@ void TryOtherSprings(const Evidence& evidence, const JointOptions& joint, Refitt
   }
 }
 
-// Sets that may lead, by their best models: the one that leads first.
-std::vector<size_t> MayLead(const Posterior& posterior, double gate) {
-  std::vector<size_t> sets = {posterior.Leading(gate)};
-  for (size_t s = 0; s < posterior.sets.size() && sets.size() < kMostRefitted; ++s) {
-    if (s != sets[0] && posterior.sets[s].probability >= kMayLead) sets.push_back(s);
-  }
-  return sets;
-}
-
 // Sets of one view have almost the same noise, and where it is large many steps lead from the stated one to it.
 const RefittedSet* LastOfView(const std::vector<RefittedSet>& refitted, int view) {
   const auto last = std::find_if(refitted.rbegin(), refitted.rend(),
@@ -113,6 +107,94 @@ double LogCorrection(const Evidence& evidence, const RefittedSet& refitted) {
   return likelihood.Log(unit * (refitted.with_effects.estimate.chi2 - SquareOfPriors(refitted))) -
          likelihood.Log(ResidualAtBest(evidence, refitted.model));
 }
+
+// Effects of the catalogue that `model` holds and the other does not.
+std::vector<EffectSpec> Instead(const Evidence& evidence, const WeightedModel& model, const WeightedModel& other) {
+  const ExplanationList& list = evidence.list();
+  std::vector<EffectSpec> own;
+  for (const int member : model.set.members) {
+    if (list.IsUnnamed(member) || model.HasPiece(member)) continue;
+    const bool is_common = std::any_of(other.set.members.begin(), other.set.members.end(),
+                                       [&](int m) { return list.name[m] == list.name[member]; });
+    if (!is_common) own.push_back(list.SpecOf(member));
+  }
+  return own;
+}
+
+std::vector<RivalSet> RivalsOf(const WeightedModel& leading, const std::vector<RefittedSet>& refitted,
+                               const Evidence& evidence, const Posterior& posterior) {
+  std::vector<RivalSet> rivals;
+  for (const RefittedSet& each : refitted) {
+    if (!each.IsUsable() || Instead(evidence, leading, each.model).empty()) continue;
+    const auto set = std::find_if(posterior.sets.begin(), posterior.sets.end(), [&](const NameSet& own) {
+      const WeightedModel& best = evidence.models()[own.best];
+      return best.view == each.model.view && best.set.members == each.model.set.members;
+    });
+    if (set == posterior.sets.end()) continue;
+    rivals.push_back({set->probability, Instead(evidence, each.model, leading), each.with_effects.estimate.parameters});
+  }
+  return rivals;
+}
+
+// Which sets are refitted. What a refit moves a log evidence by, the linear evidence of other sets may be off by, too:
+// that is the doubt. Sets that hold more than a refitted one share its correction, and are not in doubt.
+class RefitOrder {
+ public:
+  explicit RefitOrder(const Posterior& posterior)
+      : posterior_(posterior), corrections_(posterior.sets.size(), kOpen), refitted_(0) {}
+
+  void Add(size_t set, double correction) {
+    corrections_[set] = correction;
+    ++refitted_;
+    if (!std::isfinite(correction)) return;
+    doubt_ = std::max(doubt_, std::abs(correction));
+    best_ = std::max(best_, LogOf(set) + correction);
+  }
+
+  // The most probable of those that may lead; none: the number of sets.
+  size_t Next() const {
+    const size_t none = posterior_.sets.size();
+    if (refitted_ >= (doubt_ > 1.0 ? kMostInDoubt : kMostRefitted)) return none;
+    for (size_t s = 0; s < none; ++s) {
+      if (!std::isnan(corrections_[s]) || posterior_.sets[s].has_unnamed) continue;  // none is known of the latter
+      const size_t within = LargestWithin(s);
+      const double log = LogOf(s) + (within == none ? doubt_ : corrections_[within]);
+      if (log >= best_ + std::log(kMayLead)) return s;
+    }
+    return none;
+  }
+
+  double CorrectionOf(size_t set) const {
+    if (!std::isnan(corrections_[set])) return corrections_[set];
+    const size_t within = LargestWithin(set);
+    return within == posterior_.sets.size() ? 0.0 : corrections_[within];
+  }
+
+ private:
+  static constexpr double kOpen = std::numeric_limits<double>::quiet_NaN();
+
+  double LogOf(size_t set) const { return std::log(std::max(posterior_.sets[set].probability, 1e-300)); }
+
+  // The refitted set of most names that this one holds all of.
+  size_t LargestWithin(size_t set) const {
+    const std::vector<int>& names = posterior_.sets[set].names;
+    size_t largest = posterior_.sets.size(), most = 0;
+    for (size_t s = 0; s < posterior_.sets.size(); ++s) {
+      const std::vector<int>& own = posterior_.sets[s].names;
+      if (!std::isfinite(corrections_[s]) || own.size() <= most) continue;
+      if (!std::includes(names.begin(), names.end(), own.begin(), own.end())) continue;
+      largest = s;
+      most = own.size();
+    }
+    return largest;
+  }
+
+  const Posterior& posterior_;
+  std::vector<double> corrections_;  // of the log evidence; kOpen: not refitted
+  size_t refitted_;
+  double doubt_ = 0.0;
+  double best_ = -std::numeric_limits<double>::infinity();  // log of the posterior, corrected, not normalised
+};
 
 }  // namespace
 
@@ -161,23 +243,30 @@ RefittedSet RefitSet(const Evidence& evidence, const WeightedModel& model, const
 }
 
 RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel& baseline, const JointOptions& joint,
-                         double gate, Evidence* evidence, Posterior* posterior) {
+                         double gate, Evidence* evidence, Posterior* posterior, std::vector<RivalSet>* rivals) {
+  rivals->clear();
   std::vector<RefittedSet> refitted;
-  std::vector<double> corrections(evidence->models().size(), 0.0);
+  RefitOrder order(*posterior);
   bool any_usable = false;
-  for (const size_t s : MayLead(*posterior, gate)) {
-    const NameSet& set = posterior->sets[s];
-    const WeightedModel& best = evidence->models()[set.best];
+  for (size_t s = posterior->Leading(gate); s < posterior->sets.size(); s = order.Next()) {
+    const WeightedModel& best = evidence->models()[posterior->sets[s].best];
     refitted.push_back(RefitSet(*evidence, best, working, baseline, joint, LastOfView(refitted, best.view)));
     any_usable |= refitted.back().IsUsable();
     const double correction = LogCorrection(*evidence, refitted.back());
-    for (const int m : set.models) corrections[m] = correction;
+    VLOG(1) << "diagnosis: refit of set " << s << " (" << posterior->sets[s].probability
+            << ") moves its log evidence by " << correction;
+    order.Add(s, correction);
   }
   if (!any_usable) return refitted[0];
+  std::vector<double> corrections(evidence->models().size(), 0.0);
+  for (size_t s = 0; s < posterior->sets.size(); ++s) {
+    for (const int m : posterior->sets[s].models) corrections[m] = order.CorrectionOf(s);
+  }
   evidence->Correct(corrections);
   *posterior = PosteriorOf(*evidence, evidence->models());
   if (posterior->sets.empty()) return refitted[0];
   const WeightedModel& leading = evidence->models()[posterior->sets[posterior->Leading(gate)].best];
+  *rivals = RivalsOf(leading, refitted, *evidence, *posterior);
   for (RefittedSet& each : refitted) {
     const bool is_same = each.model.set.members == leading.set.members && each.model.pieces == leading.pieces;
     if (each.model.view == leading.view && is_same) return each;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "estimator/diagnosis/diagnose.h"
+#include "estimator/diagnosis/undecided.h"
 
 namespace sagitta {
 
@@ -42,9 +43,10 @@ RefittedSet RefitSet(const Evidence& evidence, const WeightedModel& model, const
                      const DiagnosedModel& baseline, const JointOptions& joint, const RefittedSet* near = nullptr);
 
 // The most probable sets by name, refitted; `evidence` and `posterior` follow. The leading one is returned: of those
-// with an optimum in the full model, or the first as it is where none has one. gate: of Posterior::Leading.
+// with an optimum in the full model, or the first as it is where none has one. gate: of Posterior::Leading. rivals: the
+// other refitted sets that do not hold all its effects.
 RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel& baseline, const JointOptions& joint,
-                         double gate, Evidence* evidence, Posterior* posterior);
+                         double gate, Evidence* evidence, Posterior* posterior, std::vector<RivalSet>* rivals);
 
 // P of a reduction by chance, the best of so many tests: chi-square in the noise that is stated; F in units of the
 // scatter that is left (chi-square per degree of freedom, dof of them) where that is more, or where none is stated.

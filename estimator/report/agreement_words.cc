@@ -66,6 +66,8 @@ void DescribeSandwich(AgreementReport* report) {
 
 }  // namespace
 
+std::string PartsContradict() { return "parts of the data contradict each other; 'sagitta diagnose' may find why"; }
+
 void DescribeAgreement(const CalibrationProblem& problem, AgreementReport* report) {
   report->words.clear();
   DescribeRepeats(problem, report);

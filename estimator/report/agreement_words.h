@@ -6,6 +6,9 @@
 
 namespace sagitta {
 
+// Why there is model error.
+std::string PartsContradict();
+
 void DescribeAgreement(const CalibrationProblem& problem, AgreementReport* report);
 
 }  // namespace sagitta

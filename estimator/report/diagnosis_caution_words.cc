@@ -95,6 +95,22 @@ std::string HoldoutBelowFloor(double rms, double floor) {
          "limit.";
 }
 
+std::string EffectsAreUndecided() { return "the data do not decide which effects the robot has"; }
+
+std::string IsOneOfSeveral(const std::vector<std::vector<EffectSpec>>& instead) {
+  std::vector<std::string> sets;
+  for (const std::vector<EffectSpec>& set : instead) {
+    std::vector<std::string> names;
+    for (const EffectSpec& spec : set) names.push_back(spec.effect + (spec.target.empty() ? "" : " on " + spec.target));
+    sets.push_back(names.empty() ? "none of some of them" : Enumerate(names, kNamesListed));
+  }
+  return "The results hold the effects that are found, and the data do not decide for them against others: with " +
+         Enumerate(sets, kNamesListed) +
+         " in place of them the rows fit nearly as well. The intervals of the estimate, and those of what it predicts, "
+         "allow for "
+         "that choice.";
+}
+
 std::string NotConfirmed(const std::vector<std::pair<EffectSpec, double>>& effects) {
   std::vector<std::string> names;
   for (const auto& [spec, probability] : effects) {

@@ -38,6 +38,10 @@ std::string HoldoutFarAboveFloor(double rms, double floor);
 std::string HoldoutBelowFloor(double rms, double floor);
 
 // Effects given a rest without a name, each with its probability by the fitted rows.
+// Why the intervals of an estimate with effects are wider.
+std::string EffectsAreUndecided();
+// instead: the effects of each other set that share the probability.
+std::string IsOneOfSeveral(const std::vector<std::vector<EffectSpec>>& instead);
 std::string NotConfirmed(const std::vector<std::pair<EffectSpec, double>>& effects);
 // Of probabilities: averaged over so many resamples of the poses.
 std::string AreBagged(int resamples);

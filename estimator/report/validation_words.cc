@@ -42,19 +42,20 @@ std::string AccuracyInWords(const Trust& trust, double significance, double bett
 
 }  // namespace
 
-std::string ModelErrorInWords(double median, double largest, const std::string& name, bool parts_disagree,
+std::string ModelErrorInWords(double median, double largest, const std::string& name, const std::string& between,
                               ExcessOf excess) {
   std::string reason;
   if (excess == ExcessOf::kHoldout) reason = "errors on the points held out are larger than predicted";
   if (excess == ExcessOf::kCrossValidation) reason = "errors in the cross-validation are larger than predicted";
-  if (parts_disagree) reason = "parts of the data contradict each other" + (reason.empty() ? "" : ", and " + reason);
+  if (!reason.empty()) reason += "; 'sagitta diagnose' may find why";
+  if (!between.empty()) reason = between + (reason.empty() ? "" : ", and " + reason);
   const bool is_typical = median >= 1.05;  // "1 times" says nothing
   std::string words = std::string(is_typical ? "the intervals are " : "single intervals are up to ") +
                       Significant(is_typical ? median : largest, 2) + " times as wide as noise alone would make them";
   if (!is_typical) words += " (" + name + ")";
   if (is_typical && largest > 1.05 * median)
     words += " (median; at most " + Significant(largest, 2) + " times, " + name + ")";
-  return words + ": " + reason + "; 'sagitta diagnose' may find why";
+  return words + ": " + reason;
 }
 
 std::string NothingChecksIt() { return "nothing checks it: too few configurations to set any aside"; }

@@ -12,7 +12,7 @@ namespace sagitta {
 enum class ExcessOf { kNone, kHoldout, kCrossValidation };
 
 // Intervals wider by model error: `median` and `largest` factor, the latter of the parameter `name`.
-std::string ModelErrorInWords(double median, double largest, const std::string& name, bool parts_disagree,
+std::string ModelErrorInWords(double median, double largest, const std::string& name, const std::string& between,
                               ExcessOf excess);
 
 // Reasons not to trust.

@@ -117,7 +117,7 @@ void SayModelError(const Estimate& estimate, const std::vector<Widening>& wideni
   trust->model_error_sigma = Median(sigmas);
   trust->model_error = Median(intervals);
   const auto& name = estimate.parameters.coordinates()[estimate.estimated[at - widenings.begin()]].name;
-  trust->model_error_words = ModelErrorInWords(trust->model_error, at->interval, name, trust->between.known(), excess);
+  trust->model_error_words = ModelErrorInWords(trust->model_error, at->interval, name, trust->between.reason, excess);
 }
 
 void WidenIntervals(const std::vector<Widening>& widenings, Trust* trust, Estimate* estimate) {

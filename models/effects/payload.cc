@@ -1,4 +1,4 @@
-// The load is heavier than stated: a force along gravity at the load point.
+// The load has another mass than stated: a force along gravity at the load point.
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
@@ -22,8 +22,9 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
 
 const EffectDefinition& Payload() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{"payload",           "load heavier than stated", "weighing error",
-                            EffectTarget::kLoad, payload::Parameters,        payload::Apply};
+    EffectDefinition effect{"payload",           "mass of the load not as stated",
+                            "weighing error",    EffectTarget::kLoad,
+                            payload::Parameters, payload::Apply};
     effect.needs = EffectNeeds::kLoads;
     effect.separate_by = "the load weighed, or the same poses under another load";
     effect.sizes = "5 % of the load: what weighing and forgotten adapters leave, times a deflection of 1 mrad";

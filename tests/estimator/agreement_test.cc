@@ -248,7 +248,7 @@ TEST(Agreement, LoadsAreCompared) {
     test::Measure(test::ExactPoints(heavier, data), design.sigma, 7, &data);
     const test::LoadedSetup setup = test::SetupFor(truth);
     Estimate estimate;
-    const AgreementReport report = AgreementOf(MakeProblem(setup.robot, data, setup.experiment), &estimate);
+    const AgreementReport report = AgreementOf(MakeCalibrationProblem(setup.robot, data, setup.experiment), &estimate);
     EXPECT_EQ(report.disagrees, more > 0.0);
     EXPECT_EQ(SplitOf(report, "V150 and the others").p_value<1e-4, more> 0.0);
   }

@@ -94,6 +94,7 @@ struct Judged {
     between.covariance = ratio * estimate.covariance;
     between.variance = between.covariance.diagonal().cwiseMax(0.0);
     between.draws = Eigen::VectorXd::Constant(between.variance.size(), draws);
+    between.reason = "parts of the data contradict each other";
     calibration.trust = JudgeTrust(problem, 1, &estimate, between);
   }
 };

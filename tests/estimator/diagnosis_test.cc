@@ -250,7 +250,7 @@ TEST(Diagnosis, DeviatingJointsAreNoEffect) {
       if (problem == &open) continue;
       // What may be an error that follows the pose is gap, not noise.
       EXPECT_EQ(diagnosis.gap.floor, diagnosis.baseline.estimate.noise_floor);
-      EXPECT_GT(diagnosis.final.estimate.noise_floor, 1.2 * diagnosis.gap.floor);
+      EXPECT_EQ(diagnosis.final.estimate.chi2, diagnosis.baseline.estimate.chi2);  // nothing is believed in its place
     }
   }
 }

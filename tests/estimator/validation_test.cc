@@ -158,9 +158,10 @@ TEST(Trust, APredictionThatIsTooLargeDoesNotAgree) {
 }
 
 TEST(ModelError, OnceIsNoFactor) {
-  const std::string words = ModelErrorInWords(1.01, 4.9, "geometry/j3.theta", true, ExcessOf::kNone);
+  const std::string words =
+      ModelErrorInWords(1.01, 4.9, "geometry/j3.theta", "parts contradict each other", ExcessOf::kNone);
   EXPECT_THAT(words, ::testing::StartsWith("single intervals are up to 4.9 times as wide"));
-  EXPECT_THAT(ModelErrorInWords(1.6, 9.6, "geometry/j2.a", true, ExcessOf::kNone),
+  EXPECT_THAT(ModelErrorInWords(1.6, 9.6, "geometry/j2.a", "parts contradict each other", ExcessOf::kNone),
               ::testing::StartsWith("the intervals are 1.6 times as wide"));
 }
 

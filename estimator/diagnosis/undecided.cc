@@ -1,0 +1,65 @@
+#include "estimator/diagnosis/undecided.h"
+
+#include <limits>
+#include <numeric>
+
+#include "estimator/baselines/two_step.h"
+#include "estimator/report/diagnosis_caution_words.h"
+#include "estimator/statistics/distributions.h"
+
+namespace sagitta {
+
+namespace {
+
+double OfAll(double probability, const std::vector<RivalSet>& rivals) {
+  return std::accumulate(rivals.begin(), rivals.end(), probability,
+                         [](double sum, const RivalSet& rival) { return sum + rival.probability; });
+}
+
+}  // namespace
+
+BetweenParts ErrorOfChoice(const Estimate& estimate, double probability, const std::vector<RivalSet>& rivals) {
+  BetweenParts found;
+  const double all = OfAll(probability, rivals);
+  if (rivals.empty() || !(all > 0.0)) return found;
+  const auto coordinates = static_cast<Eigen::Index>(estimate.estimated.size());
+  found.covariance = Eigen::MatrixXd::Zero(coordinates, coordinates);
+  for (const RivalSet& rival : rivals) {
+    ParameterSet other = estimate.parameters;
+    other.CopyByName(rival.parameters);
+    const Eigen::VectorXd moved = TangentDifference(other, estimate.parameters)(estimate.estimated);
+    found.covariance += rival.probability / all * moved * moved.transpose();
+  }
+  found.variance = found.covariance.diagonal();
+  found.reason = EffectsAreUndecided();
+  found.draws = Eigen::VectorXd::Constant(coordinates, std::numeric_limits<double>::infinity());
+  return found;
+}
+
+std::vector<std::vector<EffectSpec>> WhatRivalsHold(double probability, const std::vector<RivalSet>& rivals,
+                                                    double share) {
+  std::vector<std::vector<EffectSpec>> instead;
+  for (const RivalSet& rival : rivals) {
+    if (rival.probability > share * OfAll(probability, rivals)) instead.push_back(rival.instead);
+  }
+  return instead;
+}
+
+void AddTo(const BetweenParts& more, BetweenParts* between) {
+  if (!more.known()) return;
+  if (!between->known()) {
+    *between = more;
+    return;
+  }
+  if (between->covariance.size() == 0)
+    between->covariance = Eigen::MatrixXd::Zero(more.covariance.rows(), more.covariance.cols());
+  between->reason = more.reason + ", and " + between->reason;
+  between->covariance += more.covariance;
+  for (Eigen::Index i = 0; i < more.variance.size(); ++i) {
+    const double own = between->variance[i], added = more.variance[i];
+    between->draws[i] = own > 0.0 ? WelchDof(own, between->draws[i], added, more.draws[i]) : more.draws[i];
+    between->variance[i] = own + added;
+  }
+}
+
+}  // namespace sagitta

@@ -1,0 +1,36 @@
+// Where the data do not decide between sets of effects, one of them is in the estimate: what the others would make of
+// its parameters is an error of that choice. Each refitted set k has a share of the probability,
+//
+//   T = sum over the others of p_k (x_k - x)(x_k - x)'
+//
+// about the estimate x (Draper 1995, "Assessment and propagation of model uncertainty"; Hoeting et al. 1999, "Bayesian
+// model averaging").
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "estimator/agreement/between_parts.h"
+#include "estimator/diagnosis/diagnosed_model.h"
+
+namespace sagitta {
+
+// A set that holds other effects than the one that is named.
+struct RivalSet {
+  double probability = 0.0;
+  std::vector<EffectSpec> instead;  // of its own
+  ParameterSet parameters;          // fitted with it
+};
+
+// T of the coordinates behind the estimate's covariance; of an effect that a rival has not, no other value is known.
+// Not known where there is no rival. probability: of the set that the estimate holds.
+BetweenParts ErrorOfChoice(const Estimate& estimate, double probability, const std::vector<RivalSet>& rivals);
+
+// The effects of each rival with more than that share of the probability of all.
+std::vector<std::vector<EffectSpec>> WhatRivalsHold(double probability, const std::vector<RivalSet>& rivals,
+                                                    double share);
+
+// Adds `more`; each coordinate's degrees of freedom are those of the sum.
+void AddTo(const BetweenParts& more, BetweenParts* between);
+
+}  // namespace sagitta
