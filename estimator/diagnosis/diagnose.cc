@@ -205,7 +205,7 @@ class Session {
     if (idle >= 0) return idle;
     const int worse = MeasurePrefixes();
     if (worse >= 0) return worse;
-    FindRest();
+    if (!d_.has_unexplained) FindRest();  // else there is a rest, whatever the noise is
     return CountHeldOut(d_.final) >= kFewHeldOut && MayLeaveARest() ? LeastConfirmed() : -1;
   }
 
