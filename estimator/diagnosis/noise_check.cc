@@ -95,22 +95,15 @@ int ShapeCost(const CalibrationProblem& problem) {
   return cost;
 }
 
-std::vector<DeviationGroup> StatedDeviations(const CalibrationProblem& problem) {
-  std::vector<DeviationGroup> stated;
-  for (int i = 0; i < problem.latent.size(); ++i) {
-    stated.push_back({{problem.latent.joints[i]}, std::pow(problem.latent.sigmas[i], 2), false});
-  }
-  return stated;
-}
-
 // One repeatability of all revolute joints, estimated, then those of the sliding ones as stated.
 std::vector<DeviationGroup> CommonDeviations(const CalibrationProblem& problem) {
   std::vector<DeviationGroup> groups(1);
   for (int j = 0; j < problem.robot().num_joints(); ++j) {
     if (IsRevolute(problem, j)) groups[0].joints.push_back(j);
   }
-  for (const DeviationGroup& stated : StatedDeviations(problem)) {
-    if (!IsRevolute(problem, stated.joints[0])) groups.push_back(stated);
+  for (int i = 0; i < problem.latent.size(); ++i) {
+    const int joint = problem.latent.joints[i];
+    if (!IsRevolute(problem, joint)) groups.push_back({{joint}, std::pow(problem.latent.sigmas[i], 2), false});
   }
   return groups;
 }
@@ -287,18 +280,11 @@ CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double s
 RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters,
                                   bool sigma_is_open) {
   const std::vector<DeviationGroup> joints = CommonDeviations(problem);
-  const std::vector<DeviationGroup> sliding(joints.begin() + 1, joints.end());
   const RestrictedLikelihood reml(problem, parameters);
   RepeatabilityFit fit;
-  if (reml.dof() <= 0) return fit;
-  const RemlFit alone = reml.Maximise(sigma_is_open, sliding);
-  fit.instrument = fit.instrument_alone = std::sqrt(alone.variances[0]);
-  if (joints[0].joints.empty()) return fit;
+  if (reml.dof() <= 0 || joints[0].joints.empty()) return fit;
   const RemlFit both = reml.Maximise(sigma_is_open, joints);
-  fit.instrument = std::sqrt(both.variances[0]);
   fit.sigma = std::sqrt(both.variances[1]);
-  fit.gain = alone.deviance - both.deviance;
-  fit.reduced_chi2 = both.chi2 / std::max(1, reml.dof());
   reml.ProfileInterval(both, sigma_is_open, joints, 1, &fit.low, &fit.high);
   return fit;
 }

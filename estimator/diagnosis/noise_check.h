@@ -42,14 +42,10 @@ CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double fa
 CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double sigma);
 
 // One repeatability of all revolute joints (rad, 95 % interval by the profile) by REML (variance_components.h), given
-// the sigmas at hand or, where sigma_is_open, together with the instrument's. The gain is that of 2 ln of the
-// restricted likelihood over none.
+// the sigmas at hand or, where sigma_is_open, together with the instrument's.
 struct RepeatabilityFit {
   double sigma = 0.0;
   double low = 0.0, high = 0.0;
-  double gain = 0.0;
-  double reduced_chi2 = 1.0;                        // with it
-  double instrument = 1.0, instrument_alone = 1.0;  // factors on the sigmas, with that repeatability and without any
 };
 RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters,
                                   bool sigma_is_open);

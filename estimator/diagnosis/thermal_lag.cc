@@ -93,16 +93,11 @@ std::vector<LaggedFit> FitLags(const DiagnosedModel& final, const EffectSpec& sp
   return fits;
 }
 
-double LeastChiSquare(const std::vector<LaggedFit>& fits) {
-  const auto less = [](const LaggedFit& a, const LaggedFit& b) { return a.chi2() < b.chi2(); };
-  return std::min_element(fits.begin(), fits.end(), less)->chi2();
-}
-
-// Of the fits, the one at the effect's own lag.
-const LaggedFit& AtOwnLag(const std::vector<LaggedFit>& fits, const EffectSpec& spec) {
-  const auto off = [&](const LaggedFit& fit) { return std::abs(fit.lag - OwnLag(spec)); };
+// The fit with the least of this value.
+template <typename Value>
+const LaggedFit& Least(const std::vector<LaggedFit>& fits, const Value& of) {
   return *std::min_element(fits.begin(), fits.end(),
-                           [&](const LaggedFit& a, const LaggedFit& b) { return off(a) < off(b); });
+                           [&of](const LaggedFit& a, const LaggedFit& b) { return of(a) < of(b); });
 }
 
 // Of the fits, the coordinate of a row of the effect.
@@ -111,10 +106,12 @@ int CoordinateOf(const std::vector<LaggedFit>& fits, const EffectSpec& spec, con
   return fits[0].refit.estimate.parameters.FindCoordinate(name);
 }
 
-// Of the noise that the row's interval goes by, in that of the refits; 0 where they do not determine the row.
+// Of the noise that the row's interval goes by, in that of the refit at the effect's own lag; 0 where that does not
+// determine the row.
 double ScaleOfFits(const std::vector<LaggedFit>& fits, const EffectSpec& spec, const ParameterEstimate& row) {
   const int c = CoordinateOf(fits, spec, row);
-  const double sigma = c < 0 ? 0.0 : AtOwnLag(fits, spec).refit.sigmas[c];
+  const LaggedFit& own = Least(fits, [&spec](const LaggedFit& fit) { return std::abs(fit.lag - OwnLag(spec)); });
+  const double sigma = c < 0 ? 0.0 : own.refit.sigmas[c];
   return sigma > 0.0 ? row.sigma / sigma : 0.0;
 }
 
@@ -159,16 +156,16 @@ std::optional<ThermalLag> AllowForLag(const DiagnosedModel& final, const EffectS
   if (rows->empty() || !IsDrivenByTemperature(final.problem->robot(), spec)) return std::nullopt;
   const std::vector<LaggedFit> fits = FitLags(final, spec);
   if (fits.size() < 2) return std::nullopt;
-  const double least = LeastChiSquare(fits), noise = ScaleOfFits(fits, spec, rows->front());
+  const LaggedFit& best = Least(fits, [](const LaggedFit& fit) { return fit.chi2(); });
+  const double noise = ScaleOfFits(fits, spec, rows->front());
   const double within = ChiSquareQuantile(0.95, 1.0) * noise * noise;
-  ThermalLag lag{0.0, fits.back().lag, 0.0, IsTimed(final.problem->data())};
+  ThermalLag lag{best.lag, fits.back().lag, 0.0, IsTimed(final.problem->data())};
   for (const LaggedFit& fit : fits) {
-    if (fit.chi2() == least) lag.best = fit.lag;
-    if (fit.chi2() > least + within) continue;
+    if (fit.chi2() > best.chi2() + within) continue;
     lag.shortest = std::min(lag.shortest, fit.lag);
     lag.longest = std::max(lag.longest, fit.lag);
   }
-  for (ParameterEstimate& row : *rows) Widen(fits, spec, least, &row);
+  for (ParameterEstimate& row : *rows) Widen(fits, spec, best.chi2(), &row);
   return lag;
 }
 
