@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "models/constants.h"
 #include "models/geometry.h"
 #include "models/wrench.h"
 #include "problems/choices.h"
@@ -165,7 +166,7 @@ struct Experiment {
   Vector3<double> tool_com = Vector3<double>::Zero();             // m
   Vector3<double> gravity_direction = -Vector3<double>::UnitZ();  // unit
   bool gravity_in_base = false;
-  double gravity = 9.80665;  // m/s^2
+  double gravity = kStandardGravity;  // m/s^2
   std::map<std::string, MarkerSpec> markers;
   std::map<std::string, StationSpec> stations;
   NoiseSpec noise;

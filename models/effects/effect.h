@@ -25,6 +25,7 @@
 #include <string>
 #include <vector>
 
+#include "models/constants.h"
 #include "models/effects/effect_spec.h"
 #include "models/quantity.h"
 #include "models/robot.h"
@@ -157,7 +158,7 @@ struct ShotConditions {
   bool has_temperature = false;
   double temperature = 0.0;   // K above the mean of the data
   std::vector<int> approach;  // -1, 0, +1 per joint, or kApproachNotStated; empty: none is stated
-  Vector3<double> gravity = Vector3<double>(0.0, 0.0, -9.80665);  // m/s^2
+  Vector3<double> gravity = -kStandardGravity * Vector3<double>::UnitZ();  // m/s^2
   WrenchFrame gravity_frame = WrenchFrame::kMeasurement;
   Vector3<double> instrument = Vector3<double>::Zero();  // m, where it stands in the measurement frame
   std::vector<AppliedWrench> load_wrenches;              // of the shot's own load

@@ -1,14 +1,13 @@
 // A force that no load states: a hose, a hung cable, a balancer of the tool. It pulls at the flange by a linear
 // function of where the flange is in the base frame, as a spring to the surroundings does. Its size is stated as the
 // mass that weighs as much.
+#include "models/constants.h"
 #include "models/effects/catalogue.h"
 #include "models/effects/learnt_deviation.h"
 #include "models/effects/pose_functions.h"
 
 namespace sagitta {
 namespace {
-
-constexpr double kGravity = 9.80665;  // m/s^2, standard
 
 int PullFunctions(const EffectSpec& spec) { return spec.IntegerSetting("degree", 1) > 0 ? 4 : 1; }
 
@@ -36,7 +35,7 @@ void Pull(const EffectContext& context, ShotTerms* terms) {
   int parameter = context.first_parameter;
   for (int axis = 0; axis < 3; ++axis) {
     for (int k = 0; k < PullFunctions(spec); ++k) {
-      pull.force = kGravity * functions[k] * Vector3<double>::Unit(axis);
+      pull.force = kStandardGravity * functions[k] * Vector3<double>::Unit(axis);
       terms->wrenches.push_back({parameter++, {pull}});
     }
   }
