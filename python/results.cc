@@ -68,7 +68,7 @@ std::shared_ptr<DiagnosedExperiment> DiagnoseInputs(ExperimentInputs inputs, int
     DiagnosisOptions options;
     options.significance = inputs.experiment.significance;
     options.prior = inputs.prior;
-    options.num_threads = threads;
+    options.joint.num_threads = threads;
     options.progress = say;
     return Diagnose(ProblemOf(inputs, force), options);
   });

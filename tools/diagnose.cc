@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <iostream>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include "estimator/diagnosis/learnt_model.h"
@@ -77,12 +76,6 @@ std::string InWords(const Robot& robot, const FoundSoFar& found) {
   for (const auto& [spec, probability] : found)
     words += "  " + Title(robot, spec) + ", " + Significant(100.0 * probability, 3) + " %, not confirmed yet\n";
   return words;
-}
-
-// What comes out does not depend on how many there are.
-int ThreadsFromFlags() {
-  if (!gflags::GetCommandLineFlagInfoOrDie("threads").is_default) return FLAGS_threads;
-  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
 // Against another simulation it is no calibrated robot, however well it fits.
@@ -160,7 +153,7 @@ int RunDiagnose(const CommandLine& line) {
     options.significance = problem.experiment().significance;
     options.prior = inputs.prior;
     options.points_are_measured = !against_columns;
-    options.num_threads = ThreadsFromFlags();
+    options.joint.num_threads = FLAGS_threads;
     options.progress = [&progress](const std::string& what) { progress.Say(what); };
     options.found = [&found](const FoundSoFar& now) { found = now; };
     SayingWhatWasFound([&] { diagnosis = Diagnose(problem, options); },

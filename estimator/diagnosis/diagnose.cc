@@ -482,7 +482,6 @@ void CheckOptions(const DiagnosisOptions& options) {
   CheckIn(allowed::kProbability, options.prior.further, "DiagnosisOptions.prior.further");
   if (!options.prior.SumToOne()) throw InputError({"", 0, "DiagnosisOptions.prior"}, kMassesDoNotSum);
   CheckOptions(options.joint);
-  CheckIn(allowed::kThreads, options.num_threads, "DiagnosisOptions.num_threads");
 }
 
 Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& options) {

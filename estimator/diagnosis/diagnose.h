@@ -103,7 +103,6 @@ struct DiagnosisOptions {
   PriorMasses prior;
   JointOptions joint;
   bool points_are_measured = true;  // not shifted by a simulation: readings can be judged
-  int num_threads = 1;              // of the search
   std::function<void(const std::string&)> progress;
   std::function<void(const FoundSoFar&)> found;  // whenever the effects change; may be empty
 };

@@ -596,10 +596,9 @@ def calibrate(experiment, *, method="joint", threads=1, seed=1, force=False, pro
                                     progress))
 
 
-def diagnose(experiment, *, threads=None, force=False, progress=None):
+def diagnose(experiment, *, threads=1, force=False, progress=None):
     """Finds, names and adds the effect that the model lacks."""
-    threads = (_os.cpu_count() or 1) if threads is None else _whole(threads, "threads")
-    return Diagnosis(_core.diagnose(_experiment(experiment), threads, force, "sagitta.diagnose", progress))
+    return Diagnosis(_core.diagnose(_experiment(experiment), _whole(threads, "threads"), force, "sagitta.diagnose", progress))
 
 
 def inspect(experiment, *, progress=None):

@@ -126,7 +126,6 @@ TEST(Options, OfAPlanAreRefusedByName) {
 TEST(Options, OfADiagnosisAreRefusedByName) {
   const DiagnosisOptions good;
   ExpectEachRefused("DiagnosisOptions.significance", good, &DiagnosisOptions::significance, kNoShares);
-  ExpectEachRefused("DiagnosisOptions.num_threads", good, &DiagnosisOptions::num_threads, kNoCounts);
   for (double PriorMasses::*mass :
        {&PriorMasses::nothing, &PriorMasses::catalogue, &PriorMasses::unnamed, &PriorMasses::further}) {
     for (const double value : kNoShares) {
