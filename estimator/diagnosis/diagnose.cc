@@ -22,8 +22,7 @@ namespace sagitta {
 namespace {
 
 constexpr double kShareOfLackOfFit = 0.15;  // of the significance: lack of fit is asked in addition to the posterior
-constexpr unsigned long long kSeedOfPoses = 1;
-constexpr double kIntervalMisses = 0.05;  // of the intervals of 95 %: one that holds no effect at all names none
+constexpr double kIntervalMisses = 0.05;    // of the intervals of 95 %: one that holds no effect at all names none
 constexpr int kMostScatterRounds = 6;
 constexpr int kMostPredicted = 5;         // candidates, each refitted by itself
 constexpr double kSettledScatter = 0.05;  // of sigma: what a hundred degrees of freedom leave open is more
@@ -305,8 +304,7 @@ class Session {
     const std::vector<EffectView> views = ViewEffects(d_.final, SpecsOf(CandidatesOf(selected_)));
     for (size_t k = 0; k < selected_.size(); ++k) {
       FoundEffect& effect = d_.effects[k];
-      effect.alternatives = checked[k].alternatives;
-      effect.confirmation = checked[k].confirmation;
+      static_cast<CheckedEffect&>(effect) = checked[k];
       effect.view = views[k];
       DescribeEffect(selected_[k], static_cast<int>(d_.candidates.size()), &effect);
       const DiagnosedModel& here = k + 1 == selected_.size() ? d_.final : prefixes_[k + 1];
@@ -317,7 +315,7 @@ class Session {
       }
       before = effect.holdout_after;
     }
-    d_.next = ProposeNext(*evidence_, *working_, d_.baseline.estimate.parameters, kSeedOfPoses);
+    d_.next = ProposeNext(*evidence_, *working_, d_.baseline.estimate.parameters);
     d_.gap_map = MapGap(d_.baseline, d_.final);
     const DiagnosedModel& named = selected_.empty() ? d_.baseline : d_.final;  // other noise alone closes nothing
     d_.gap = JudgeGap(d_.baseline, named, NoiseFloor(), IsSigmaStated(problem_));

@@ -35,7 +35,7 @@ struct ScreenedCandidate {
 };
 
 // An effect that the diagnosis names, with what it explains and what speaks for it.
-struct FoundEffect {
+struct FoundEffect : CheckedEffect {
   Candidate candidate;
   double probability = 0.0;
   double reduction = 0.0;  // chi-square, the others given
@@ -45,8 +45,6 @@ struct FoundEffect {
   // m; not a number without a hold-out, or where this prefix of the effects does not converge alone
   double holdout_before = kNotKnown, holdout_after = kNotKnown;
   double reduced_chi2_after = kNotKnown;
-  std::vector<Alternative> alternatives;
-  Confirmation confirmation;
   EffectView view;
 };
 

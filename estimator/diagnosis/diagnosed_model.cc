@@ -34,8 +34,6 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
       coordinate.free = coordinate.free && sizes[i] > 0.0;  // nothing excites it
       if (coordinate.free) coordinate.prior_sigma = candidate.prior_scale * sizes[i];
     }
-  }
-  for (const Candidate& candidate : added) {
     if (IsGravityCompensator(candidate.spec)) BoundCompensatorShape(candidate.keeps_shape, &problem.parameters);
   }
   return problem;
@@ -44,20 +42,15 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
 }  // namespace
 
 DiagnosedModel FitFully(const CalibrationProblem& problem, const JointOptions& options) {
-  DiagnosedModel model;
-  model.problem = std::make_shared<CalibrationProblem>(problem);
-  model.estimate = EstimateJointly(*model.problem, options);
-  return model;
+  auto own = std::make_shared<CalibrationProblem>(problem);
+  return {own, EstimateJointly(*own, options)};
 }
 
 DiagnosedModel JudgeFully(std::shared_ptr<CalibrationProblem> problem, const ParameterSet& from,
                           const ParameterSet& aligned, const JointOptions& options) {
-  DiagnosedModel judged;
-  judged.problem = std::move(problem);
   JointOptions near = options;
   near.aligned = &aligned;
-  judged.estimate = EstimateFrom(*judged.problem, from, near);
-  return judged;
+  return {problem, EstimateFrom(*problem, from, near)};
 }
 
 DiagnosedModel RefitFully(const CalibrationProblem& problem, const Estimate& start, const JointOptions& options) {

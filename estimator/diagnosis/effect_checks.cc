@@ -41,12 +41,12 @@ class Places {
   // Log weights of the set with the listed explanations in the place of its k-th member; -infinity where the others
   // exclude one.
   std::vector<double> Weights(size_t place, const std::vector<int>& of) const;
-  // Of one more group, given all but the k-th member.
-  Eigen::MatrixXd Information(const ColumnGroup& group, size_t place) const {
-    return sweep_.Information(group) + without_[place].Information(sweep_.Solved(group));
-  }
-  Eigen::VectorXd Gradient(const ColumnGroup& group, size_t place) const {
-    return sweep_.Gradient(group) + without_[place].Gradient(sweep_.Solved(group));
+  // A group, given all but the k-th member.
+  GivenOthers Given(const ColumnGroup& group, size_t place) const {
+    const Sweep::WithoutOne& without = without_[place];
+    const Eigen::MatrixXd solved = sweep_.Solved(group);
+    return {sweep_.Information(group) + without.Information(solved), sweep_.Gradient(group) + without.Gradient(solved),
+            without.residual, without.log_det, group.num_scales};
   }
 
  private:
@@ -63,8 +63,7 @@ std::vector<double> Places::Weights(size_t place, const std::vector<int>& of) co
   for (size_t k = 0; k < members_.size(); ++k) {
     if (k != place) shares.push_back(explanations_[members_[k]].share);
   }
-  const double residual = without_[place].residual;
-  const double base = likelihood_.Log(residual) - 0.5 * without_[place].log_det + prior_.Log(shares);
+  const double base = likelihood_.Log(without_[place].residual) - 0.5 * without_[place].log_det + prior_.Log(shares);
   std::vector<double> weights;
   for (const int k : of) {
     const Explanation& own = explanations_[k];
@@ -72,11 +71,8 @@ std::vector<double> Places::Weights(size_t place, const std::vector<int>& of) co
     for (size_t m = 0; m < members_.size(); ++m) {
       is_excluded |= m != place && explanations_[members_[m]].excludes == own.excludes;
     }
-    weights.push_back(is_excluded
-                          ? -kInfinity
-                          : base + std::log(own.share) +
-                                AverageGain(likelihood_, {Information(own.group, place), Gradient(own.group, place),
-                                                          residual, 0.0, own.group.num_scales}));
+    weights.push_back(is_excluded ? -kInfinity
+                                  : base + std::log(own.share) + AverageGain(likelihood_, Given(own.group, place)));
   }
   return weights;
 }
@@ -147,15 +143,16 @@ std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Poster
                                           const std::vector<NamedProbability>& in_place) {
   const int member = model.set.members[place];
   const ColumnGroup& own = evidence.list().math[member].group;
-  const Eigen::MatrixXd information = places.Information(own, place);
-  const Eigen::VectorXd values = Solve(Determine(information), places.Gradient(own, place));
-  const double size = std::max(1e-300, values.dot(information * values));
+  const GivenOthers given = places.Given(own, place);
+  const Eigen::VectorXd values = Solve(Determine(given.information), given.gradient);
+  const double size = std::max(1e-300, values.dot(given.information * values));
   std::vector<Alternative> alternatives;
   for (const NamedProbability& rival : in_place) {
     if (std::max(rival.probability, posterior.Of(rival.name)) < kWorthListing) continue;
     if (rival.name == evidence.list().name[member]) continue;
     if (evidence.list().IsUnnamed(rival.explanation)) continue;
-    const Eigen::MatrixXd both = places.Information(Joined(own, evidence.list().math[rival.explanation].group), place);
+    const Eigen::MatrixXd both =
+        places.Given(Joined(own, evidence.list().math[rival.explanation].group), place).information;
     const long n = own.size(), m = both.cols() - n;
     const Eigen::VectorXd across = both.bottomLeftCorner(m, n) * values;
     const double overlap = across.dot(Solve(Determine(both.bottomRightCorner(m, m)), across)) / size;

@@ -83,17 +83,22 @@ const RefittedSet* LastOfView(const std::vector<RefittedSet>& refitted, int view
   return last == refitted.rend() ? nullptr : &*last;
 }
 
+// Whether a coordinate is a parameter of one of them.
+bool IsOfAny(const std::vector<SelectedEffect>& effects, const Coordinate& coordinate) {
+  return std::any_of(effects.begin(), effects.end(), [&coordinate](const SelectedEffect& effect) {
+    return IsParameterOf(effect.candidate.spec, coordinate.name);
+  });
+}
+
 // What priors of the effects have of the refit's chi-square.
 double SquareOfPriors(const RefittedSet& refitted) {
   const ParameterSet& parameters = refitted.with_effects.estimate.parameters;
   double sum = 0.0;
   for (int i = 0; i < parameters.num_coordinates(); ++i) {
     const Coordinate& coordinate = parameters.coordinates()[i];
-    if (!(coordinate.prior_sigma > 0.0) || !coordinate.estimated()) continue;
-    const bool is_own = std::any_of(
-        refitted.effects.begin(), refitted.effects.end(),
-        [&](const SelectedEffect& effect) { return IsParameterOf(effect.candidate.spec, coordinate.name); });
-    if (is_own) sum += std::pow((parameters.Value(i) - coordinate.prior_value) / coordinate.prior_sigma, 2);
+    const bool has_prior = coordinate.prior_sigma > 0.0 && coordinate.estimated();
+    if (has_prior && IsOfAny(refitted.effects, coordinate))
+      sum += std::pow((parameters.Value(i) - coordinate.prior_value) / coordinate.prior_sigma, 2);
   }
   return sum;
 }
@@ -318,10 +323,7 @@ ParameterSet AlignedWith(const std::vector<SelectedEffect>& effects, const Param
     const Coordinate& coordinate = aligned.coordinates()[i];
     const bool is_shape =
         coordinate.kind == CoordinateKind::kCompensator && coordinate.compensator_part != CompensatorPart::kKc;
-    const bool is_new = std::any_of(effects.begin(), effects.end(), [&](const SelectedEffect& effect) {
-      return IsParameterOf(effect.candidate.spec, coordinate.name);
-    });
-    if (is_new && !is_shape) delta[i] = -aligned.Value(i);
+    if (IsOfAny(effects, coordinate) && !is_shape) delta[i] = -aligned.Value(i);
   }
   aligned.Plus(delta);
   aligned.CopyByName(nominal);

@@ -21,6 +21,7 @@ namespace sagitta {
 namespace {
 
 constexpr int kPosesDrawn = 400;
+constexpr unsigned long long kSeedOfPoses = 1;
 constexpr double kLeastPivot = 1e-300;
 constexpr double kDecided = 0.95;        // of the leading answer: nothing is left to decide
 constexpr double kWorthDeciding = 0.02;  // of an answer
@@ -41,8 +42,8 @@ Eigen::Matrix2Xd LimitsOf(const CalibrationProblem& problem) {
 }
 
 // Poses within these limits; each like a measured one.
-std::vector<ProposedPose> DrawPoses(const CalibrationProblem& problem, unsigned long long seed) {
-  std::mt19937_64 random(seed);
+std::vector<ProposedPose> DrawPoses(const CalibrationProblem& problem) {
+  std::mt19937_64 random(kSeedOfPoses);
   const auto uniform = [&random](double low, double high) {
     return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1p-53);
   };
@@ -249,15 +250,14 @@ std::optional<PoseChoice> ChoiceOf(const Evidence& evidence, const std::vector<R
         few.columns().RowsAt(observations[c], scatter, columns).transpose();
   }
   const Eigen::MatrixXd sums = few.columns().WithPriors(few.columns().Sum(scatter, columns).products);
-  std::vector<RivalRows> rows(rivals.size());
+  std::vector<RivalRows> rows;
   for (size_t i = 0; i < rivals.size(); ++i) {
-    rows[i].probability = rivals[i].probability;
-    rows[i].name = rivals[i].name;
+    rows.push_back({rivals[i].probability, rivals[i].name, {}, {}});
     SetCoefficients coefficients{{}, sets[i]->scales, believed};
     for (const int m : sets[i]->members) {
       coefficients.groups.push_back(&explanations.explanations[PlaceIn(chosen, few.NumberOf(m))].group);
     }
-    Predict(coefficients, sums, turned, &rows[i]);
+    Predict(coefficients, sums, turned, &rows.back());
   }
   return PoseChoice(std::move(rows), std::move(first_row));
 }
@@ -265,11 +265,11 @@ std::optional<PoseChoice> ChoiceOf(const Evidence& evidence, const std::vector<R
 }  // namespace
 
 std::optional<NextPoses> ProposeNext(const Evidence& evidence, const CalibrationProblem& problem,
-                                     const ParameterSet& parameters, unsigned long long seed) {
+                                     const ParameterSet& parameters) {
   std::vector<double> now;
   const std::vector<Rival> rivals = RivalsOf(evidence, &now);
   if (now.size() < 2 || now[0] > kDecided) return std::nullopt;
-  const std::vector<ProposedPose> drawn = DrawPoses(problem, seed);
+  const std::vector<ProposedPose> drawn = DrawPoses(problem);
   const CalibrationProblem extended =
       AsPredicted(WithPoses(problem, drawn), parameters, problem.data().observations.size());
   std::optional<PoseChoice> choice = ChoiceOf(evidence, rivals, extended, parameters, drawn.size());

@@ -29,6 +29,6 @@ constexpr int kMostNeeded = 60;  // as long as a usual campaign
 
 // None where one explanation has it all. problem, parameters: what the evidence was made of.
 std::optional<NextPoses> ProposeNext(const Evidence& evidence, const CalibrationProblem& problem,
-                                     const ParameterSet& parameters, unsigned long long seed);
+                                     const ParameterSet& parameters);
 
 }  // namespace sagitta

@@ -114,7 +114,7 @@ size_t Posterior::Leading(double gate) const {
         std::max_element(with.begin(), with.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
     const bool is_enough = best == with.end() || (chosen.empty() ? best->second < alone : alone >= (1.0 - gate) * all);
     if (is_enough && first < sets.size()) return first;
-    chosen.insert(std::lower_bound(chosen.begin(), chosen.end(), best->first), best->first);
+    chosen = EachOnce(chosen, {best->first});
   }
 }
 
@@ -142,7 +142,7 @@ Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>
     for (const int m : model.set.members) {
       if (model.HasPiece(m)) continue;
       const int name = all.place[m];
-      names.insert(std::lower_bound(names.begin(), names.end(), name), name);
+      names.push_back(name);
       const auto [entry, is_new] = (list.IsUnnamed(m) ? functions : named).try_emplace(name);
       if (is_new) entry->second = {list.name[m], m, 0.0};
       if (model.probability > most[name]) {
@@ -151,7 +151,7 @@ Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>
       }
       entry->second.probability += model.probability;
     }
-    names.erase(std::unique(names.begin(), names.end()), names.end());
+    names = EachOnce(names);
     std::vector<int> effects;
     for (const int name : names) {
       if (named.count(name) > 0) effects.push_back(name);

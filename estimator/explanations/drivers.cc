@@ -6,6 +6,7 @@
 #include <set>
 
 #include "estimator/least_squares/row_batches.h"
+#include "estimator/random_effects/column_products.h"
 #include "models/constants.h"
 
 namespace sagitta {
@@ -120,9 +121,7 @@ Driver OrderOf(const CalibrationProblem& problem) {
 Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterSet& parameters,
                              const std::vector<int>* of_shots) {
   const std::vector<int> slots = JointSlots(problem.robot().chain);
-  std::vector<int> shots = of_shots == nullptr ? AllShots(problem) : *of_shots;
-  std::sort(shots.begin(), shots.end());
-  shots.erase(std::unique(shots.begin(), shots.end()), shots.end());
+  const std::vector<int> shots = of_shots == nullptr ? AllShots(problem) : EachOnce(*of_shots);
   Eigen::MatrixXd torques = TorquesOfOwnWrenches(problem, parameters, shots);
   for (const int s : shots) {
     for (size_t j = 0; j < slots.size(); ++j) {

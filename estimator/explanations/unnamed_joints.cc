@@ -28,13 +28,14 @@ class JointFunctions : public UnnamedList {
   JointFunctions(const CalibrationProblem& problem, const ParameterSet& parameters, EvidenceColumns* columns)
       : UnnamedList(problem, columns), parameters_(parameters), along_(columns->SumAlong(Joints())) {}
 
-  void Add() {
+  std::vector<UnnamedGroup> List() {
     AddJointFunctions();
     AddAllJoints();
     AddRipple();
     AddPairs();
     AddSurfaces();
     AddLags();
+    return Take();
   }
 
  private:
@@ -299,9 +300,7 @@ class JointFunctions : public UnnamedList {
 
 std::vector<UnnamedGroup> ListUnnamedJoints(const CalibrationProblem& problem, const ParameterSet& parameters,
                                             EvidenceColumns* columns) {
-  JointFunctions functions(problem, parameters, columns);
-  functions.Add();
-  return functions.Take();
+  return JointFunctions(problem, parameters, columns).List();
 }
 
 }  // namespace sagitta

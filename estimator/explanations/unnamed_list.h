@@ -51,9 +51,9 @@ class UnnamedList {
  public:
   UnnamedList(const CalibrationProblem& problem, EvidenceColumns* columns);
 
+ protected:
   std::vector<UnnamedGroup> Take() { return std::move(list_); }
 
- protected:
   // Of a driver over the fitted shots.
   struct Range {
     double low, high;

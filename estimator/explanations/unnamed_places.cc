@@ -43,13 +43,14 @@ class PlaceFunctions : public UnnamedList {
     SetOfDown();
   }
 
-  void Add() {
+  std::vector<UnnamedGroup> List() {
     AddStations();
     AddLinks();
     AddMarkers();
     AddPlate();
     AddLoads();
     AddPull();
+    return Take();
   }
 
  private:
@@ -378,9 +379,7 @@ class PlaceFunctions : public UnnamedList {
 
 std::vector<UnnamedGroup> ListUnnamedPlaces(const CalibrationProblem& problem, const ParameterSet& parameters,
                                             EvidenceColumns* columns) {
-  PlaceFunctions functions(problem, parameters, columns);
-  functions.Add();
-  return functions.Take();
+  return PlaceFunctions(problem, parameters, columns).List();
 }
 
 }  // namespace sagitta

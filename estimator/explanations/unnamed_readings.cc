@@ -30,7 +30,7 @@ class ReadingFunctions : public UnnamedList {
  public:
   using UnnamedList::UnnamedList;
 
-  void Add() {
+  std::vector<UnnamedGroup> List() {
     for (size_t s = 0; s < problem_.data().stations.size(); ++s) {
       const int station = static_cast<int>(s);
       SetRead(station);
@@ -38,6 +38,7 @@ class ReadingFunctions : public UnnamedList {
       AddBumps(station);
       AddWaves(station);
     }
+    return Take();
   }
 
  private:
@@ -257,9 +258,7 @@ class ReadingFunctions : public UnnamedList {
 }  // namespace
 
 std::vector<UnnamedGroup> ListUnnamedReadings(const CalibrationProblem& problem, EvidenceColumns* columns) {
-  ReadingFunctions functions(problem, columns);
-  functions.Add();
-  return functions.Take();
+  return ReadingFunctions(problem, columns).List();
 }
 
 }  // namespace sagitta

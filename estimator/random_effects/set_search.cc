@@ -16,7 +16,7 @@ constexpr int kScaleRounds = 3;
 // Explanations at once: the prior has 0.3^20 = 3e-11 for more. Data that ask for more of them, which those of a large
 // enough campaign always do, show what the catalogue does not hold, and a sum of so many is no explanation.
 constexpr size_t kMostMembers = 20;
-constexpr size_t kAveragedTogether = 3;  // members: 5^3 combinations; of more, each with the best of the others
+constexpr size_t kAveragedTogether = 3;  // members: 6^3 combinations; of more, each with the best of the others
 constexpr double kUnsettled = 1e-3;      // of the probability: a tenth of what is reported
 constexpr size_t kMostSwaps = 1000;   // of one set: where a thousand sets share the probability they differ in details
 constexpr size_t kMostSettled = 100;  // where a hundred sets share it, each has about a hundredth
@@ -214,8 +214,9 @@ const Eigen::MatrixXd& SetSearch::OwnOf(size_t candidate) const {
   return own;
 }
 
-std::vector<double> SetSearch::Additions(const WeightedSet& given, std::vector<double>* scales) const {
-  return AdditionsTo(given, Sweep(normal_, GroupsOf(explanations_, given.members), given.scales), scales);
+std::vector<double> SetSearch::Additions(const WeightedSet& given) const {
+  std::vector<double> scales;
+  return AdditionsTo(given, Sweep(normal_, GroupsOf(explanations_, given.members), given.scales), &scales);
 }
 
 // log w(set + k) = log L(set) + log B_k + log P(set + k), B_k by what the sweep leaves of G_kk and g_k.
@@ -223,15 +224,13 @@ std::vector<double> SetSearch::AdditionsTo(const WeightedSet& set, const Sweep& 
                                            std::vector<double>* scales) const {
   const double base = set.log_likelihood + prior_.Log(SharesWithOneMore(set.members));
   std::vector<double> weights(explanations_.size(), -kInfinity);
-  if (scales != nullptr) scales->assign(explanations_.size(), 1.0);
+  scales->assign(explanations_.size(), 1.0);
   for (size_t k = 0; k < explanations_.size(); ++k) {
     const Explanation& candidate = explanations_[k];
     if (IsExcluded(set.members, static_cast<int>(k)) || !(candidate.share > 0.0)) continue;
-    double scale = 1.0;
     const GivenOthers given{OwnOf(k) - sweep.Taken(candidate.group), sweep.Gradient(candidate.group), sweep.residual(),
                             0.0, candidate.group.num_scales};
-    weights[k] = base + AverageGain(likelihood_, given, &scale) + std::log(candidate.share);
-    if (scales != nullptr) (*scales)[k] = scale;
+    weights[k] = base + AverageGain(likelihood_, given, &(*scales)[k]) + std::log(candidate.share);
   }
   return weights;
 }

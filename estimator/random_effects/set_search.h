@@ -91,8 +91,8 @@ class SetSearch {
   // What the log weight of a set loses without each of its members.
   std::vector<double> LossesOf(const WeightedSet& set) const;
   // Log weights of this set with each further explanation, averaged over its scale given the best of the others;
-  // -infinity where it is excluded. scales: the best of each.
-  std::vector<double> Additions(const WeightedSet& given, std::vector<double>* scales = nullptr) const;
+  // -infinity where it is excluded.
+  std::vector<double> Additions(const WeightedSet& given) const;
 
  private:
   using Key = std::vector<int>;
@@ -104,6 +104,7 @@ class SetSearch {
   WeightedSet EvaluateFrom(const std::vector<int>& given_members, Members conditioned) const;
   double AverageOverScales(const Members& members) const;
   const Eigen::MatrixXd& OwnOf(size_t candidate) const;  // information, in units of its typical sizes
+  // scales: the best of each.
   std::vector<double> AdditionsTo(const WeightedSet& set, const Sweep& sweep, std::vector<double>* scales) const;
   // Given a set: by what comes to the set before, and goes from it.
   const Sweep& SweepOf(const WeightedSet& set);
