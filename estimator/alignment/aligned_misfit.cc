@@ -15,15 +15,33 @@ namespace sagitta {
 namespace {
 
 constexpr int kRowsPerPair = 40;  // of a station and marker: enough to reveal a wrong unit
+constexpr double kTravel = 1.0;   // m, of a sliding joint without limits: half a metre to either side of its zero
 
 }  // namespace
 
 double Reach(const Chain& chain) {
-  double reach = 0.0;
+  double lengths = 0.0, travel = 0.0;
   for (const ElementaryTransform& transform : chain.transforms) {
-    if (!transform.is_rotation()) reach += std::abs(transform.nominal);
+    if (!transform.is_rotation()) lengths += std::abs(transform.nominal);
   }
-  return reach;
+  for (const Joint& joint : chain.joints) {
+    if (joint.type == JointType::kRevolute) continue;
+    travel += joint.min && joint.max ? *joint.max - *joint.min : kTravel;
+  }
+  return std::max(lengths, travel);
+}
+
+double Reach(const CalibrationProblem& problem) {
+  Chain chain = problem.robot().chain;
+  const std::vector<Configuration>& configurations = problem.data().configurations;
+  for (int j = 0; j < chain.num_joints() && !configurations.empty(); ++j) {
+    Joint& joint = chain.joints[j];
+    if (joint.min && joint.max) continue;
+    const auto by_joint = [j](const Configuration& a, const Configuration& b) { return a.q[j] < b.q[j]; };
+    const auto [least, most] = std::minmax_element(configurations.begin(), configurations.end(), by_joint);
+    joint.min = least->q[j], joint.max = most->q[j];
+  }
+  return Reach(chain);
 }
 
 std::vector<int> SampleOfRows(const CalibrationProblem& problem) {

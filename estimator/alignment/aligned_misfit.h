@@ -9,8 +9,11 @@
 
 namespace sagitta {
 
-// Sum of the arm's nominal translations, m: the length that misfits are measured by.
+// The length that misfits are measured by, m: the sum of the arm's nominal translations or the travel of its sliding
+// joints, whichever is more. An angle that is off moves points by its share of either, and of an arm on a long rail
+// misfits are those of the arm. Without limits a joint travels as far as it was measured, or a metre.
 double Reach(const Chain& chain);
+double Reach(const CalibrationProblem& problem);
 
 // Calibration rows that see every station and marker, at most 40 of each pair.
 std::vector<int> SampleOfRows(const CalibrationProblem& problem);

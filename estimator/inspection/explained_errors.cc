@@ -66,7 +66,7 @@ ExplainedErrors ExplainByErrors(const CalibrationProblem& problem, const std::ve
   ParameterSet parameters = problem.parameters;
   ExplainedErrors found;
   found.left = FindStartingValues(problem, readings, StartingValueOptions(), &parameters);
-  const double precision = kPrecision * Reach(problem.robot().chain);
+  const double precision = kPrecision * Reach(problem);
   if (unknowns.columns.empty() || !(precision > 0.0)) return found;
   const NoiseRoots noise(rows.size(), precision * Matrix3<double>::Identity());
   const auto rows_at = [&](const ParameterSet& at, const std::vector<int>& columns) -> FittedRows {

@@ -80,7 +80,7 @@ Finding ExplainKnown(const CalibrationProblem& known, const KnownMisfit& misfit)
   if (3 * sample.size() < kEquationsPerPlaceNumber * free.parameters.EstimatedCoordinates().size())
     return Found(Severity::kSerious, "not_these_readings", NotTheseReadings(misfit.median));
   const double fitted = AlignedMisfit(free, sample);
-  if (fitted <= SuspiciousMisfit(free.robot().chain))
+  if (fitted <= SuspiciousMisfit(free))
     return Found(Severity::kSerious, "stands_elsewhere", StandsElsewhere(misfit.median, fitted));
   if (const std::optional<UnitFinding> unit = GuessWrongUnit(free)) {
     const std::string why = unit->column + ": " + unit->words;

@@ -29,7 +29,7 @@ std::optional<FarRows> BlockOfHalf(const CalibrationProblem& problem, const std:
   FarRows found;
   found.parameters = problem.parameters;
   const double rms = FindStartingValues(problem, half, StartingValueOptions(), &found.parameters);
-  if (!(rms <= SuspiciousMisfit(problem.robot().chain))) return std::nullopt;
+  if (!(rms <= SuspiciousMisfit(problem))) return std::nullopt;
   found.limit = kNearHalf * rms;
   const std::vector<double> distances = DistancesFromPoints(problem, rows, found.parameters);
   double squares = 0.0;

@@ -230,7 +230,7 @@ std::optional<OtherLabel> FindOtherLabel(const CalibrationProblem& problem, FarR
 
 std::optional<OtherLabel> FindOtherFrame(const CalibrationProblem& problem) {
   const Chain& chain = problem.robot().chain;
-  const double suspicious = SuspiciousMisfit(chain);
+  const double suspicious = SuspiciousMisfit(problem);
   const std::vector<int> points = problem.data().PointsAmong(problem.CalibrationObservations());
   for (int marker = 0; marker < static_cast<int>(problem.data().markers.size()); ++marker) {
     std::vector<int> own, others;

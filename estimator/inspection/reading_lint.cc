@@ -61,11 +61,12 @@ std::optional<Finding> LongRobot(const CalibrationProblem& problem, const std::v
 }  // namespace
 
 double SuspiciousMisfit(const Chain& chain) { return kSuspiciousReading * Reach(chain); }
+double SuspiciousMisfit(const CalibrationProblem& problem) { return kSuspiciousReading * Reach(problem); }
 
 ReadingLint LintReadings(const CalibrationProblem& problem) {
   ReadingLint lint;
   const std::vector<int> sample = SampleOfRows(problem);
-  const double suspicious = SuspiciousMisfit(problem.robot().chain);
+  const double suspicious = SuspiciousMisfit(problem);
   lint.misfit = AlignedMisfit(problem, sample);
   lint.readings.push_back({"as stated", lint.misfit});
   if (lint.misfit <= suspicious) return lint;
@@ -107,7 +108,7 @@ ReadingLint LintReadings(const CalibrationProblem& problem) {
   }
   double least = as_stated;
   for (const Reading& reading : readings) least = std::min(least, reading.misfit);
-  const double best = std::max(kPerfect * Reach(problem.robot().chain), kAsGood * least);
+  const double best = std::max(kPerfect * Reach(problem), kAsGood * least);
   const auto simplest =
       std::find_if(readings.begin(), readings.end(), [&](const Reading& reading) { return reading.misfit <= best; });
   const bool explains = simplest != readings.end() && simplest->misfit * kReadingImprovement < as_stated;
@@ -133,7 +134,7 @@ ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem) {
     lint.is_suspicious = lint.is_explained = true;
     return lint;
   }
-  const double suspicious = SuspiciousMisfit(problem.robot().chain);
+  const double suspicious = SuspiciousMisfit(problem);
   const bool is_missed = lint.misfit <= suspicious && MissesAllRows(problem, suspicious);  // by the sample
   if (!lint.is_suspicious && !is_missed) return lint;
   std::optional<OtherLabel> other = FindOtherFrame(problem);

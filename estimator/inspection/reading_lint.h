@@ -27,6 +27,7 @@ struct ReadingLint {
 
 // RMS distance, m, above which an aligned nominal robot's misfit has to be explained.
 double SuspiciousMisfit(const Chain& chain);
+double SuspiciousMisfit(const CalibrationProblem& problem);
 
 ReadingLint LintReadings(const CalibrationProblem& problem);
 

@@ -146,7 +146,7 @@ std::optional<Finding> LintRotations(const CalibrationProblem& problem) {
   RotationsAsStated as_stated;
   ParameterSet aligned = problem.parameters;
   as_stated.points = FindStartingValues(problem, points, StartingValueOptions(), &aligned);
-  const bool points_fit = as_stated.points <= SuspiciousMisfit(problem.robot().chain);
+  const bool points_fit = as_stated.points <= SuspiciousMisfit(problem);
   if (!points_fit || !DetermineTheirBase(problem, points, as_stated.points)) return std::nullopt;
   RotationColumns columns;
   const std::vector<StatedRotation> stated = StatedRotations(problem, aligned, rows, &columns);

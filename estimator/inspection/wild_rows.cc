@@ -180,7 +180,7 @@ std::optional<FarRows> FindFarRows(const CalibrationProblem& problem) {
 }
 
 bool AreApart(const FarRows& rows, const CalibrationProblem& problem) {
-  return rows.near_rms <= SuspiciousMisfit(problem.robot().chain) && rows.far_median >= kFarApart * rows.near_rms;
+  return rows.near_rms <= SuspiciousMisfit(problem) && rows.far_median >= kFarApart * rows.near_rms;
 }
 
 std::optional<Finding> FindWildRows(const CalibrationProblem& problem, const FarRows& rows) {
