@@ -104,6 +104,7 @@ int RunPlan(const CommandLine& line) {
     inputs.experiment.noise.sigma = FLAGS_sigma_mm / 1e3;
     inputs.experiment.noise.replaces_rows = true;
   }
+  if (IsGiven("load_point_mm")) inputs.experiment.load_point = LoadPointOfFlag(FLAGS_load_point_mm);
   PlanRequest request = RequestFromFlags(inputs.robot);
   std::optional<Measurements> candidates, tests;
   if (!FLAGS_candidates.empty()) candidates = ReadMeasurementsFor(inputs.robot, {FLAGS_candidates}, options);
@@ -158,7 +159,7 @@ Examples
   sagitta plan experiment.yaml --poses=6 --discriminate='joint_harmonic[order=1]/A3,encoder_gain/A3' --out=plan
 )",
           {"poses", "accuracy_mm", "augment", "discriminate", "criterion", "candidates", "tests", "pool", "cell",
-           "model_error", "move", "sigma_mm", "out", "seed", "threads", "quiet"},
+           "model_error", "move", "sigma_mm", "load_point_mm", "out", "seed", "threads", "quiet"},
           RunPlan};
 }
 

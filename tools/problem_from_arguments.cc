@@ -66,18 +66,20 @@ void ApplyValidationFlags(Experiment* experiment) {
 void ApplyEstimateFlags(Experiment* experiment) {
   if (IsGiven("free")) experiment->estimate.free = SplitText(FLAGS_free, ',');
   if (IsGiven("fixed")) experiment->estimate.fixed = SplitText(FLAGS_fixed, ',');
-  if (IsGiven("load_point_mm")) {
-    const std::vector<double> point = NumbersOfFlag("load_point_mm", FLAGS_load_point_mm);
-    if (point.size() != 3) throw InputError({"", 0, "--load_point_mm"}, "three numbers are expected: x,y,z");
-    for (const double x_mm : point) CheckIn(allowed::kCoordinate, x_mm / 1e3, "--load_point_mm");
-    experiment->load_point = Vector3<double>(point[0], point[1], point[2]) / 1e3;
-  }
+  if (IsGiven("load_point_mm")) experiment->load_point = LoadPointOfFlag(FLAGS_load_point_mm);
   if (!IsGiven("significance")) return;
   CheckIn(allowed::kLevel, FLAGS_significance, "--significance");
   experiment->significance = FLAGS_significance;
 }
 
 }  // namespace
+
+Vector3<double> LoadPointOfFlag(const std::string& x_y_z) {
+  const std::vector<double> point = NumbersOfFlag("load_point_mm", x_y_z);
+  if (point.size() != 3) throw InputError({"", 0, "--load_point_mm"}, "three numbers are expected: x,y,z");
+  for (const double x_mm : point) CheckIn(allowed::kCoordinate, x_mm / 1e3, "--load_point_mm");
+  return Vector3<double>(point[0], point[1], point[2]) / 1e3;
+}
 
 std::vector<std::string> WithProblemFlags(std::vector<std::string> flags) {
   for (const char* flag : {"sigma_mm", "holdout", "validation", "free", "fixed", "load_point_mm", "significance",

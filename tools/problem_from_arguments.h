@@ -10,6 +10,7 @@
 #include "problems/io/experiment_inputs.h"
 
 DECLARE_double(sigma_mm);
+DECLARE_string(load_point_mm);
 DECLARE_bool(force);
 DECLARE_string(method);
 
@@ -17,6 +18,9 @@ namespace sagitta {
 
 // The flags that an estimating command accepts in addition to its own.
 std::vector<std::string> WithProblemFlags(std::vector<std::string> flags);
+
+// Of --load_point_mm, m. Throws InputError.
+Vector3<double> LoadPointOfFlag(const std::string& x_y_z);
 
 // EXP of a command with these flags: what a flag replaces is not checked in the rows. Throws InputError.
 ExperimentInputs ReadInputs(const std::vector<std::string>& paths);

@@ -241,5 +241,19 @@ TEST_F(LoadInputTest, ForcesInTheWrongUnit) {
   EXPECT_EQ(seen.find("load_sign"), std::string::npos);
 }
 
+TEST_F(LoadInputTest, APlanAcceptsThePointThatItAsksFor) {
+  Robot();
+  Write("loads.csv", Csv(LoadedRows()));
+  std::vector<std::string> line = {"plan",      Path("robot.yaml"), Path("loads.csv"),      "--poses=30",
+                                   "--pool=60", "--sigma_mm=0.03",  "--out=" + Path("plan")};
+  const Outcome asked = Run(line);
+  EXPECT_EQ(asked.status, 2);
+  EXPECT_THAT(asked.err, HasSubstr("--load_point_mm=x,y,z"));
+  line.push_back("--load_point_mm=280,60,-150");
+  const Outcome answered = Run(line);
+  EXPECT_EQ(answered.status, 0) << answered.err;
+  EXPECT_TRUE(Exists("plan/plan.csv"));
+}
+
 }  // namespace
 }  // namespace sagitta::test::load_input_test
