@@ -48,7 +48,7 @@ void Summarise(const std::vector<CompensatedTarget>& results, const std::string&
   for (const auto& [status, number] : count) parts.push_back(std::to_string(number) + " " + status);
   std::cout << results.size() << " targets: " << Enumerate(parts) << ": " << out << "\n";
   if (solved == 0) return;
-  std::cout << CompensationInWords(before, after, u95);
+  std::cout << CompensationInWords(before, after, u95) << FlangeOfTheMarkers();
 }
 
 // start_deg: of the flag; may be empty.
@@ -108,6 +108,7 @@ int RunProgram(const CommandLine& line) {
   if (table_out && !result.solved.empty()) table_out->Write(CompensationToCsv(result.targets, result.solved));
   program_out.Write(result.text);
   std::cout << SummaryOf(result) << "Program: " << FLAGS_program_out << "\n";
+  if (any) std::cout << FlangeOfTheMarkers();
   const std::string model_error = ModelErrorInWords(known);
   if (!model_error.empty()) std::cout << model_error << "\n";
   return any ? 0 : kNumericalFailure;
@@ -177,7 +178,8 @@ Every row comes back with
                                equilibrium_diverged, not_converged
   q1_cmd_deg … (_mm)           corrected joint values: with them the estimated robot, loads included, is on target
   x_cmd_mm … rz_cmd_mrad       the pose to send where the controller keeps its nominal model
-  u95_mm, u95_mrad             95 % uncertainty of where the flange then is, from the estimate; repeatability not in it
+  u95_mm, u95_mrad             95 % uncertainty of where the flange then is, from the estimate; repeatability not in it.
+                               The flange is where the markers have it: for tools measured through the same markers
   left_mm, left_mrad           what is left by the estimated model (below 1e-6 where the status is ok)
   before_mm, before_mrad       how far off the uncompensated robot is
   smallest_singular_value      of the Jacobian, lengths in units of the reach

@@ -57,6 +57,11 @@ std::string CompensationInWords(double before, double after, double u95) {
          " mm; 95 % uncertainty of the estimate at most " + Significant(1e3 * u95, 3) + " mm\n";
 }
 
+std::string FlangeOfTheMarkers() {
+  return "The flange is where the markers have it: these figures hold for tools that are measured through the same "
+         "markers, its face and bore by drawing are not determined.\n";
+}
+
 std::string PlanInWords(const Plan& plan) {
   std::ostringstream words;
   words << plan.rows.configurations.size() << " poses";

@@ -30,6 +30,8 @@ std::vector<std::string> CoverageLegend(int outside, size_t rows);
 
 // Of all targets that were solved: largest distance from the target before and after, largest 95 % uncertainty, m.
 std::string CompensationInWords(double before, double after, double u95);
+// What the figures of corrected targets are figures of.
+std::string FlangeOfTheMarkers();
 
 // A plan in a few lines.
 std::string PlanInWords(const Plan& plan);
