@@ -12,6 +12,8 @@ namespace {
 constexpr double kTypicalLength = 2e-4;  // m
 constexpr double kTypicalAngle = 2e-4;   // rad
 constexpr double kTypicalShare = 0.3;    // of a compliance or a spring's parameter
+// Of all lengths: two kelvin of steel. An instrument's air that is 20 K off makes as much.
+constexpr double kTypicalScale = 2.0 * kSteelPerKelvin;
 
 ChangeGroup JointZeroGroup(const Chain& chain, int j) {
   const bool turns = chain.joints[j].type == JointType::kRevolute;
@@ -62,6 +64,15 @@ void AddMarkers(const CalibrationProblem& problem, const KnownRobot& known, cons
   if (tool.carried.size() > 1 && !own.markers) groups->push_back(tool);
 }
 
+// Lengths of the arm and its distance to the instrument: an arm that is warmer grows by itself, what measures by
+// another scale sees both grow.
+ChangeGroup ScaleGroup() {
+  ChangeGroup group{ChangeKind::kScale, "lengths"};
+  group.names = {"arm", "distance"}, group.unit = {1e-6, 1e-6}, group.units = {"ppm", "ppm"};
+  group.typical = {kTypicalScale, kTypicalScale};
+  return group;
+}
+
 void AddDesignParameters(const CalibrationProblem& problem, bool with_effects, std::vector<ChangeGroup>* groups) {
   const Chain& chain = problem.model().chain();
   for (const ModelParameter& parameter : problem.model().parameters()) {
@@ -92,6 +103,7 @@ std::vector<ChangeGroup> ListChangeGroups(const CalibrationProblem& problem, con
   for (int j = 0; j < chain.num_joints(); ++j) groups.push_back(JointZeroGroup(chain, j));
   for (int s = 0; s < problem.parameters.num_stations(); ++s) groups.push_back(BaseGroup(problem, s, own.station));
   AddMarkers(problem, old_estimate, own, &groups);
+  groups.push_back(ScaleGroup());
   AddDesignParameters(problem, new_estimate.robot.effects.size() == old_estimate.robot.effects.size(), &groups);
   return groups;
 }

@@ -11,11 +11,13 @@
 
 namespace sagitta {
 
+constexpr double kSteelPerKelvin = 11.5e-6;  // of a length, as in the sizes of thermal_growth
+
 // What can have changed between two estimates.
-enum class ChangeKind { kJointZero, kTool, kMarker, kBase, kGeometry, kCompliance, kCompensator, kEffect };
+enum class ChangeKind { kJointZero, kTool, kMarker, kBase, kScale, kGeometry, kCompliance, kCompensator, kEffect };
 template <>
 struct ChoiceWords<ChangeKind> {
-  static constexpr const char* kWords[] = {"joint_zero", "tool",       "marker",      "base",
+  static constexpr const char* kWords[] = {"joint_zero", "tool",       "marker",      "base",  "scale",
                                            "geometry",   "compliance", "compensator", "effect"};
 };
 
@@ -24,7 +26,7 @@ struct ChangeGroup {
   ChangeKind kind;
   std::string target;
   int index = -1;                       // joint, station or marker
-  std::vector<int> coordinates = {};    // of the problem's parameters, one per parameter; joint zero, tool: none
+  std::vector<int> coordinates = {};    // of the problem's parameters, one per parameter; zero, tool, scale: none
   std::vector<int> carried = {};        // markers that move with the tool
   bool of_campaign = false;             // of each campaign, under a name that is not shared: any amount, nothing said
   std::vector<std::string> names = {};  // of the parameters

@@ -38,16 +38,16 @@ Change DescribeChange(const ChangeGroup& group, const Eigen::VectorXd& size, con
   const Eigen::VectorXd value = factor.cwiseProduct(size);
   const Eigen::MatrixXd spread = factor.asDiagonal() * covariance * factor.asDiagonal();
   change.unit = group.units[0];
-  if (group.size() == 1) {
+  for (int i = 0; i < group.size() && group.size() > 1; ++i) {
+    const double sigma = std::sqrt(spread(i, i));
+    change.parts.push_back({group.names[i], value[i], group.units[i], {value[i] - k * sigma, value[i] + k * sigma}});
+  }
+  if (group.size() < 3) {
     const double sigma = std::sqrt(spread(0, 0));
     change.value = value[0];
     change.ci95[0] = value[0] - k * sigma, change.ci95[1] = value[0] + k * sigma;
     change.words = ChangeInWords(change);
     return change;
-  }
-  for (int i = 0; i < group.size(); ++i) {
-    const double sigma = std::sqrt(spread(i, i));
-    change.parts.push_back({group.names[i], value[i], group.units[i], {value[i] - k * sigma, value[i] + k * sigma}});
   }
   change.value = value.head(3).norm();
   const Eigen::VectorXd along = value.head(3) / std::max(change.value, 1e-300);

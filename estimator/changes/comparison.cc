@@ -25,6 +25,16 @@ bool Has(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+// Asked for, whether or not the data determined it; else assumed.
+bool IsFree(const KnownRobot& known, const std::string& name) {
+  return Has(known.uncertainty.estimated, name) || Has(known.uncertainty.held, name);
+}
+
+// Geometry moves every point of every campaign. A load, a time or a temperature need not have been in the other's.
+bool IsOfCampaign(CoordinateKind kind) {
+  return kind == CoordinateKind::kCompliance || kind == CoordinateKind::kCompensator || kind == CoordinateKind::kEffect;
+}
+
 // Every coordinate's column, m per SI unit.
 Linearization AllColumns(const CalibrationProblem& problem, const std::vector<int>& rows) {
   std::vector<int> columns(problem.parameters.num_coordinates());
@@ -104,6 +114,8 @@ EstimateComparison::EstimateComparison(const KnownRobot& old_estimate, const Kno
   const Measurements rows = RowsOfBoth(old_, new_, own_);
   problems_.push_back(PredictionProblem(old_, rows));
   problems_.push_back(PredictionProblem(new_, rows));
+  AssumeAlike(0, new_);
+  AssumeAlike(1, old_);
   start_ = problems_[0].parameters;
   for (const ShotInput& shot : problems_[0].shot_inputs()) start_joints_.push_back(shot.conditions.q);
   rows_.resize(rows.observations.size());
@@ -113,6 +125,24 @@ EstimateComparison::EstimateComparison(const KnownRobot& old_estimate, const Kno
   CheckKnown();
   NoteWhatOneAssumed();
   FactorCovariance();
+}
+
+// No change of what the other assumed is determined, however large: deflections of millimetres are not linear in it to
+// a micrometre, so that it is set to what the other assumed. A joint without a compliance is rigid.
+void EstimateComparison::AssumeAlike(int which, const KnownRobot& other) {
+  ParameterSet& parameters = problems_[which].parameters;
+  const ParameterSet& others = problems_[1 - which].parameters;
+  const KnownRobot& known = which == 0 ? old_ : new_;
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(parameters.num_coordinates());
+  for (int i = 0; i < parameters.num_coordinates(); ++i) {
+    const Coordinate& coordinate = parameters.coordinates()[i];
+    const bool is_open = IsFree(known, coordinate.name) && !IsFree(other, coordinate.name);
+    if (!is_open || !IsOfCampaign(coordinate.kind)) continue;
+    const int same = others.FindCoordinate(coordinate.name);
+    if (same >= 0) step[i] = others.Value(same) - parameters.Value(i);
+    if (same < 0 && coordinate.kind == CoordinateKind::kCompliance) step[i] = -parameters.Value(i);
+  }
+  parameters.Plus(step);
 }
 
 void EstimateComparison::CheckKnown() const {
@@ -130,7 +160,7 @@ void EstimateComparison::NoteWhatOneAssumed() {
     for (const std::string& name : one->uncertainty.estimated) {
       const std::optional<CoordinateKind> kind = CoordinateKindOf(name);
       if (!kind || kind == CoordinateKind::kBase || kind == CoordinateKind::kMarker) continue;
-      if (!Has(other->uncertainty.estimated, name) && !Has(other->uncertainty.held, name)) names.push_back(name);
+      if (!IsFree(*other, name)) names.push_back(name);
     }
     if (names.empty()) continue;
     notes_.push_back(ChangesOpen(one->file, names));
@@ -156,16 +186,19 @@ Eigen::MatrixXd EstimateComparison::SpreadOf(const CalibrationProblem& problem, 
     }
     parts.push_back(held * RootOf(u.second_moment));
   }
-  // What only this one estimated, the other assumed; what the other's parameters would have done moves along.
+  // What only this one estimated, the other assumed.
   for (size_t i = 0; i < u.estimated.size(); ++i) {
     const std::string& name = u.estimated[i];
     const int coordinate = problem.parameters.FindCoordinate(name);
-    if (coordinate < 0 || Has(other.uncertainty.estimated, name) || Has(other.uncertainty.held, name)) continue;
+    if (coordinate < 0 || IsFree(other, name)) continue;
     const auto p = static_cast<long>(i);
     if (!(u.covariance(p, p) > 0.0)) continue;
-    const double range = PhysicalRange(problem.parameters.coordinates()[coordinate]);
-    // Regression of all on the one that the other estimate assumed: C_:p / C_pp times how far it may be off.
+    const Coordinate& assumed = problem.parameters.coordinates()[coordinate];
+    const double range = PhysicalRange(assumed);
+    // The other's parameters made up for it: regression of all on the one, C_:p / C_pp times how far it may be off.
     parts.push_back(range * (estimated * (u.covariance.col(p) / u.covariance(p, p))));
+    // Or nothing made up for it; by how much is between the two columns.
+    if (IsOfCampaign(assumed.kind)) parts.push_back(range * jacobian.col(coordinate));
   }
   return SideBySide(parts, jacobian.rows());
 }
@@ -208,8 +241,28 @@ double EstimateComparison::NumRandom() const {
   return whitener_.triangularView<Eigen::Lower>().solve(spread_).squaredNorm();
 }
 
+// p - b and b, with b the base in the station. What stands in the room is at a distance alone.
+EstimateComparison::Lengths EstimateComparison::LengthsAt(const Eigen::Matrix3Xd& points) const {
+  const Measurements& data = problems_[0].data();
+  Lengths lengths{Eigen::Matrix3Xd::Zero(3, points.cols()), points};
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const Observation& row = data.observations[rows_[i]];
+    if (old_.markers.at(data.markers[row.marker]).on.kind == MarkerPlace::Kind::kWorld) continue;
+    lengths.distance.col(i) = problems_[0].parameters.BaseInStation(data.shots[row.shot].station).translation;
+    lengths.arm.col(i) = points.col(i) - lengths.distance.col(i);
+  }
+  return lengths;
+}
+
+Eigen::Matrix3Xd EstimateComparison::MovedPoints() const {
+  const Eigen::Matrix3Xd points = PredictPoints(problems_[0], problems_[0].parameters, rows_);
+  if (arm_grown_ == 0.0 && distance_grown_ == 0.0) return points;
+  const Lengths lengths = LengthsAt(points);
+  return points + arm_grown_ * lengths.arm + distance_grown_ * lengths.distance;
+}
+
 Eigen::VectorXd EstimateComparison::Difference() const {
-  const Eigen::Matrix3Xd from = PredictPoints(problems_[0], problems_[0].parameters, rows_);
+  const Eigen::Matrix3Xd from = MovedPoints();
   const Eigen::Matrix3Xd to = PredictPoints(problems_[1], problems_[1].parameters, rows_);
   const Eigen::Matrix3Xd difference = to - from;
   return Eigen::Map<const Eigen::VectorXd>(difference.data(), difference.size());
@@ -227,6 +280,11 @@ Eigen::MatrixXd EstimateComparison::ColumnsOf(size_t g, const Linearization& all
   }
   if (group.kind == ChangeKind::kJointZero) {
     columns.col(0) = group.typical[0] * ZeroColumn(problems_[0].model().chain(), all, group.index);
+  }
+  if (group.kind == ChangeKind::kScale) {
+    const Lengths lengths = LengthsAt(PredictPoints(problems_[0], problems_[0].parameters, rows_));
+    columns.col(0) = group.typical[0] * lengths.arm.reshaped();
+    columns.col(1) = group.typical[1] * lengths.distance.reshaped();
   }
   if (group.carried.empty()) return columns;
   const Matrix3<double> rotation = RotationOf(group, applied_[g]);
@@ -285,6 +343,9 @@ void EstimateComparison::MoveTo(const std::vector<Eigen::VectorXd>& applied) {
     const ChangeGroup& group = groups_[g];
     if (group.kind == ChangeKind::kJointZero) {
       for (ShotInput& shot : inputs) shot.conditions.q[group.index] += group.typical[0] * applied[g][0];
+    }
+    if (group.kind == ChangeKind::kScale) {
+      arm_grown_ = group.typical[0] * applied[g][0], distance_grown_ = group.typical[1] * applied[g][1];
     }
     // From where the set was made, Plus turns a base by the whole rotation vector.
     for (size_t i = 0; i < group.coordinates.size(); ++i) {
@@ -345,14 +406,16 @@ void EstimateComparison::LeaveOutIndistinguishable() {
     // Without a campaign's own coordinates, a zero that moves nothing has nothing to be named for, either.
     if (!stays[g] && groups_[g].kind == ChangeKind::kJointZero) hidden.push_back(groups_[g].target);
   }
-  // Those that an estimate determined stand for others that would do the same.
-  const auto is_estimated = [&](const ChangeGroup& group) {
-    const std::string name = WordOf(group.kind) + "/" + group.target;
-    return Has(old_.uncertainty.estimated, name) || Has(new_.uncertainty.estimated, name);
+  // Design parameters that both estimates left free stand for others that would do the same. Of one that either assumed
+  // no change is determined, and it is no cause of what others did.
+  const auto is_free = [&](const ChangeGroup& group) {
+    if (group.coordinates.empty() || group.is_plain()) return true;
+    const std::string& name = problems_[0].parameters.coordinates()[group.coordinates[0]].name;
+    return IsFree(old_, name) && IsFree(new_, name);
   };
   std::vector<size_t> order(groups_.size());
   std::iota(order.begin(), order.end(), size_t{0});
-  std::stable_partition(order.begin(), order.end(), [&](size_t g) { return is_estimated(groups_[g]); });
+  std::stable_partition(order.begin(), order.end(), [&](size_t g) { return is_free(groups_[g]); });
   for (size_t i = 0; i < order.size(); ++i) {
     ChangeGroup& first = groups_[order[i]];
     if (first.is_plain() || !stays[order[i]]) continue;
@@ -365,6 +428,7 @@ void EstimateComparison::LeaveOutIndistinguishable() {
       first.same.push_back(WordOf(second.kind) + " " + second.target);
     }
   }
+  for (size_t g = 0; g < groups_.size(); ++g) stays[g] = stays[g] && is_free(groups_[g]);
   if (own_.station) notes_.push_back(StationsAreOwn(old_.file, new_.file));
   if (own_.markers) notes_.push_back(MarkersAreOwn(old_.file, new_.file));
   if (!hidden.empty()) notes_.push_back(ZerosAreHidden(hidden));

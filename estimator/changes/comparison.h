@@ -56,8 +56,15 @@ class EstimateComparison {
                            const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& where_it_was) const;
   void FactorCovariance();
   void NoteWhatOneAssumed();
+  void AssumeAlike(int which, const KnownRobot& other);
   void CheckKnown() const;
   Eigen::VectorXd Difference() const;
+  Eigen::Matrix3Xd MovedPoints() const;  // of the old estimate, where it has been moved to
+  // m: what a change of all lengths by 1 moves the points by; those of the arm, and its distance to the instrument.
+  struct Lengths {
+    Eigen::Matrix3Xd arm, distance;
+  };
+  Lengths LengthsAt(const Eigen::Matrix3Xd& points) const;
   // m per typical size.
   Eigen::MatrixXd ColumnsOf(size_t group, const Linearization& all) const;
   Eigen::MatrixXd MetricColumns(const std::vector<size_t>& groups) const;  // side by side
@@ -75,8 +82,9 @@ class EstimateComparison {
   std::vector<int> rows_;
   std::vector<ChangeGroup> groups_;
   std::vector<Eigen::VectorXd> applied_;
-  Eigen::MatrixXd spread_;    // S with C = S S' + e^2 I
-  Eigen::MatrixXd whitener_;  // lower factor of C
+  double arm_grown_ = 0.0, distance_grown_ = 0.0;  // of the old one, shares
+  Eigen::MatrixXd spread_;                         // S with C = S S' + e^2 I
+  Eigen::MatrixXd whitener_;                       // lower factor of C
   double log_determinant_ = 0.0;
   std::vector<std::string> notes_;
 };

@@ -32,6 +32,12 @@ std::string ChangeInWords(const Change& change) {
       return "marker " + change.target + " was reseated: " + size;
     case ChangeKind::kBase:
       return "the base, or the instrument of station " + change.target + ", moved by " + size;
+    case ChangeKind::kScale: {
+      // In ppm over ppm/K.
+      const double kelvin = std::abs(change.value) / (1e6 * kSteelPerKelvin);
+      return "all lengths changed by one share, " + size + ": by the instrument's scale or by the arm's temperature (" +
+             Significant(kelvin, 2) + " K " + (change.value > 0.0 ? "warmer" : "colder") + ", of steel)";
+    }
     default:
       return WordOf(change.kind) + " " + change.target + " changed by " + size + same;
   }

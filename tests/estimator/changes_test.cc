@@ -8,6 +8,7 @@
 #include "estimator/changes/sparse_search.h"
 #include "estimator/sagitta.h"
 #include "problems/input_error.h"
+#include "tests/support/loaded_kr270.h"
 #include "tests/support/moved_kr270.h"
 
 namespace sagitta::changes_test {
@@ -97,6 +98,30 @@ TEST(ChangesTest, WhatOnlyOneEstimatedIsNoChange) {
   EXPECT_EQ(NamesOf(changes), "") << changes.words;
   ASSERT_EQ(changes.notes.size(), 1u);
   EXPECT_THAT(changes.notes[0], HasSubstr("geometry/p_x2"));
+}
+
+// One campaign with weights, one without: nothing changed, and what no weight excited there is left open.
+TEST(ChangesTest, StiffnessesOfALoadedCampaignAreOpenInAnUnloadedOne) {
+  for (const double slip : {0.0, 0.3e-3}) {
+    test::LoadedTruth truth;
+    const auto estimated = [&](bool loaded, std::uint64_t seed) {
+      test::LoadedDesign design;
+      design.seed = seed, design.configurations = 40, design.stations = 1;
+      if (!loaded) design.loads.clear();
+      Measurements data = test::LoadedRows(design, truth);
+      test::Measure(test::ExactPoints(truth, data), design.sigma, 100 + seed, &data);
+      const test::LoadedSetup setup = test::SetupFor(truth);
+      const CalibrationProblem problem = MakeCalibrationProblem(setup.robot, data, setup.experiment);
+      return KnownFrom(Calibration{problem, EstimateJointly(problem), {}});
+    };
+    const KnownRobot loaded = estimated(true, 1);
+    truth.errors[7] += slip;  // dq3
+    const KnownRobot unloaded = estimated(false, 2);
+    for (const Changes& changes : {FindChanges(loaded, unloaded), FindChanges(unloaded, loaded)}) {
+      EXPECT_EQ(NamesOf(changes), slip == 0.0 ? "" : "joint_zero/A3 ") << changes.words;
+      EXPECT_THAT(changes.notes, ::testing::Contains(HasSubstr("compliance/A2")));
+    }
+  }
 }
 
 // Two estimates that claim to be surer than they are: no few changes explain how they differ, and that is said.

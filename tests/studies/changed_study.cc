@@ -1,7 +1,7 @@
 // Monte Carlo of `sagitta changed`: how often does it name a change where there is none, and does it name the right
 // one?
 //
-//   sagitta_changed_study [pairs=200] [first seed=1] [nothing|A3|tool|base|anew: only these]
+//   sagitta_changed_study [pairs=200] [first seed=1] [nothing|A3|tool|base|lengths|anew: only these]
 //
 // Two calibrations of one KR 270 that a generator of its own measures (tests/support/kr270_experiment.h): 24
 // configurations at two stations, three markers, 0.03 mm, other poses and other noise each time. The robot's errors are
@@ -34,13 +34,15 @@ Kr270Truth RandomTruth(std::uint64_t seed) {
   return truth;
 }
 
-KnownRobot Calibrated(const Kr270Truth& truth, std::uint64_t seed) {
+// scale: of all that the instruments measure.
+KnownRobot Calibrated(const Kr270Truth& truth, std::uint64_t seed, double scale = 1.0) {
   test::Kr270Design design;
   design.seed = seed;
   design.configurations = 24;
   design.sigma = kSigma;
   Measurements data = test::DesignMeasurements(design);
   test::MeasureKr270(truth, kSigma, seed + 500000, &data);
+  for (Observation& row : data.observations) row.point_in_station *= scale;
   const CalibrationProblem problem = test::Kr270ProblemOf(data, Experiment());
   return KnownFrom(Calibration{problem, EstimateJointly(problem), {}});
 }
@@ -50,6 +52,7 @@ struct Case {
   std::function<void(Kr270Truth*)> change;
   double size = 0.0;  // in the unit of the change's value
   bool anew = false;  // stations
+  double scale = 1.0;
 };
 
 void SetUpAnew(std::uint64_t seed, Kr270Truth* truth) {
@@ -81,9 +84,14 @@ std::vector<Case> Cases() {
     };
     cases.push_back({"base moved by " + Significant(size, 2) + " mm, mrad", "base/S1", move, size});
   }
+  for (const double ppm : {10.0, 20.0, 40.0}) {
+    cases.push_back({"lengths measured by " + Significant(ppm, 2) + " ppm more", "scale/lengths", [](Kr270Truth*) {},
+                     ppm, false, 1.0 + 1e-6 * ppm});
+  }
   std::vector<Case> anew;
   for (const Case& one : cases) {
-    if (one.name.rfind("base", 0) == 0 || one.size > 0.25 || (one.size > 0.0 && one.size < 0.15)) continue;
+    if (one.name.rfind("base", 0) == 0 || one.scale > 1.0 || one.size > 0.25 || (one.size > 0.0 && one.size < 0.15))
+      continue;
     anew.push_back({"anew: " + one.words, one.name, one.change, one.size, true});
   }
   cases.insert(cases.end(), anew.begin(), anew.end());
@@ -106,7 +114,7 @@ void Run(const Case& one, int pairs, std::uint64_t first) {
     Kr270Truth after = before;
     one.change(&after);
     if (one.anew) SetUpAnew(700000 + seed, &after);
-    const Changes found = FindChanges(Calibrated(before, seed), Calibrated(after, seed + 1));
+    const Changes found = FindChanges(Calibrated(before, seed), Calibrated(after, seed + 1, one.scale));
     bool any = false, any_sure = false, is_among = false;
     size_t others = found.changes.size(), stations = 0;
     for (const Change& change : found.changes) {

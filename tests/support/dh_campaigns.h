@@ -23,6 +23,7 @@ struct DhCampaign {
   std::vector<std::string> markers = {"P1", "P2", "P3"};
   int configurations = 40;
   double sigma = 3e-5;  // m
+  double scale = 1.0;   // of all that the instrument measures
   std::uint64_t seed = 1;
 
   static std::vector<DhRow> Ur5WithErrors() {
@@ -63,7 +64,7 @@ inline Measurements MeasurementsOf(const DhCampaign& campaign) {
       row.row = static_cast<int>(data.observations.size());
       const Vector3<double> in_base = (pose * campaign.tools[m].homogeneous()).head<3>();
       row.point_in_station = campaign.base_xyz + RotationFromVector(campaign.base_rotvec) * in_base;
-      row.point_in_station += campaign.sigma * RandomVector(normal);
+      row.point_in_station = campaign.scale * row.point_in_station + campaign.sigma * RandomVector(normal);
       data.files[0].rows.push_back({row.row + 2, {}});
       shot.observations.push_back(row.row);
       data.observations.push_back(row);
