@@ -8,6 +8,7 @@
 #include "estimator/calibration/held_rest.h"
 #include "estimator/calibration/judge.h"
 #include "estimator/calibration/load_remedy.h"
+#include "estimator/calibration/marker_remedy.h"
 #include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/condensed_cost.h"
 #include "estimator/least_squares/held_influence.h"
@@ -355,6 +356,7 @@ Estimate EstimateFitted(const CalibrationProblem& problem, const Fitted& fitted,
     ReportStage(options, "intervals, identifiability and hold-out");
     ComputeStatistics(problem, equations, &estimate);
     AddLoadRemedies(problem, &estimate);
+    AddMarkerRemedies(problem, &estimate);
   }
   return estimate;
 }

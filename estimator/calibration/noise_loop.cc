@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "estimator/calibration/load_remedy.h"
+#include "estimator/calibration/marker_remedy.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/noise/outliers.h"
 #include "estimator/noise/repeatability.h"
@@ -356,6 +357,7 @@ ResolvedEstimate EstimateWithNoise(CalibrationProblem problem, const JointOption
   if (IsUsable(result.estimate.status)) {
     result.problem = JudgeRound(&loop, &result.estimate);
     AddLoadRemedies(result.problem, &result.estimate);
+    AddMarkerRemedies(result.problem, &result.estimate);
   }
   result.estimate.noise_report = loop.report;
   result.estimate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

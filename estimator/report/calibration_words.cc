@@ -69,6 +69,13 @@ std::string ReachedInWords(const std::string& parameter, double reached, const s
   return ": " + parameter + " to about " + Significant(reached, 2) + " " + unit;
 }
 
+std::string MarkersAreOnTheAxis(const std::string& joint) {
+  return "every marker is on the axis of " + joint +
+         ", and no turn about it is seen: measure a marker some 50 mm or more off that axis as well, or leave the "
+         "error at "
+         "nominal";
+}
+
 std::string PullSideways(double newtons, const std::vector<std::string>& configurations, const std::string& reached) {
   return "pull sideways with " + Fixed(newtons, 0) + " N " + PlacesInWords(configurations) + reached;
 }

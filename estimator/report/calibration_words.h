@@ -36,6 +36,7 @@ std::string PullSideways(double newtons, const std::vector<std::string>& configu
 std::string HangOffAxis(const Vector3<double>& point, const std::vector<std::string>& configurations,
                         const std::string& reached);
 std::string NoLoadDetermines();
+std::string MarkersAreOnTheAxis(const std::string& joint);
 // What would determine the compensator: its markers are tied to it, or its L is what is open, or else.
 enum class SpringDoubt { kTied, kLength, kOther };
 std::string SpringRemedyInWords(SpringDoubt doubt);

@@ -10,6 +10,11 @@ namespace {
 
 constexpr size_t kMostHeldNames = 6;
 
+// A stated point alone is where the search starts.
+constexpr const char* kHoldTheMarker =
+    "state a marker's point and hold the coordinate of it that is named here (--fixed=NAME, or priors: in the "
+    "experiment file)";
+
 bool IsOf(const std::string& name, const std::string& family) { return name.rfind(family + "/", 0) == 0; }
 
 }  // namespace
@@ -22,13 +27,14 @@ std::string RemedyFor(const std::vector<std::pair<std::string, double>>& compone
     geometry |= IsOf(name, "geometry");
   }
   if (base && marker) {
-    return "measure with the flange turned about at least two axes (wrist joints spread over 60 degrees or more), or "
-           "state the marker's point";
+    return std::string("measure with the flange turned about at least two axes (wrist joints spread over 60 degrees ") +
+           "or more), or " + kHoldTheMarker;
   }
   if (marker && geometry)
-    return "only where the marker ends up matters: leave the error at nominal, or state the marker's point";
+    return std::string("only where the marker ends up matters: leave the error at nominal, or ") + kHoldTheMarker;
   if (base && geometry)
-    return "only where the robot ends up matters: leave the error at nominal, or state the base pose";
+    return "only where the robot ends up matters: leave the error at nominal, or state the base pose and hold it "
+           "(--fixed=NAME)";
   if (marker) return "observe the marker at more configurations with different flange orientations";
   if (base) return "observe from this station at more configurations spread over the workspace";
   return "move the joints near these transforms over a wider range, or leave the error at nominal";
