@@ -6,6 +6,7 @@
 #include "estimator/calibration/noise_loop.h"
 #include "estimator/calibration/unit_guess.h"
 #include "estimator/diagnosis/undecided.h"
+#include "estimator/inspection/load_direction.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/intervals/intervals.h"
 #include "estimator/report/calibration_words.h"
@@ -81,6 +82,8 @@ void JudgeCalibration(const CalibrateOptions& options, std::shared_ptr<const Row
   }
   const std::string misfit = WarningOfMisfit(result->problem, estimate.fit.distance_rms);
   if (!misfit.empty()) estimate.warnings.push_back(misfit);
+  const std::optional<Finding> across = LintLoadDirection(result->problem);
+  if (across) estimate.warnings.push_back(across->words + "; " + across->remedy);
   const std::string large = WarningOfLargeCorrections(result->problem, estimate.table);
   if (!large.empty()) estimate.warnings.push_back(large);
   const bool is_held_for_noise = LeftOpen(estimate).size() < estimate.identifiability.unidentifiable.size();

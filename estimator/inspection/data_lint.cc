@@ -182,7 +182,9 @@ void LintColumns(const CalibrationProblem& problem, std::vector<Finding>* findin
   note(!revisited, "no_visits", Missing::kVisits);
   note(!any([](const Shot& shot) { return shot.has_time; }), "no_time", Missing::kTime);
   note(!any([](const Shot& shot) { return shot.has_temperature; }), "no_temperature", Missing::kTemperature);
-  note(data.markers.size() < 3, "few_markers", Missing::kMarkers);
+  const bool any_pose = std::any_of(data.observations.begin(), data.observations.end(),
+                                    [](const Observation& row) { return !row.is_point(); });
+  note(data.markers.size() < 3 && !any_pose, "few_markers", Missing::kMarkers);
 }
 
 }  // namespace

@@ -9,7 +9,9 @@
 
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/calibration/load_remedy.h"
+#include "estimator/calibration/marker_remedy.h"
 #include "estimator/inspection/linear_state.h"
+#include "estimator/inspection/load_direction.h"
 #include "estimator/least_squares/ceres_problem.h"
 #include "estimator/report/inspection_words.h"
 #include "problems/interruption.h"
@@ -37,6 +39,7 @@ Identifiability IdentifiabilityOf(const LinearState& state, const LinearSolution
   expected.sigma.scaled = expected.sigma.a_posteriori > 1.0;
   expected.sigma.estimated = expected.sigma.stated ? 0.0 : kUnstatedSigma * state.scale;
   AddLoadRemedies(state.problem, &expected);
+  AddMarkerRemedies(state.problem, &expected);
   return expected.identifiability;
 }
 
@@ -153,29 +156,43 @@ ResidualSize AlignedSize(const CalibrationProblem& problem) {
   return MeasureReadings(problem.data(), rows, PredictPoints(problem, nominal, rows));
 }
 
+// Lengths and angles apart. squares: of the three numbers of each of the linearization's observations.
+template <typename Squares>
+Inspection::RmsOfReadings RmsOf(const CalibrationProblem& problem, const std::vector<int>& observations,
+                                const Squares& squares) {
+  double sums[2] = {0.0, 0.0};
+  int counts[2] = {0, 0};
+  for (size_t k = 0; k < observations.size(); ++k) {
+    const int kind = problem.data().observations[observations[k]].is_point() ? 0 : 1;
+    sums[kind] += squares(k);
+    counts[kind] += 3;
+  }
+  return {std::sqrt(sums[0] / std::max(1, counts[0])), std::sqrt(sums[1] / std::max(1, counts[1]))};
+}
+
 // What a linear fit leaves, unweighted.
-double LinearRms(const LinearState& state, const NoiseRoots& noise) {
+Inspection::RmsOfReadings LinearRms(const LinearState& state, const NoiseRoots& noise) {
   Eigen::VectorXd residual = state.estimated.residual;
   const LinearSolution solution = SolveLinearization(state.estimated);
   if (solution.step.size() == state.estimated.num_columns()) residual += state.estimated.jacobian * solution.step;
-  double sum = 0.0;
-  for (size_t k = 0; k < noise.size(); ++k) sum += (noise[k] * residual.segment<3>(3 * k)).squaredNorm();
-  return std::sqrt(sum / (3.0 * noise.size()));
+  return RmsOf(state.problem, state.estimated.observations,
+               [&](size_t k) { return (noise[k] * residual.segment<3>(3 * k)).squaredNorm(); });
 }
 
 void FillNoise(const LinearState& state, Inspection* inspection) {
-  const NoiseRoots noise = CalibrationResiduals(state.problem, kUnstatedSigma).noise;
-  double sum = 0.0;
-  for (const Matrix3<double>& root : noise) sum += root.squaredNorm();
+  const ResidualSelection rows = CalibrationResiduals(state.problem, kUnstatedSigma);
+  const Inspection::RmsOfReadings stated =
+      RmsOf(state.problem, rows.observations, [&](size_t k) { return rows.noise[k].squaredNorm(); });
   inspection->sigma_is_stated = state.problem.sigma_is_stated();
-  const Matrix3<double> equal = std::sqrt(sum / (3.0 * noise.size())) * Matrix3<double>::Identity();
-  inspection->sigma_differs =
-      inspection->sigma_is_stated && std::any_of(noise.begin(), noise.end(), [&](const auto& root) {
-        return !(root * root.transpose()).isApprox(equal * equal.transpose(), 1e-6);
-      });
-  inspection->stated_rms = inspection->sigma_is_stated ? std::sqrt(sum / (3.0 * noise.size())) : 0.0;
+  for (size_t k = 0; k < rows.noise.size() && inspection->sigma_is_stated; ++k) {
+    const bool is_point = state.problem.data().observations[rows.observations[k]].is_point();
+    const double equal = is_point ? stated.point : stated.rotation;
+    const Matrix3<double> covariance = rows.noise[k] * rows.noise[k].transpose();
+    inspection->sigma_differs |= !covariance.isApprox(equal * equal * Matrix3<double>::Identity(), 1e-6);
+  }
+  if (inspection->sigma_is_stated) inspection->stated = stated;
   inspection->scale = state.scale;
-  if (state.all.valid) inspection->linear_rms = LinearRms(state, noise);
+  if (state.all.valid) inspection->linear = LinearRms(state, rows.noise);
 }
 
 }  // namespace
@@ -198,7 +215,9 @@ Inspection Inspect(const CalibrationProblem& problem, const std::function<void(c
   inspection.findings.insert(inspection.findings.end(), inspection.reading.findings.begin(),
                              inspection.reading.findings.end());
   say(LinearizingAtNominal());
-  const LinearState state = Align(problem, inspection.reading.is_suspicious, &inspection.findings);
+  // Rows that weights moved another way than they are said to pull are good rows.
+  const bool is_misfit = inspection.reading.is_suspicious || FindLoadDirection(problem).has_value();
+  const LinearState state = Align(problem, is_misfit, &inspection.findings);
   inspection.aligned = AlignedSize(problem);
   inspection.torques = CompareTorques(state.problem, state.parameters);
   if (!inspection.torques.joints.empty()) {

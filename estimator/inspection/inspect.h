@@ -36,9 +36,13 @@ struct Inspection {
   ReadingLint reading;
   TorqueComparison torques;  // at the nominal robot, with the aligned base
   ResidualSize aligned;      // of the nominal robot, base and markers fitted, calibration rows
-  double linear_rms = 0.0;   // m per coordinate, unweighted: what a linear fit leaves
-  double stated_rms = 0.0;   // m per coordinate: the stated sigmas; 0: none
-  double scale = 1.0;        // of the stated sigmas, or of 1 mm, in everything below
+  struct RmsOfReadings {
+    double point = 0.0;     // m per coordinate
+    double rotation = 0.0;  // rad per axis; 0: no pose is read
+  };
+  RmsOfReadings linear;  // unweighted: what a linear fit leaves
+  RmsOfReadings stated;  // sigmas; 0: none
+  double scale = 1.0;    // of the stated sigmas, or of 1 mm, in everything below
   bool sigma_is_stated = false;
   bool sigma_differs = false;  // stated ones, between rows or axes: they weigh
   int unknowns = 0;

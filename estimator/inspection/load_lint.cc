@@ -6,6 +6,7 @@
 #include <map>
 #include <tuple>
 
+#include "estimator/inspection/load_direction.h"
 #include "estimator/statistics/median.h"
 #include "problems/loads.h"
 
@@ -69,6 +70,7 @@ std::map<std::string, Deflections> CollectDeflections(const CalibrationProblem& 
 
 std::vector<Finding> LintDeflections(const CalibrationProblem& problem) {
   std::vector<Finding> findings;
+  bool is_against = false;
   for (const auto& [load, deflections] : CollectDeflections(problem)) {
     if (deflections.sizes.empty()) continue;
     const double size = Median(deflections.sizes), flexibility = Median(deflections.per_force);
@@ -81,8 +83,12 @@ std::vector<Finding> LintDeflections(const CalibrationProblem& problem) {
     }
     if (deflections.directed > 0 && deflections.cosines < kAgainst * deflections.directed) {
       findings.push_back(Found(Severity::kSerious, "load_sign", LoadSignIsOff(load), first_row));
+      is_against = true;
     }
   }
+  // Against the force is the other direction, too.
+  if (std::optional<Finding> across = is_against ? std::nullopt : LintLoadDirection(problem))
+    findings.push_back(std::move(*across));
   return findings;
 }
 

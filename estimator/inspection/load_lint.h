@@ -1,4 +1,4 @@
-// Loads against what they do, before any model: how far the markers move per newton, and whether they give way.
+// Loads against what they do: how far the markers move per newton, and whether they give way, and where to.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 namespace sagitta {
 
 // Forces in a wrong unit (no arm gives way by a millimetre per newton, none is stiffer than 100 kN/mm) and forces of
-// the wrong sign (the markers move against them).
+// the wrong sign (the markers move against them), or weights in another direction (load_direction.h).
 std::vector<Finding> LintDeflections(const CalibrationProblem& problem);
 
 }  // namespace sagitta

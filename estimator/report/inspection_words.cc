@@ -128,6 +128,35 @@ Advice LoadSignIsOff(const std::string& load) {
           "unless loads: says otherwise), and which rows are loaded"};
 }
 
+namespace {
+
+std::string DirectionInWords(const Vector3<double>& direction) {
+  std::string words;
+  for (int a = 0; a < 3; ++a) {
+    const double value = std::abs(direction[a]) < 5e-4 ? 0.0 : direction[a];  // no -0.000
+    words += (a == 0 ? "" : ", ") + Fixed(value, 3);
+  }
+  return words;
+}
+
+}  // namespace
+
+std::string WeightsPullAcross(double angle) {
+  return "loaded points move as if the weights pulled " + Fixed(angle / kDegree, 0) +
+         " degrees away from the stated gravity";
+}
+
+Advice LoadsPullAcross(double angle, const Vector3<double>& fitted, const Vector3<double>& stated,
+                       const Vector3<double>& in_frame, bool is_base, double left_stated, double left) {
+  const std::string frame = is_base ? "base" : "measurement";
+  return {WeightsPullAcross(angle) + ": along (" + DirectionInWords(fitted) + ") of the base frame, stated is (" +
+              DirectionInWords(stated) + "); any compliances of the joints miss the deflections by " +
+              InMillimetres(left) + " RMS there, by " + InMillimetres(left_stated) + " as stated",
+          "state gravity: {direction: [" + DirectionInWords(in_frame) + "], frame: " + frame +
+              "} in the experiment file" + (is_base ? "" : " (the " + frame + " frame is not levelled)") +
+              "; wrench columns are in the measurement frame unless loads: says otherwise"};
+}
+
 std::string MisfitOfReading(double misfit, double as_read, const std::string& name,
                             const std::vector<std::string>& alike) {
   const std::string words = "the aligned nominal robot misses by " + InMillimetres(misfit) + " (RMS) as stated, by " +

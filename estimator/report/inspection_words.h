@@ -42,6 +42,11 @@ Advice MissingFromData(Missing what);
 // A load that moves the markers by `size` (m, median), `flexibility` (m/N) of it; or against its force.
 Advice LoadUnitIsOff(const std::string& load, double size, double flexibility, bool is_too_soft);
 Advice LoadSignIsOff(const std::string& load);
+// angle: rad, between the directions (base frame) that weights are stated to pull in and that the deflections fit;
+// left: what they miss the deflections by, m RMS per coordinate. in_frame: the latter in the frame of the stated one.
+Advice LoadsPullAcross(double angle, const Vector3<double>& fitted, const Vector3<double>& stated,
+                       const Vector3<double>& in_frame, bool is_base, double left_stated, double left);
+std::string WeightsPullAcross(double angle);
 
 // misfit: of the aligned nominal robot as stated, m RMS; `as_read`: with the other reading `name`. alike: others that
 // fit as well.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "estimator/noise/rotation_noise.h"
 #include "estimator/results/agreement_json.h"
 #include "estimator/results/intervals_json.h"
 #include "estimator/results/json_numbers.h"
@@ -119,10 +120,16 @@ Json DirectionsToJson(const std::vector<Direction>& directions) {
   return json;
 }
 
-Json SigmaToJson(const SigmaReport& sigma, const IntervalReport& intervals) {
-  const bool scaled = sigma.scaled && !intervals.is_empirical();
-  Json json = {{"a_posteriori", sigma.a_posteriori}, {"scaled", scaled}, {"stated", sigma.stated}};
-  json["estimated_mm"] = sigma.stated ? Json(nullptr) : Json(Millimetres(sigma.estimated));
+// Where nothing states any noise, points and rotations have one sigma each, estimated: weighed by these as if stated.
+Json SigmaToJson(const Estimate& estimate) {
+  const SigmaReport& sigma = estimate.sigma;
+  const VarianceComponent* rotation = RotationComponent(estimate.noise_report);
+  const bool scaled = sigma.scaled && !estimate.intervals.is_empirical();
+  const bool stated = sigma.stated && rotation == nullptr;
+  Json json = {{"a_posteriori", sigma.a_posteriori}, {"scaled", scaled}, {"stated", stated}};
+  const double estimated = rotation == nullptr ? sigma.estimated : estimate.noise_report.components[0].value;
+  json["estimated_mm"] = stated ? Json(nullptr) : Json(Millimetres(estimated));
+  if (rotation != nullptr) json["estimated_rotation_mrad"] = 1e3 * rotation->value;
   json["p_value"] = sigma.p_value;
   return json;
 }
@@ -230,7 +237,7 @@ Json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,
   json["agreement"] = AgreementToJson(estimate.agreement);
   json["held"] = HeldToJson(estimate);
   json["identifiability"] = IdentifiabilityToJson(problem, estimate.identifiability);
-  json["sigma"] = SigmaToJson(estimate.sigma, estimate.intervals);
+  json["sigma"] = SigmaToJson(estimate);
   json["noise"] = NoiseToJson(problem, estimate);
   json["prediction_noise"] = PredictionNoiseToJson(problem, estimate);
   const Json torques = TorquesToJson(problem, CompareTorques(problem, estimate.parameters));

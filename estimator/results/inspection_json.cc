@@ -86,9 +86,14 @@ Json InspectionToJson(const CalibrationProblem& problem, const Inspection& inspe
   if (!inspection.torques.joints.empty()) json["torques"] = TorquesToJson(problem, inspection.torques);
   json["orientation"] = {{"least", inspection.orientation.least}, {"most", inspection.orientation.most}};
   json["noise"] = {{"stated", inspection.sigma_is_stated},
-                   {"stated_rms_mm", inspection.sigma_is_stated ? Json(1e3 * inspection.stated_rms) : Json(nullptr)},
-                   {"linear_fit_rms_mm", 1e3 * inspection.linear_rms},
+                   {"stated_rms_mm", inspection.sigma_is_stated ? Json(1e3 * inspection.stated.point) : Json(nullptr)},
+                   {"linear_fit_rms_mm", 1e3 * inspection.linear.point},
                    {"scale", inspection.sigma_is_stated ? Json(inspection.scale) : Json(nullptr)}};
+  if (inspection.linear.rotation > 0.0) {
+    json["noise"]["stated_rotation_rms_mrad"] =
+        inspection.sigma_is_stated ? Json(1e3 * inspection.stated.rotation) : Json(nullptr);
+    json["noise"]["linear_fit_rotation_rms_mrad"] = 1e3 * inspection.linear.rotation;
+  }
   json["identifiability"] = IdentifiabilityToJson(problem, inspection.identifiability);
   json["identifiability"]["unknowns"] = inspection.unknowns;
   json["parameters"] = ParametersToJson(inspection);

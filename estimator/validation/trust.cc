@@ -11,6 +11,7 @@
 #include "estimator/estimate/parameter_table.h"
 #include "estimator/inspection/data_lint.h"
 #include "estimator/inspection/explained_errors.h"
+#include "estimator/inspection/load_direction.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/normal_equations.h"
@@ -237,6 +238,8 @@ std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const
   if (estimate.fit.distance_rms > SuspiciousMisfit(problem.robot().chain)) {
     reasons.push_back(RobotStillMisses(estimate.fit.distance_rms, !trust.suspects.empty()));
   }
+  if (const std::optional<LoadDirection> across = FindLoadDirection(problem))
+    reasons.push_back(WeightsPullAcross(across->angle));
   return reasons;
 }
 

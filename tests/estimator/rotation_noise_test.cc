@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "estimator/calibration/noise_loop.h"
 #include "estimator/diagnosis/diagnose.h"
+#include "estimator/inspection/inspect.h"
+#include "estimator/sagitta.h"
 #include "estimator/statistics/distributions.h"
 #include "tests/support/kr270_poses.h"
 
@@ -107,6 +110,27 @@ TEST(RotationNoise, WhatRotationsDoNotStateIsNoMissingEffect) {
     EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kConsistent) << point;
     EXPECT_TRUE(diagnosis.effects.empty()) << point;
   }
+}
+
+// Stated 0.05 mm and 1 mrad, scattering by 0.05 mm and 0.6 mrad: neither figure is a mean of both, and a target whose
+// rotation is read needs no three markers.
+TEST(RotationNoise, AnInspectionHasLengthsAndAnglesApart) {
+  const Inspection inspection = Inspect(test::Kr270ProblemOf(NoisyPoses(kPoint, 1e-3), Experiment()));
+  EXPECT_NEAR(inspection.stated.point, kPoint, 1e-12);
+  EXPECT_NEAR(inspection.stated.rotation, 1e-3, 1e-12);
+  // 180 coordinates of each, some 40 unknowns: within 4 standard deviations of what these leave.
+  EXPECT_NEAR(inspection.linear.point, kPoint, 0.25 * kPoint);
+  EXPECT_NEAR(inspection.linear.rotation, kRotation, 0.25 * kRotation);
+  EXPECT_FALSE(inspection.sigma_differs);
+  for (const Finding& finding : inspection.findings) EXPECT_NE(finding.code, "few_markers");
+}
+
+TEST(RotationNoise, TheFileSaysThatNoneWasStated) {
+  const Calibration calibration = Calibrate(test::Kr270ProblemOf(NoisyPoses(0.0, 0.0), Experiment()));
+  const nlohmann::ordered_json sigma = CalibrationToJson(calibration, {})["sigma"];
+  EXPECT_FALSE(sigma["stated"].get<bool>());
+  EXPECT_NEAR(sigma["estimated_mm"].get<double>(), 1e3 * kPoint, 0.25 * 1e3 * kPoint);
+  EXPECT_NEAR(sigma["estimated_rotation_mrad"].get<double>(), 1e3 * kRotation, 0.25 * 1e3 * kRotation);
 }
 
 }  // namespace

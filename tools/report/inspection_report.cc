@@ -19,7 +19,10 @@ constexpr size_t kShownNames = 8;
 
 std::string NoiseInWords(const Inspection& inspection) {
   if (!inspection.sigma_is_stated) return "No sigma is stated: that is assumed to be the noise in what follows.";
-  std::string words = "The stated sigmas are " + Fixed(1e3 * inspection.stated_rms, 4) + " mm RMS";
+  std::string words = "The stated sigmas are " + Fixed(1e3 * inspection.stated.point, 4) + " mm RMS";
+  if (inspection.stated.rotation > 0.0)
+    words += " per coordinate of a point and " + Significant(1e3 * inspection.stated.rotation, 4) +
+             " mrad per axis of a rotation";
   if (inspection.scale < 1.05) return words + ".";
   words += "; what follows assumes them " + Significant(inspection.scale, 3) + " times as large";
   if (!inspection.sigma_differs) return words + ".";
@@ -33,9 +36,12 @@ std::string MisfitInWords(const Inspection& inspection) {
   if (!std::isfinite(misfit))
     return "The nominal robot finds no equilibrium under its loads: nothing can be predicted.";
   const std::string how = inspection.sigma_differs ? " fitted with the rows' sigmas as weights" : " fitted";
-  return "The nominal robot, base and markers" + how + ", misses by " + Fixed(1e3 * misfit, 3) +
-         " mm (RMS of distances); a linear fit of all unknowns would leave " +
-         Fixed(1e3 * std::sqrt(3.0) * inspection.linear_rms, 3) + " mm. " + NoiseInWords(inspection);
+  std::string words = "The nominal robot, base and markers" + how + ", misses by " + Fixed(1e3 * misfit, 3) +
+                      " mm; a linear fit of all unknowns would leave " +
+                      Fixed(1e3 * std::sqrt(3.0) * inspection.linear.point, 3) + " mm (both RMS of distances)";
+  if (inspection.linear.rotation > 0.0)
+    words += ", and of rotations " + Significant(1e3 * inspection.linear.rotation, 3) + " mrad (RMS per axis)";
+  return words + ". " + NoiseInWords(inspection);
 }
 
 Section Overview(const CalibrationProblem& problem, const Inspection& inspection) {
