@@ -123,7 +123,7 @@ LinearState Align(const CalibrationProblem& problem, bool misfit, std::vector<Fi
         Linearize(problem, state.parameters, rows.observations, WithColumns(state.all, lost.columns).columns,
                   rows.noise, LatentTreatment::kIgnore);
     const Eigen::Matrix3Xd left = RobustLinearResiduals(all, rows.noise);
-    const std::vector<int> now = GrossOutliers(left);
+    const std::vector<int> now = GrossOutliers(left, all.num_columns());
     found = LintRows(problem, all, left);
     if (now == outliers) break;
     outliers = now;

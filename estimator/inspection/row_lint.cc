@@ -79,6 +79,14 @@ Eigen::VectorXd WeightedStep(const Linearization& rows, const Eigen::VectorXd& r
 
 }  // namespace
 
+double RobustScale(std::vector<double> distances, int unknowns) {
+  const auto passed = static_cast<size_t>((unknowns + 2) / 3);
+  if (passed >= distances.size()) return std::numeric_limits<double>::infinity();
+  std::sort(distances.begin(), distances.end());
+  distances.erase(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(passed));
+  return Median(distances);
+}
+
 Eigen::Matrix3Xd RobustLinearResiduals(const Linearization& linearization, const NoiseRoots& noise,
                                        Eigen::VectorXd* step) {
   const int n = static_cast<int>(linearization.observations.size());
@@ -97,7 +105,7 @@ Eigen::Matrix3Xd RobustLinearResiduals(const Linearization& linearization, const
     const Eigen::Matrix3Xd before = residuals;
     residuals = residuals_of(linearization.residual + linearization.jacobian * moved);
     const std::vector<double> distances = ResidualLengths(residuals);
-    const double scale = kHalfWeight * std::max(1e-12, Median(distances));
+    const double scale = kHalfWeight * std::max(1e-12, RobustScale(distances, linearization.num_columns()));
     if (i > 0 && (residuals - before).cwiseAbs().maxCoeff() < kStands * scale) break;
     for (int k = 0; k < n; ++k) {
       const double ratio = distances[k] / scale;
@@ -123,9 +131,10 @@ double NearestAlone(std::vector<double> distances, double median) {
 
 }  // namespace
 
-std::vector<int> GrossOutliers(const Eigen::Matrix3Xd& residuals) {
+std::vector<int> GrossOutliers(const Eigen::Matrix3Xd& residuals, int unknowns) {
   const std::vector<double> distances = ResidualLengths(residuals);
-  const double median = Median(distances);
+  const double median = RobustScale(distances, unknowns);
+  if (!std::isfinite(median)) return {};
   const double limit = std::min(kGross * median, NearestAlone(distances, median));
   std::vector<int> outliers;
   for (int k = 0; k < residuals.cols(); ++k) {
@@ -137,7 +146,8 @@ std::vector<int> GrossOutliers(const Eigen::Matrix3Xd& residuals) {
 std::vector<Finding> LintRows(const CalibrationProblem& problem, const Linearization& linearization,
                               const Eigen::Matrix3Xd& residuals) {
   std::vector<Finding> findings;
-  const std::vector<int> outliers = GrossOutliers(residuals);
+  const int unknowns = linearization.num_columns();
+  const std::vector<int> outliers = GrossOutliers(residuals, unknowns);
   if (outliers.empty()) return findings;
   const auto observation = [&](int k) -> const Observation& {
     return problem.data().observations[linearization.observations[k]];
@@ -168,7 +178,7 @@ std::vector<Finding> LintRows(const CalibrationProblem& problem, const Lineariza
     gross_rows.push_back(problem.data().SourceOf(observation(k)));
   }
   if (gross_rows.empty()) return findings;
-  const Advice advice = RowsAreOff(gross_rows.size(), least, most, Median(ResidualLengths(residuals)));
+  const Advice advice = RowsAreOff(gross_rows.size(), least, most, RobustScale(ResidualLengths(residuals), unknowns));
   findings.push_back(Found(Severity::kSerious, "outliers", advice, gross_rows));
   return findings;
 }

@@ -12,7 +12,6 @@
 #include "estimator/least_squares/refit.h"
 #include "estimator/least_squares/sample.h"
 #include "estimator/report/validation_words.h"
-#include "estimator/statistics/median.h"
 
 namespace sagitta {
 namespace {
@@ -28,6 +27,7 @@ struct SuspectedRows {
   ParameterSet parameters;     // what the residuals are of, but for a linear step
   std::vector<int> observations;
   Eigen::Matrix3Xd residuals;  // predicted - measured, m
+  int unknowns = 0;            // of the fit that left them
 
   const Observation& at(int k) const { return problem.data().observations[observations[k]]; }
   const Shot& shot(int k) const { return problem.data().shots[at(k).shot]; }
@@ -137,6 +137,7 @@ bool FitLinearly(const ParameterSet& parameters, SuspectedRows* rows) {
   }
   if (seen.size() < columns.size()) here.jacobian = here.jacobian(Eigen::all, seen).eval();
   if (!here.valid || here.num_rows() <= here.num_columns()) return false;
+  rows->unknowns = here.num_columns();
   Eigen::VectorXd step;
   const Eigen::Matrix3Xd residuals = RobustLinearResiduals(here, noise, &step);
   if (looked_at.size() == rows->observations.size()) {
@@ -171,7 +172,7 @@ bool FitRobustly(const Estimate& estimate, SuspectedRows* rows, std::vector<int>
   for (int round = 0; round < kRounds; ++round) {
     if (!FitLinearly(parameters, rows)) return round > 0;
     rows->parameters = parameters;
-    const std::vector<int> found = GrossOutliers(rows->residuals);
+    const std::vector<int> found = GrossOutliers(rows->residuals, rows->unknowns);
     if (found == *outliers) return true;
     *outliers = found;
     RefitOptions options;
@@ -198,12 +199,12 @@ std::vector<Suspect> FindAmong(const CalibrationProblem& problem, const FittedSt
                                const Estimate& estimate) {
   std::vector<Suspect> suspects = LeftOut(problem, estimate);
   SuspectedRows rows{
-      problem, fitted, estimate.parameters, problem.data().PointsAmong(problem.CalibrationObservations()), {}};
+      problem, fitted, estimate.parameters, problem.data().PointsAmong(problem.CalibrationObservations()), {}, 0};
   std::vector<int> outliers;
   if (!FitRobustly(estimate, &rows, &outliers)) return suspects;
   std::vector<double> distances;
   for (Eigen::Index k = 0; k < rows.residuals.cols(); ++k) distances.push_back(rows.residuals.col(k).norm());
-  const double median = Median(distances);
+  const double median = RobustScale(distances, rows.unknowns);
   const bool is_near = median <= SuspiciousMisfit(problem.robot().chain);  // else no reading can be said to fit
   for (const int k : outliers) {
     const int observation = rows.observations[k];

@@ -228,16 +228,16 @@ Eigen::Matrix3Xd Residuals60(unsigned seed) {
 TEST(RowLint, RowsThatStandAloneAreFound) {
   for (unsigned seed = 1; seed <= 100; ++seed) {
     Eigen::Matrix3Xd residuals = Residuals60(seed);
-    EXPECT_THAT(GrossOutliers(residuals), ElementsAre()) << seed;
+    EXPECT_THAT(GrossOutliers(residuals, 0), ElementsAre()) << seed;
     residuals.col(18) = Eigen::Vector3d(4e-4, 0.0, 0.0);  // 13 sigma, 9 median distances
-    EXPECT_THAT(GrossOutliers(residuals), ElementsAre(18)) << seed;
+    EXPECT_THAT(GrossOutliers(residuals, 0), ElementsAre(18)) << seed;
   }
 }
 
 TEST(RowLint, RowsThatHaveNeighboursDoNotStandAlone) {
   Eigen::Matrix3Xd residuals = Residuals60(1);
   for (int k = 0; k < 12; ++k) residuals.col(k) *= 1.0 + 0.4 * k;  // a tail
-  EXPECT_THAT(GrossOutliers(residuals), ElementsAre());
+  EXPECT_THAT(GrossOutliers(residuals, 0), ElementsAre());
 }
 
 TEST(Inspect, CopiedPointsAndDuplicatedPoses) {
