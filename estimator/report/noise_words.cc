@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <string>
+#include <tuple>
 
 #include "estimator/noise/rotation_noise.h"
 #include "problems/text.h"
@@ -99,8 +101,32 @@ bool VisitsTwice(const CalibrationProblem& problem) {
   return std::any_of(visits.begin(), visits.end(), [](const auto& entry) { return entry.second.size() > 1; });
 }
 
+// Rows that are distinguished from an earlier one of their marker by neither visit nor repeat.
+int RowsWithoutArrival(const CalibrationProblem& problem) {
+  int rows = 0;
+  std::set<std::tuple<int, int, int, std::string, std::string, std::string>> seen;
+  for (const Observation& row : problem.data().observations) {
+    const Shot& shot = problem.data().shots[row.shot];
+    if (!row.is_point()) continue;
+    if (!seen.insert({shot.configuration, shot.station, row.marker, shot.visit, shot.repeat, shot.load}).second) ++rows;
+  }
+  return rows;
+}
+
+// What the arm scatters by from arrival to arrival counts as the instrument's where arrivals have no name.
+void DescribeUnnamedArrivals(const CalibrationProblem& problem, NoiseReport* report) {
+  const int rows = RowsWithoutArrival(problem);
+  if (rows == 0) return;
+  report->words.push_back(
+      std::to_string(rows) + (rows == 1 ? " row counts as a repeated shot" : " rows count as repeated shots") +
+      " of one arrival, for neither visit nor repeat distinguishes them from earlier ones. If the arm came anew for "
+      "them, its own scatter stands in the instrument's figure, and the figures of both are wrong: name the "
+      "arrivals in a column visit.");
+}
+
 void DescribeComponents(const CalibrationProblem& problem, NoiseReport* report) {
   report->words.push_back(WhoIsTheNoise(*report));
+  DescribeUnnamedArrivals(problem, report);
   std::string all;
   for (const VarianceComponent& component : report->components) {
     if (component.joints.empty() && !component.estimated) continue;
@@ -226,7 +252,10 @@ void DescribeNoise(const CalibrationProblem& problem, Estimate* estimate) {
   NoiseReport& report = estimate->noise_report;
   report.source = SourceName(problem, estimate->sigma);
   report.loss = problem.experiment().method.loss;
-  if (problem.repeat_scatter) report.words.push_back(RepeatWords(*problem.repeat_scatter));
+  if (problem.repeat_scatter) {
+    report.words.push_back(RepeatWords(*problem.repeat_scatter));
+    DescribeUnnamedArrivals(problem, &report);
+  }
   if (const VarianceComponent* rotation = RotationComponent(report)) {
     report.source = "estimated";
     report.words.push_back(TwoNoisesInWords(report.components[0], *rotation));

@@ -389,7 +389,8 @@ void MeasurementsBuilder::WarnOfRepeated() {
       std::to_string(repeated_) +
       " rows equal an earlier one in config, visit, marker, load, station and repeat (the first: " + first_repeated_ +
       (copied_ > 0 ? "; " + std::to_string(copied_) + " of them have its point to the last digit" : "") +
-      "); they count as repeated shots");
+      "); they count as repeated shots of one arrival: if the arm came anew for them, name the arrivals in a column "
+      "visit, or noise and repeatability that are estimated are wrong");
 }
 
 Measurements MeasurementsBuilder::Take() {

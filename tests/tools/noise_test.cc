@@ -40,6 +40,28 @@ TEST_F(NoiseTest, OutliersAreListedByFileAndLine) {
   EXPECT_EQ(flagged, 4);
 }
 
+// Three arrivals in rows that no visit distinguishes: what the figures are worth is said where they stand.
+TEST_F(NoiseTest, UnnamedArrivalsSpoilTheComponents) {
+  auto rows = Cells(ReadAll(Data()));
+  const int x = Column(rows, "x_mm");
+  const size_t once = rows.size();
+  for (int arrival = 1; arrival < 3; ++arrival) {
+    for (size_t i = 1; i < once; ++i) {
+      rows.push_back(rows[i]);
+      rows.back()[x] = std::to_string(std::stod(rows[i][x]) + 0.05 * std::sin(static_cast<double>(i) * 7.0 + arrival));
+    }
+  }
+  const std::string experiment =
+      Experiment("noise: {sigma_mm: 0.1}\nrepeatability_urad: estimate\n", Write("arrivals.csv", Csv(rows)));
+  const Outcome outcome = Run({"calibrate", experiment, "--out=" + Path("out")});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string words = ReadJson("out/estimate.json")["noise"]["words"].dump();
+  EXPECT_NE(words.find(std::to_string(2 * (once - 1)) + " rows count as repeated shots of one arrival"),
+            std::string::npos)
+      << words;
+  EXPECT_NE(words.find("the figures of both are wrong"), std::string::npos);
+}
+
 // Two rows of five are off by up to half a metre: no loss bears that, and it is neither signs nor zero positions.
 TEST_F(NoiseTest, FortyPercentOfWildRowsAreSaidToBeRows) {
   for (const char* loss : {"huber", "cauchy"}) {
