@@ -61,7 +61,12 @@ std::vector<int> SampleOfRows(const CalibrationProblem& problem) {
 
 double AlignedMisfit(const CalibrationProblem& problem, const std::vector<int>& rows) {
   ParameterSet parameters = problem.parameters;
-  return FindStartingValues(problem, rows, StartingValueOptions(), &parameters);
+  const double rigid = FindStartingValues(problem, rows, StartingValueOptions(), &parameters);
+  const std::vector<int> points = problem.data().PointsAmong(rows);
+  if (points.empty()) return rigid;
+  const Eigen::Matrix3Xd errors = ResidualsOf(problem.data(), points, PredictPoints(problem, parameters, points));
+  const double deflected = std::sqrt(errors.squaredNorm() / static_cast<double>(points.size()));
+  return std::isfinite(deflected) ? std::min(rigid, deflected) : rigid;
 }
 
 namespace {

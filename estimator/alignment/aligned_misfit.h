@@ -18,7 +18,9 @@ double Reach(const CalibrationProblem& problem);
 // Calibration rows that see every station and marker, at most 40 of each pair.
 std::vector<int> SampleOfRows(const CalibrationProblem& problem);
 
-// RMS of the 3-D distances, m, of the aligned nominal robot on these rows.
+// RMS of the 3-D distances, m, of the aligned nominal robot on these rows, with or without what its loads deflect it
+// by, whichever is less: starting values are judged by the arm without, which a load moves by millimetres, and a load
+// that is stated wrongly is no reason to doubt robot or instrument.
 double AlignedMisfit(const CalibrationProblem& problem, const std::vector<int>& rows);
 
 // Whether that of all calibration rows of points, aligned to a sample of them, is more than `limit`: what a sample may
