@@ -10,6 +10,7 @@
 #include "estimator/results/measured_joints.h"
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
+#include "estimator/statistics/distributions.h"
 #include "problems/failure.h"
 
 namespace sagitta {
@@ -37,8 +38,9 @@ Prediction PredictWith(const CalibrationProblem& problem, const KnownRobot& know
   const std::vector<int> all = AllRows(problem);
   Prediction prediction;
   prediction.points = PointsOrThrow(problem, problem.parameters);
-  prediction.covariances = PredictionCovariances(problem, known.uncertainty, all, known.noise.scale);
   for (const int k : all) prediction.instrument.push_back(known.noise.scale * problem.SqrtCovariance(k));
+  prediction.covariances = PredictionCovariances(problem, known.uncertainty, all, known.noise.scale,
+                                                 prediction.instrument, &prediction.together);
   return prediction;
 }
 
@@ -95,6 +97,17 @@ double ExpectedRms(const Measurements& rows, const Prediction& prediction) {
   return std::isfinite(sum) ? std::sqrt(sum / (3.0 * rows.NumRows())) : 0.0;
 }
 
+// The sum of squares of errors that are as predicted is about tr V / nu chi^2_nu, nu = (tr V)^2 / tr V^2 (Satterthwaite
+// 1946), and F where the noise itself was estimated.
+double PValueOf(const KnownRobot& known, const Validation& validation, const PredictionTraces& together) {
+  if (!(validation.predicted_rms > 0.0 && together.trace_of_square > 0.0)) return 1.0;
+  const double ratio = std::pow(validation.after.rms / validation.predicted_rms, 2);
+  const double freedom = together.trace * together.trace / together.trace_of_square;
+  if (!std::isfinite(ratio * freedom)) return 1.0;
+  return known.noise.freedom > 0.0 ? FSurvival(ratio, freedom, known.noise.freedom)
+                                   : ChiSquareSurvival(ratio * freedom, freedom);
+}
+
 }  // namespace
 
 Prediction Predict(const KnownRobot& known, const Measurements& rows) {
@@ -145,6 +158,10 @@ Validation Validate(const KnownRobot& known, const Measurements& rows) {
   validation.before = MeasureReadings(rows, all, nominal);
   validation.after = MeasureReadings(rows, all, validation.predicted);
   validation.predicted_rms = ExpectedRms(rows, prediction);
+  validation.p_value = PValueOf(known, validation, prediction.together);
+  const double excess = validation.after.rms / validation.predicted_rms;
+  if (validation.p_value < problem.experiment().significance)
+    validation.refutation = RowsRefuteTheEstimate(validation.after.rms, excess, validation.p_value);
   validation.warnings = rows.warnings;
   const std::string outside = OutsideMeasuredInWords(known, rows.configurations);
   if (!outside.empty()) validation.warnings.push_back(outside);
@@ -171,7 +188,13 @@ nlohmann::ordered_json ValidationToJson(const Validation& validation, const Prov
   json["validation"]["predicted_rms_mm"] = validation.predicted_rms > 0.0
                                                ? nlohmann::ordered_json(1e3 * validation.predicted_rms)
                                                : nlohmann::ordered_json(nullptr);
+  json["validation"]["prediction_p_value"] = validation.p_value;
+  json["validation"]["excess"] = validation.predicted_rms > 0.0
+                                     ? nlohmann::ordered_json(validation.after.rms / validation.predicted_rms)
+                                     : nlohmann::ordered_json(nullptr);
+  json["validation"]["refuted"] = !validation.refutation.empty();
   std::vector<std::string> warnings = validation.warnings;
+  if (!validation.refutation.empty()) warnings.insert(warnings.begin(), validation.refutation);
   if (!validation.contradiction.empty()) warnings.insert(warnings.begin(), validation.contradiction);
   json["warnings"] = warnings;
   return json;

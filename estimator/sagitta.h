@@ -95,6 +95,7 @@ struct Prediction {
   Eigen::Matrix3Xd points;
   std::vector<PredictionCovariance> covariances;  // m^2, by where they come from
   NoiseRoots instrument;                          // root of one measurement's covariance, m; zero: not known
+  PredictionTraces together;                      // of all points and their readings
 };
 
 // Points of the rows (x, y, z may be absent), and rotations of those that are poses (AddKnownRotations makes poses of
@@ -125,8 +126,10 @@ void CheckReadings(const KnownRobot& known, const Measurements& rows, const Eige
 struct Validation {
   ResidualSize before, after;
   double predicted_rms = 0.0;  // m, per coordinate: noise and parameters; 0: the noise is not known
+  double p_value = 1.0;        // that errors as large as these come about although the prediction is right
   Eigen::Matrix3Xd predicted;  // m
   std::string contradiction;   // why the robot cannot have made these readings; empty: it can
+  std::string refutation;      // that the errors are larger than predicted; empty: they are not, at the significance
   std::vector<std::string> warnings;
 };
 

@@ -69,6 +69,15 @@ std::string CalibrationLeftOpen(double held_rms, const std::vector<std::string>&
          " (RMS), and how far they are off says little of the robot; calibrate with poses like these among the others";
 }
 
+std::string PValueInWords(double p_value) { return p_value < 1e-300 ? "p < 1e-300" : "p = " + Significant(p_value, 2); }
+
+std::string RowsRefuteTheEstimate(double rms, double excess, double p_value) {
+  return "these rows refute the estimate: their coordinates are off by " + InMillimetres(rms) + " (RMS), " +
+         Significant(excess, 2) + " times what noise and parameter uncertainty let expect (" + PValueInWords(p_value) +
+         "): since the calibration something has changed, or the readings are noisier than stated, or the model lacks "
+         "something; calibrate these rows by themselves, and 'sagitta changed' says what changed";
+}
+
 std::string WorseThanNominalOnThese(double calibrated, double nominal) {
   return "the calibrated robot misses these points by more than the nominal one (" + InMillimetres(calibrated) +
          " against " + InMillimetres(nominal) + "): it is not this robot, or it has changed since it was calibrated";

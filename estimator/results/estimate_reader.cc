@@ -57,11 +57,21 @@ class EstimateReader {
     for (const std::string& name : known_.uncertainty.held) CheckIsParameter(name, "held.names");
     if (const auto noise = root_.Find("prediction_noise")) {
       known_.noise = ReadPredictionNoise(*noise, &known_.loading);
+      known_.noise.freedom = NoiseFreedom();
     }
     return known_;
   }
 
  private:
+  // Where the residuals gave the noise, or scaled it; files of other programs may lack what says so.
+  double NoiseFreedom() const {
+    const auto sigma = root_.Find("sigma"), fit = root_.Find("fit");
+    if (!sigma || !fit) return 0.0;
+    const auto stated = sigma->Find("stated"), scaled = sigma->Find("scaled"), dof = fit->Find("dof");
+    const bool is_stated = !stated || stated->json() == true, is_scaled = scaled && scaled->json() == true;
+    return dof && (is_scaled || !is_stated) ? dof->NotNegativeNumber() : 0.0;
+  }
+
   // What it is, and that it is a result and not the record of a failure.
   void CheckKind() const {
     if (!root_.IsMap()) root_.Fail("an estimate is expected", kWritten);

@@ -17,6 +17,7 @@ struct PredictionNoise {
   double instrument_factor = 1.0;  // of the instrument alone, rows' sigmas included: found by variance components
   // m, where neither row, instrument nor one sigma says it: spread of repeats, of residuals
   std::optional<Vector3<double>> sigma_axis;
+  double freedom = 0.0;         // degrees of freedom that it was estimated with; 0: it was stated
   double sigma_rotation = 0.0;  // rad, of rotations that state none; 0: as everywhere (problems/noise_model.h)
 };
 

@@ -169,6 +169,31 @@ TEST_F(OtherReadingsTest, WorseThanNominalIsSaid) {
   EXPECT_THAT(worse.out, HasSubstr("the calibrated robot misses these points by more than the nominal one"));
 }
 
+// Joint 1 slipped by half a milliradian: points turn about the base's z (the base frame is the station's but for 0.1 mm
+// and 0.1 mrad), by a millimetre where a tenth was predicted.
+TEST_F(OtherReadingsTest, ASlippedJointRefutesTheEstimate) {
+  const Outcome good = Run({"validate", Path("fit/estimate.json"), Path("unseen.csv"), "--out=" + Path("good")});
+  EXPECT_THAT(good.out, ::testing::Not(HasSubstr("refute")));
+  EXPECT_THAT(good.out, HasSubstr("Within "));
+  const nlohmann::json of_good = ReadJson("good/validation.json");
+  EXPECT_FALSE(of_good["validation"]["refuted"].get<bool>());
+  EXPECT_GT(of_good["validation"]["prediction_p_value"].get<double>(), 0.01);
+  const Eigen::AngleAxisd turn(5e-4, Eigen::Vector3d::UnitZ());
+  const Rows rows =
+      Changed([&](const Eigen::VectorXd&, const Vector3<double>& p) -> Vector3<double> { return turn * p; });
+  const Outcome slipped =
+      Run({"validate", Path("fit/estimate.json"), Write("slipped.csv", Csv(rows)), "--out=" + Path("slipped")});
+  EXPECT_EQ(slipped.status, 0) << slipped.err;
+  EXPECT_THAT(slipped.out, HasSubstr("these rows refute the estimate"));
+  EXPECT_THAT(slipped.out, HasSubstr("Off by "));
+  const nlohmann::json json = ReadJson("slipped/validation.json");
+  EXPECT_TRUE(json["validation"]["refuted"].get<bool>());
+  EXPECT_LT(json["validation"]["prediction_p_value"].get<double>(), 1e-10);
+  EXPECT_NEAR(json["validation"]["excess"].get<double>(),
+              json["validation"]["rms_mm"].get<double>() / json["validation"]["predicted_rms_mm"].get<double>(), 1e-9);
+  EXPECT_THAT(json["warnings"].dump(), HasSubstr("these rows refute the estimate"));
+}
+
 // Placeholders where none are asked for; validate asks for points.
 TEST_F(OtherReadingsTest, PointsOfZeroAreAbsentForPredict) {
   const std::string file =

@@ -2,6 +2,7 @@
 
 #include <numeric>
 
+#include "estimator/report/inspection_known_words.h"
 #include "estimator/validation/unseen.h"
 #include "problems/text.h"
 #include "tools/report/histograms.h"
@@ -28,8 +29,10 @@ UnseenPoints DistancesOf(const CalibrationProblem& problem, const Eigen::Matrix3
 Section Head(const KnownRobot& known, const Measurements& rows, const Validation& validation) {
   Section head;
   head.title = (known.robot.name.empty() ? "Robot" : known.robot.name) + ": validation";
-  const bool is_off = !validation.contradiction.empty();
-  if (is_off) head.paragraphs = {"- " + validation.contradiction + "."};
+  const bool is_off = !(validation.contradiction.empty() && validation.refutation.empty());
+  for (const std::string* words : {&validation.contradiction, &validation.refutation}) {
+    if (!words->empty()) head.paragraphs.push_back("- " + *words + ".");
+  }
   head.paragraphs.push_back((is_off ? "Off by " : "Within ") + InMillimetres(validation.after.distance_rms) +
                             " (RMS; nominal robot " + InMillimetres(validation.before.distance_rms) + ") on " +
                             std::to_string(rows.configurations.size()) + " configurations, estimate " + known.file +
@@ -42,8 +45,11 @@ Section Residuals(const KnownRobot& known, const Validation& validation) {
                                     validation.before, validation.after);
   section.paragraphs.push_back("before: the nominal robot, base poses and markers fitted to the calibration rows.");
   if (validation.predicted_rms > 0.0) {
-    section.paragraphs.push_back("Predicted coordinate RMS from noise and parameter uncertainty: " +
-                                 Fixed(1e3 * validation.predicted_rms, 4) + " mm.");
+    const double excess = validation.after.rms / validation.predicted_rms;
+    section.paragraphs.push_back("Coordinate RMS " + Fixed(1e3 * validation.after.rms, 4) + " mm, predicted " +
+                                 Fixed(1e3 * validation.predicted_rms, 4) +
+                                 " mm from noise and parameter uncertainty: " + Significant(excess, 2) + " times (" +
+                                 PValueInWords(validation.p_value) + ").");
   }
   const std::string model_error = ModelErrorInWords(known);
   if (!model_error.empty()) section.paragraphs.push_back(model_error);
