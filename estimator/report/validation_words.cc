@@ -18,17 +18,39 @@ std::string NotMeasured(size_t directions) {
   return "; " + number + (directions == 1 ? " direction was" : " directions were") + " not measured";
 }
 
+// Against the nominal robot; where it is worse that is a reason not to trust it.
+std::string GainInWords(const Trust& trust) {
+  if (trust.nominal.points == 0 || trust.gain.compared == Compared::kWorse) return "";
+  const std::string nominal = InMillimetres(trust.nominal.distance_rms);
+  if (trust.gain.compared == Compared::kBetter)
+    return ", " + Significant(trust.gain.ratio, 2) + " times better than nominal";
+  if (trust.gain.compared == Compared::kAsGood) return "; the robot file was as good already (" + nominal + ")";
+  const size_t poses = trust.nominal.squares.size();
+  return "; as far as " + std::to_string(poses) + (poses == 1 ? " pose shows" : " poses show") +
+         ", the robot file was as good already (" + nominal + ")";
+}
+
+// What of the RMS is no error of the robot.
+std::string NoiseShareInWords(const NoiseShare& share) {
+  if (!(share.noise > 0.0)) return "";
+  const std::string rest = (share.rest_is_bound ? "at most " : "") + InMillimetres(share.rest) + ".";
+  const std::string known = " Of this RMS, known to ± " + Significant(100.0 * share.rms_known_to, 2) + " %, ";
+  if (share.of_residuals) {
+    return known + "the scatter of the residuals, of instrument and arm and of what the model lacks alike, is " +
+           InMillimetres(share.noise) + ", and what uncertain parameters add " + rest;
+  }
+  return known + "the noise of the readings is " + InMillimetres(share.noise) + ", and what is left for the robot " +
+         rest;
+}
+
 // How good the robot is on poses that it has not seen.
 std::string AccuracyInWords(const Trust& trust, double significance, double better) {
   const UnseenPoints& quoted = trust.Quoted();
   if (quoted.points == 0) return "No points were set aside to say how good this robot is on poses it has not seen.";
-  const double gain = quoted.distance_rms > 0.0 ? trust.nominal.distance_rms / quoted.distance_rms : 0.0;
   std::string words = "On poses it has not seen this robot is now within " + InMillimetres(quoted.distance_rms) +
                       " (RMS; 95 % of points within " + InMillimetres(quoted.distance_p95) + ", worst " +
                       InMillimetres(quoted.distance_max) + " at config " + quoted.worst.front().configuration + ")";
-  if (gain > 1.0 + better) words += ", " + Significant(gain, 2) + " times better than nominal";
-  if (std::abs(gain - 1.0) <= better)
-    words += "; the robot file was as good already (" + InMillimetres(trust.nominal.distance_rms) + ")";
+  words += GainInWords(trust);
   if (quoted.predicted_rms > 0.0) {
     const double excess = quoted.Excess();
     const bool is_small = quoted.p_value < significance;
@@ -37,7 +59,7 @@ std::string AccuracyInWords(const Trust& trust, double significance, double bett
              : is_large ? "; the prediction was " + Significant(1.0 / excess, 2) + " times larger"
                         : "; the prediction agrees";
   }
-  return words + ".";
+  return words + "." + NoiseShareInWords(trust.noise);
 }
 
 }  // namespace
@@ -60,9 +82,9 @@ std::string ModelErrorInWords(double median, double largest, const std::string& 
 
 std::string NothingChecksIt() { return "nothing checks it: too few configurations to set any aside"; }
 
-std::string HoldoutIsOff(double excess, double p_value) {
-  return "the errors on the points held out are " + Significant(excess, 2) +
-         " times what the estimate predicted for them (p = " + Significant(p_value, 2) + ")";
+std::string PredictionIsOff(bool is_holdout, double excess, double p_value) {
+  return std::string("the errors ") + (is_holdout ? "on the points held out" : "in the cross-validation") + " are " +
+         Significant(excess, 2) + " times what the estimate predicted for them (p = " + Significant(p_value, 2) + ")";
 }
 
 std::string WorseThanNominal(double nominal_rms) {
@@ -145,6 +167,14 @@ std::string CorrectionIsLarge(const std::string& name, double correction, bool i
          "maker's table.";
 }
 
+std::string ResidualsRefuteNoise(double times) {
+  return "The residuals are " + Significant(times, 3) +
+         " times what the stated standard deviations let expect: either these are too small, or the arm does something "
+         "that the model does not have ('sagitta diagnose' distinguishes); the prediction was judged with the scatter "
+         "of "
+         "the residuals, not with the stated noise.";
+}
+
 std::string StatedNoiseIsTooLarge(double times, double rms) {
   // 1000 times: the unit next to it, where the residuals are larger than the noise by less than a factor of three.
   const bool is_unit = times > 300.0 && times < 3000.0;
@@ -160,6 +190,18 @@ std::string VerdictInWords(const Trust& trust, double significance, double bette
                              : " Do not trust it yet: " + Enumerate(trust.verdict.reasons) + ".");
   for (const std::string& limit : trust.limits) words += " " + limit;
   return words;
+}
+
+std::string LeftOutInWords(const Unpredictable& left_out) {
+  if (left_out.points == 0) return "";
+  std::vector<std::string> causes;
+  for (const std::string& station : left_out.stations) causes.push_back("station " + station);
+  for (const std::string& marker : left_out.markers) causes.push_back("marker " + marker);
+  const bool is_one = left_out.points == 1;
+  return std::to_string(left_out.points) + (is_one ? " point is" : " points are") +
+         " left out of the cross-validation: without " + (is_one ? "its" : "their") +
+         " own poses nothing determines where " + Enumerate(causes) + (causes.size() == 1 ? " is" : " are") +
+         ", so that nothing can be predicted for " + (is_one ? "it" : "them") + ".";
 }
 
 std::string FitsTurned(int axis) { return "fits with " + AxisName(axis) + " of the other sign"; }

@@ -17,7 +17,7 @@ std::string ModelErrorInWords(double median, double largest, const std::string& 
 
 // Reasons not to trust.
 std::string NothingChecksIt();
-std::string HoldoutIsOff(double excess, double p_value);
+std::string PredictionIsOff(bool is_holdout, double excess, double p_value);
 std::string WorseThanNominal(double nominal_rms);
 std::string NoRedundancy();
 std::string BelowAnyInstrument(double rms);
@@ -34,11 +34,17 @@ std::string RobotStillMisses(double distance_rms, bool has_suspects);
 std::string JointWasNotMeasured(const Joint& joint, double least, double most);
 std::string CorrectionIsLarge(const std::string& name, double correction, bool is_length);
 
+// times: the stated standard deviations that the residuals are.
+std::string ResidualsRefuteNoise(double times);
+
 // times: by which the stated noise is larger than the residuals; rms: of these, m per coordinate.
 std::string StatedNoiseIsTooLarge(double times, double rms);
 
 // better: share by which errors have to differ to be called better; not_measured: directions that the data left open.
 std::string VerdictInWords(const Trust& trust, double significance, double better, size_t not_measured);
+
+// Points that no fold predicts; empty: none.
+std::string LeftOutInWords(const Unpredictable& left_out);
 
 // How a suspect row would fit; axes: 0 to 2.
 std::string FitsTurned(int axis);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "estimator/report/validation_words.h"
 #include "estimator/results/intervals_json.h"
 
 namespace sagitta {
@@ -32,6 +33,20 @@ Json CrossValidationToJson(const CrossValidation& cross_validation) {
                {"distance_max_mm", 1e3 * unseen.distance_max},
                {"predicted_rms_mm", 1e3 * unseen.predicted_rms}};
   AddUnseen(unseen, &json);
+  const UnseenPoints& before = cross_validation.nominal;
+  json["before"] = Json::object();
+  if (before.points > 0) {
+    json["before"] = {{"rms_mm", 1e3 * before.rms},
+                      {"distance_rms_mm", 1e3 * before.distance_rms},
+                      {"distance_p50_mm", 1e3 * before.distance_p50},
+                      {"distance_p95_mm", 1e3 * before.distance_p95},
+                      {"distance_max_mm", 1e3 * before.distance_max}};
+  }
+  const Unpredictable& left_out = cross_validation.unpredictable;
+  json["left_out"] = {{"points", left_out.points},
+                      {"stations", left_out.stations},
+                      {"markers", left_out.markers},
+                      {"words", LeftOutInWords(left_out)}};
   return json;
 }
 
@@ -81,6 +96,13 @@ void AddTrustTo(const Estimate& estimate, const Trust& trust, Json* json) {
       {"words", trust.verdict.words}, {"trusted", trust.verdict.trusted}, {"reasons", trust.verdict.reasons}};
   (*json)["cross_validation"] = CrossValidationToJson(trust.cross_validation);
   if (trust.holdout.points > 0) AddUnseen(trust.holdout, &(*json)["validation"]);
+  if (trust.noise.noise > 0.0) {
+    (*json)["verdict"]["noise_share"] = {{"noise_mm", 1e3 * trust.noise.noise},
+                                         {"of_residuals", trust.noise.of_residuals},
+                                         {"rest_mm", 1e3 * trust.noise.rest},
+                                         {"rest_is_bound", trust.noise.rest_is_bound},
+                                         {"rms_known_to", trust.noise.rms_known_to}};
+  }
   (*json)["iso9283"] = Iso9283ToJson(trust);
   (*json)["suspects"] = Json::array();
   for (const Suspect& suspect : trust.suspects)

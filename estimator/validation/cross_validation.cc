@@ -5,6 +5,8 @@
 #include <charconv>
 #include <cstdint>
 #include <functional>
+#include <iterator>
+#include <map>
 #include <optional>
 #include <set>
 
@@ -38,39 +40,76 @@ struct Fold {
   PredictedSums predicted;  // of its points
   Eigen::MatrixXd total;    // of `rows`
   Eigen::VectorXd step;     // of the fit without it, SI
+  Eigen::MatrixXd root;     // R of that fit: R R' = (J'J)^-1
   bool loses = false;       // the fit without it holds more than the whole
+};
+
+// Which configurations go together.
+struct FoldPlan {
+  int count = 0;
+  std::vector<int> fold_of;  // of each configuration; -1: it is not fitted
+};
+
+FoldPlan PlanFolds(const CalibrationProblem& problem, const FittedStream& fitted, std::uint64_t seed) {
+  FoldPlan plan;
+  if (fitted.observations().empty()) return plan;
+  plan.fold_of = FoldsOf(problem, seed);
+  plan.count = 1 + *std::max_element(plan.fold_of.begin(), plan.fold_of.end());
+  return plan;
+}
+
+size_t FoldAt(const CalibrationProblem& problem, const FoldPlan& plan, int observation) {
+  return static_cast<size_t>(
+      plan.fold_of[problem.data().shots[problem.data().observations[observation].shot].configuration]);
+}
+
+// A fit that is divided: its values, what each fold's fit estimates anew, and where it has the points.
+struct Division {
+  const ParameterSet& parameters;
+  std::vector<int> columns;
+  const Eigen::Matrix3Xd& predicted;
+};
+
+struct DividedFit {
+  std::vector<int> columns;
+  Eigen::MatrixXd sums;  // [J r]'[J r] of all rows and the priors
+  std::vector<Fold> folds;
 };
 
 // What the fit without a fold would hold rests where such a fit lets it rest (held_rest.h): the same weak prior about
 // the same place. One step along a direction that is hardly measured any more would go anywhere. left: [J r]'[J r].
 // False: nothing is lost.
-bool AddRest(const CalibrationProblem& problem, const Estimate& estimate, const std::vector<int>& columns, double noise,
+bool AddRest(const CalibrationProblem& problem, const Estimate& estimate, const Division& whole,
              Eigen::MatrixXd* left) {
   constexpr double kLeastWeight = 1e-6;  // of a column's norm: normal equations do not lose it in rounding
   const ParameterSet& aligned = estimate.aligned.num_coordinates() > 0 ? estimate.aligned : problem.parameters;
+  const double noise = AppliedNoise(estimate.sigma);
+  const std::vector<int>& columns = whole.columns;
   NormalSums sums;
   sums.columns = columns;
   sums.matrix = *left;
   sums.valid = true;
   const auto n = static_cast<Eigen::Index>(columns.size());
-  const std::vector<int> lost = FindUnidentifiable(Condense(sums), estimate.parameters, noise).columns;
+  const std::vector<int> lost = FindUnidentifiable(Condense(sums), whole.parameters, noise).columns;
   for (const int c : lost) {
     const int i = columns[static_cast<size_t>(c)];
-    const Coordinate& coordinate = estimate.parameters.coordinates()[i];
+    const Coordinate& coordinate = whole.parameters.coordinates()[i];
     if (coordinate.prior_sigma > 0.0) continue;
     const double weight = std::max(noise / PhysicalRange(coordinate), kLeastWeight * std::sqrt((*left)(c, c)));
     (*left)(c, c) += weight * weight;
     // Single axes of a rotation have no value of their own: they stay where the whole has them.
-    if (IsRotation(estimate.parameters.blocks()[coordinate.block].kind)) continue;
-    const double off = estimate.parameters.Value(i) - ReferenceOf(problem, aligned, i);
+    if (IsRotation(whole.parameters.blocks()[coordinate.block].kind)) continue;
+    const double off = whole.parameters.Value(i) - ReferenceOf(problem, aligned, i);
     (*left)(c, n) += weight * weight * off;
     (*left)(n, c) = (*left)(c, n);
   }
   return !lost.empty();
 }
 
-// A calibration without the listed rows, where the others see every station and marker. Nothing: it has no result.
-std::optional<ParameterSet> CalibrateWithout(const CalibrationProblem& problem, const std::vector<int>& left_out) {
+// A calibration without the listed rows, where the others see every station and marker that is to be predicted.
+// Nothing: it has no result.
+std::optional<ParameterSet> CalibrateWithout(const CalibrationProblem& problem, const std::vector<int>& left_out,
+                                             const std::vector<int>& predicted) {
   CalibrationProblem rest = problem;
   for (const int i : left_out) rest.mutable_data()->ExcludeRow(i);
   std::set<int> stations, markers;
@@ -78,7 +117,7 @@ std::optional<ParameterSet> CalibrateWithout(const CalibrationProblem& problem, 
     stations.insert(rest.data().shots[rest.data().observations[i].shot].station);
     markers.insert(rest.data().observations[i].marker);
   }
-  for (const int i : left_out) {
+  for (const int i : predicted) {
     const Observation& row = problem.data().observations[i];
     if (stations.count(problem.data().shots[row.shot].station) + markers.count(row.marker) < 2) return std::nullopt;
   }
@@ -163,6 +202,156 @@ bool PredictFromTotals(const CalibrationProblem& problem, const NoiseRoots& weig
   return true;
 }
 
+// Base poses and markers: what the alignment of the nominal robot estimates.
+std::vector<int> AlignedColumns(const ParameterSet& aligned) {
+  std::vector<int> columns;
+  for (const int i : aligned.EstimatedCoordinates()) {
+    const CoordinateKind kind = aligned.coordinates()[i].kind;
+    if (kind == CoordinateKind::kBase || kind == CoordinateKind::kMarker) columns.push_back(i);
+  }
+  return columns;
+}
+
+// Every fold's sums, and the step of the fit without it. Nothing: an equilibrium diverges.
+std::optional<DividedFit> Divide(const CalibrationProblem& problem, const FittedStream& fitted,
+                                 const Estimate& estimate, const FoldPlan& plan, const Division& whole) {
+  DividedFit fit;
+  fit.columns = whole.columns;
+  const auto n = static_cast<Eigen::Index>(whole.columns.size());
+  for (int f = 0; f < plan.count; ++f) fit.folds.emplace_back(static_cast<int>(n));
+  if (whole.columns.empty()) return fit;
+  const bool valid = fitted.ForEach(whole.parameters, whole.columns, [&](const RowPiece& piece) {
+    for (int k = 0; k < 3 * piece.num_observations(); ++k) {
+      const int i = fitted.observations()[piece.positions[k / 3]];
+      fit.folds[FoldAt(problem, plan, i)].rows.Add(&piece.rows(k, 0));
+    }
+  });
+  if (!valid) return std::nullopt;
+  Eigen::MatrixXd sums = SumRows(PriorsOf(whole.parameters, whole.columns)).matrix;
+  for (Fold& fold : fit.folds) sums += fold.total = fold.rows.Total();
+  const Eigen::VectorXd scale = sums.diagonal().head(n).cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+  for (Fold& fold : fit.folds) {
+    Eigen::MatrixXd left = sums - fold.total;
+    fold.loses = AddRest(problem, estimate, whole, &left);
+    fold.root = Leave(left, scale, &fold);
+  }
+  fit.sums = std::move(sums);
+  return fit;
+}
+
+// Which stations and markers the rows of the other folds determine, everything else given.
+class WithoutFold {
+ public:
+  WithoutFold(const Estimate& estimate, const DividedFit& fit, const Fold& fold)
+      : estimate_(estimate), sums_(fit.sums), fold_(fold), columns_(fit.columns) {}
+
+  bool DeterminesStation(int station) {
+    const ParameterSet& all = estimate_.parameters;
+    return Remembered(&stations_, station, {&all.station_translation(station), &all.station_rotation(station)});
+  }
+  bool DeterminesMarker(int marker) { return Remembered(&markers_, marker, {&estimate_.parameters.marker(marker)}); }
+
+ private:
+  using Blocks = std::vector<const ParameterBlock*>;
+
+  bool Remembered(std::map<int, bool>* known, int owner, const Blocks& blocks) {
+    const auto found = known->find(owner);
+    if (found != known->end()) return found->second;
+    return (*known)[owner] = AreDetermined(blocks);
+  }
+
+  bool AreDetermined(const Blocks& blocks) const {
+    constexpr double kRoundOff = 1e-12;  // of a column's square: what is left of a difference of equal sums
+    std::vector<int> places, with_residual;
+    for (size_t c = 0; c < columns_.size(); ++c) {
+      const int block = estimate_.parameters.coordinates()[columns_[c]].block;
+      const auto is_it = [&](const ParameterBlock* one) { return one == &estimate_.parameters.blocks()[block]; };
+      if (std::any_of(blocks.begin(), blocks.end(), is_it)) places.push_back(static_cast<int>(c));
+    }
+    if (places.empty()) return true;
+    with_residual = places;
+    with_residual.push_back(static_cast<int>(columns_.size()));
+    NormalSums left;
+    left.valid = true;
+    for (const int c : places) left.columns.push_back(columns_[static_cast<size_t>(c)]);
+    left.matrix = sums_(with_residual, with_residual) - fold_.total(with_residual, with_residual);
+    for (size_t k = 0; k < places.size(); ++k) {
+      const auto at = static_cast<Eigen::Index>(k);
+      if (left.matrix(at, at) <= kRoundOff * sums_(places[k], places[k])) return false;
+    }
+    return FindUnidentifiable(Condense(left), estimate_.parameters, AppliedNoise(estimate_.sigma)).columns.empty();
+  }
+
+  const Estimate& estimate_;
+  const Eigen::MatrixXd& sums_;
+  const Fold& fold_;
+  const std::vector<int>& columns_;
+  std::map<int, bool> stations_, markers_;
+};
+
+// Points of the listed ones whose marker and station the other folds determine; the rest is listed in `unpredictable`.
+std::vector<int> Predictable(const CalibrationProblem& problem, const Estimate& estimate, const FoldPlan& plan,
+                             const DividedFit& fit, const std::vector<int>& points, Unpredictable* unpredictable) {
+  const Measurements& data = problem.data();
+  std::vector<WithoutFold> without;
+  for (const Fold& fold : fit.folds) without.emplace_back(estimate, fit, fold);
+  std::vector<int> predictable;
+  std::set<int> stations, markers;
+  for (const int i : points) {
+    WithoutFold& rest = without[FoldAt(problem, plan, i)];
+    const int station = data.shots[data.observations[i].shot].station, marker = data.observations[i].marker;
+    const bool has_station = rest.DeterminesStation(station), has_marker = rest.DeterminesMarker(marker);
+    if (has_station && has_marker) predictable.push_back(i);
+    if (!has_station) stations.insert(station);
+    if (!has_marker) markers.insert(marker);
+  }
+  unpredictable->points = static_cast<int>(points.size() - predictable.size());
+  for (const int s : stations) unpredictable->stations.push_back(data.stations[s]);
+  for (const int m : markers) unpredictable->markers.push_back(data.markers[m]);
+  return predictable;
+}
+
+// Measured - predicted of the points, each by the fit without its fold. is_compared: whether what such fits predict is
+// summed as well.
+Eigen::Matrix3Xd ErrorsOfFolds(const CalibrationProblem& problem, const FittedStream& fitted, const Estimate& estimate,
+                               const FoldPlan& plan, const Division& whole, const std::vector<int>& quoted,
+                               bool is_compared, DividedFit* fit) {
+  Eigen::Matrix3Xd errors = ResidualsOf(problem.data(), quoted, whole.predicted(Eigen::all, quoted));
+  if (whole.columns.empty() || quoted.empty()) return errors;
+  const NoiseRoots scatter = ScatterOf(estimate, quoted), weighed = FitRoots(problem, quoted, kFallbackSigma);
+  std::vector<int> points_of_fold(fit->folds.size(), 0);
+  for (const int i : quoted) ++points_of_fold[FoldAt(problem, plan, i)];
+  const bool are_summed =
+      is_compared && PredictFromTotals(problem, weighed, scatter, quoted, points_of_fold, &fit->folds);
+  ForEachPoint(problem, whole.parameters, whole.columns, fitted, quoted, weighed,
+               [&](size_t place, const Matrix3<double>& root, const RowsOfPoint& rows) {
+                 Fold& fold = fit->folds[FoldAt(problem, plan, quoted[place])];
+                 errors.col(static_cast<Eigen::Index>(place)) -= root * (rows * fold.step);
+                 if (is_compared && !are_summed) fold.predicted.Add(scatter[place], root * rows);
+               });
+  return errors;
+}
+
+// What is held in addition moves what was held before: no step from the whole finds that. A fold without which
+// something is not measured is calibrated without.
+void RecalibrateWhereLost(const CalibrationProblem& problem, const FittedStream& fitted, const FoldPlan& plan,
+                          const DividedFit& fit, const std::vector<int>& quoted, Eigen::Matrix3Xd* errors) {
+  for (size_t f = 0; f < fit.folds.size(); ++f) {
+    std::vector<int> left_out, own;
+    const auto is_in = [&](int i) { return FoldAt(problem, plan, i) == f; };
+    std::copy_if(quoted.begin(), quoted.end(), std::back_inserter(own), is_in);
+    if (!fit.folds[f].loses || own.empty()) continue;
+    std::copy_if(fitted.observations().begin(), fitted.observations().end(), std::back_inserter(left_out), is_in);
+    const std::optional<ParameterSet> rest = CalibrateWithout(problem, left_out, own);
+    if (!rest) continue;
+    const Eigen::Matrix3Xd without = ResidualsOf(problem.data(), own, PredictPoints(problem, *rest, own));
+    for (size_t k = 0; k < own.size(); ++k) {
+      const auto place = std::lower_bound(quoted.begin(), quoted.end(), own[k]) - quoted.begin();
+      errors->col(place) = without.col(static_cast<Eigen::Index>(k));
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed) {
@@ -215,76 +404,31 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate&
 CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStream& fitted, const Estimate& estimate,
                               std::uint64_t seed) {
   CrossValidation result;
-  const std::vector<int> columns = MovingColumns(estimate);
-  const auto n = static_cast<Eigen::Index>(columns.size());
-  if (columns.empty()) return result;
-  const std::vector<int> fold_of = FoldsOf(problem, seed);
-  const int count = 1 + *std::max_element(fold_of.begin(), fold_of.end());
-  if (count < 2) return result;
-  std::vector<Fold> folds;
-  for (int f = 0; f < count; ++f) folds.emplace_back(static_cast<int>(n));
-  const std::vector<int>& observations = fitted.observations();
-  const auto fold_at = [&](int i) {
-    return static_cast<size_t>(fold_of[problem.data().shots[problem.data().observations[i].shot].configuration]);
-  };
-  const bool valid = fitted.ForEach(estimate.parameters, columns, [&](const RowPiece& piece) {
-    for (int k = 0; k < 3 * piece.num_observations(); ++k) {
-      folds[fold_at(observations[piece.positions[k / 3]])].rows.Add(&piece.rows(k, 0));
-    }
-  });
-  if (!valid) return result;
-  Eigen::MatrixXd sums = SumRows(PriorsOf(estimate.parameters, columns)).matrix;
-  for (Fold& fold : folds) sums += fold.total = fold.rows.Total();
-  const Eigen::VectorXd scale = sums.diagonal().head(n).cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
-  std::vector<Eigen::MatrixXd> of_fits;
-  for (Fold& fold : folds) {
-    Eigen::MatrixXd left = sums - fold.total;
-    fold.loses = AddRest(problem, estimate, columns, AppliedNoise(estimate.sigma), &left);
-    of_fits.push_back(Leave(left, scale, &fold));
-  }
-
-  const std::vector<int> quoted = problem.data().PointsAmong(observations);
-  std::vector<int> points_of_fold(folds.size(), 0);
-  for (const int i : quoted) ++points_of_fold[fold_at(i)];
-  const NoiseRoots scatter = ScatterOf(estimate, quoted), weighed = FitRoots(problem, quoted, kFallbackSigma);
-  const bool are_predicted = PredictFromTotals(problem, weighed, scatter, quoted, points_of_fold, &folds);
-  Eigen::Matrix3Xd errors(3, static_cast<Eigen::Index>(quoted.size()));
-  ForEachPoint(problem, estimate.parameters, columns, fitted, quoted, weighed,
-               [&](size_t place, const Matrix3<double>& root, const RowsOfPoint& rows) {
-                 const int i = quoted[place];
-                 Fold& fold = folds[fold_at(i)];
-                 const Vector3<double> moved = root * (rows * fold.step);
-                 errors.col(static_cast<Eigen::Index>(place)) =
-                     problem.data().observations[i].point_in_station - estimate.predicted.col(i) - moved;
-                 if (!are_predicted) fold.predicted.Add(scatter[place], root * rows);
-               });
-  // What is held in addition moves what was held before: no step from the whole finds that. A fold without which
-  // something is not measured is calibrated without.
-  for (int f = 0; f < count; ++f) {
-    if (!folds[static_cast<size_t>(f)].loses) continue;
-    std::vector<int> left_out;
-    for (const int i : observations) {
-      if (fold_at(i) == static_cast<size_t>(f)) left_out.push_back(i);
-    }
-    const std::optional<ParameterSet> rest = CalibrateWithout(problem, left_out);
-    if (!rest) continue;
-    const std::vector<int> own = problem.data().PointsAmong(left_out);
-    const Eigen::Matrix3Xd points_without = PredictPoints(problem, *rest, own);
-    for (size_t k = 0; k < own.size(); ++k) {
-      const auto place = std::lower_bound(quoted.begin(), quoted.end(), own[k]) - quoted.begin();
-      errors.col(place) =
-          problem.data().observations[own[k]].point_in_station - points_without.col(static_cast<Eigen::Index>(k));
-    }
-  }
+  const Division calibrated{estimate.parameters, MovingColumns(estimate), estimate.predicted};
+  if (calibrated.columns.empty()) return result;
+  const FoldPlan plan = PlanFolds(problem, fitted, seed);
+  if (plan.count < 2) return result;
+  std::optional<DividedFit> fit = Divide(problem, fitted, estimate, plan, calibrated);
+  if (!fit) return result;
+  const std::vector<int> points = problem.data().PointsAmong(fitted.observations());
+  const std::vector<int> quoted = Predictable(problem, estimate, plan, *fit, points, &result.unpredictable);
+  Eigen::Matrix3Xd errors = ErrorsOfFolds(problem, fitted, estimate, plan, calibrated, quoted, true, &*fit);
+  RecalibrateWhereLost(problem, fitted, plan, *fit, quoted, &errors);
   PredictedSquares predicted;
-  for (int f = 0; f < count; ++f) {
-    const PredictedSquares own = folds[f].predicted.Squares(AppliedNoise(estimate.sigma) * of_fits[f]);
+  for (Fold& fold : fit->folds) {
+    const PredictedSquares own = fold.predicted.Squares(AppliedNoise(estimate.sigma) * fold.root);
     predicted.trace += own.trace;
     predicted.trace_of_square += own.trace_of_square;
   }
-  result.folds = count;
+  result.folds = plan.count;
   result.unseen = MeasureUnseen(problem, quoted, errors);
   ComparePrediction(predicted, estimate, &result.unseen);
+  if (estimate.predicted_aligned.cols() == 0) return result;
+  const Division aligned{estimate.aligned, AlignedColumns(estimate.aligned), estimate.predicted_aligned};
+  std::optional<DividedFit> alignment = Divide(problem, fitted, estimate, plan, aligned);
+  if (!alignment) return result;
+  errors = ErrorsOfFolds(problem, fitted, estimate, plan, aligned, quoted, false, &*alignment);
+  result.nominal = MeasureUnseen(problem, quoted, errors);
   return result;
 }
 

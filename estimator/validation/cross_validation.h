@@ -5,19 +5,32 @@
 //
 // one Gauss-Newton step from the estimate of all rows. Whole configurations, those with equal joint values together:
 // their rows share the robot's error. What is held stays held; a fold without which more would be held is calibrated
-// without it, in full.
+// without it, in full. The nominal robot is aligned, base poses and markers, and its alignment is a fit like another:
+// its errors come by the same step of the same folds, so that both figures are of points that were not fitted. A point
+// is left out whose station or marker the other folds do not determine: nothing can be predicted for it.
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "estimator/least_squares/row_stream.h"
 #include "estimator/validation/unseen.h"
 
 namespace sagitta {
 
+// Points that no fold predicts, by stations or markers that their fold alone determines.
+struct Unpredictable {
+  int points = 0;
+  std::vector<std::string> stations, markers;
+};
+
+// Both robots by the same folds.
 struct CrossValidation {
   int folds = 0;  // 0: there was nothing to divide
   UnseenPoints unseen;
+  UnseenPoints nominal;  // of the aligned nominal robot, on the same points; none where nothing was aligned
+  Unpredictable unpredictable;
 };
 
 constexpr int kFolds = 10;

@@ -53,6 +53,14 @@ UnseenPoints JudgeHoldout(const CalibrationProblem& problem, const Estimate& est
   return holdout;
 }
 
+// Aligned to the calibration rows alone.
+UnseenPoints NominalOnHoldout(const CalibrationProblem& problem, const Estimate& estimate) {
+  if (estimate.predicted_aligned.cols() == 0) return {};
+  const std::vector<int> points = problem.data().PointsAmong(problem.ValidationObservations());
+  return MeasureUnseen(problem, points,
+                       ResidualsOf(problem.data(), points, estimate.predicted_aligned(Eigen::all, points)));
+}
+
 // By what model error widens one coordinate: its standard deviation and its interval.
 struct Widening {
   double sigma = 1.0;
@@ -213,11 +221,11 @@ std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const
   int held_out = 0;
   const int seen = HeldOutWhereFitted(problem, &held_out);
   if (2 * seen > held_out) reasons.push_back(HeldOutIsFitted(seen, held_out));
-  if (trust.holdout.points > 0 && trust.holdout.p_value < problem.experiment().significance) {
-    reasons.push_back(HoldoutIsOff(trust.holdout.Excess(), trust.holdout.p_value));
+  for (const UnseenPoints* unseen : {&trust.holdout, &trust.cross_validation.unseen}) {
+    if (unseen->points == 0 || unseen->p_mostly_unknown >= problem.experiment().significance) continue;
+    reasons.push_back(PredictionIsOff(unseen == &trust.holdout, unseen->Excess(), unseen->p_value));
   }
-  if (quoted.points > 0 && trust.nominal.distance_rms < (1.0 - kBetter) * quoted.distance_rms)
-    reasons.push_back(WorseThanNominal(trust.nominal.distance_rms));
+  if (trust.gain.compared == Compared::kWorse) reasons.push_back(WorseThanNominal(trust.nominal.distance_rms));
   if (estimate.dof <= 0) reasons.push_back(NoRedundancy());
   if (estimate.dof > 0 && estimate.fit.rms < kBelowAnyInstrument) {
     reasons.push_back(BelowAnyInstrument(estimate.fit.rms));
@@ -243,9 +251,14 @@ std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const
   return reasons;
 }
 
-// Joints that never moved, and the errors that no arm is made or mastered with: an interval wholly beyond.
+// Stated standard deviations that the residuals refute, joints that never moved, and the errors that no arm is made or
+// mastered with: an interval wholly beyond.
 std::vector<std::string> LimitsOf(const CalibrationProblem& problem, const Estimate& estimate) {
   std::vector<std::string> limits;
+  const SigmaReport& sigma = estimate.sigma;
+  const bool is_refuted = sigma.stated && sigma.scaled && sigma.p_value < problem.experiment().significance;
+  if (is_refuted && estimate.noise_report.components.empty())
+    limits.push_back(ResidualsRefuteNoise(sigma.a_posteriori));
   for (const MeasuredRange& range : StillJointsOf(problem)) {
     limits.push_back(JointWasNotMeasured(problem.robot().chain.joints[range.joint], range.least, range.most));
   }
@@ -274,13 +287,12 @@ Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, 
   trust.suspects = FindSuspects(problem, fitted, *estimate);
   trust.cross_validation = CrossValidate(problem, fitted, *estimate, seed);
   trust.holdout = JudgeHoldout(problem, *estimate);
+  const std::vector<int> quoted =
+      trust.holdout.points > 0 ? problem.ValidationObservations() : problem.CalibrationObservations();
+  trust.noise = ShareOfNoise(*estimate, problem.data().PointsAmong(quoted), trust.Quoted());
   trust.repeatability = MeasurePoseRepeatability(problem);
-  const std::vector<int> quoted = problem.data().PointsAmong(
-      trust.holdout.points > 0 ? problem.ValidationObservations() : problem.CalibrationObservations());
-  if (estimate->predicted_aligned.cols() > 0) {
-    trust.nominal = MeasureUnseen(problem, quoted,
-                                  ResidualsOf(problem.data(), quoted, estimate->predicted_aligned(Eigen::all, quoted)));
-  }
+  trust.nominal = trust.holdout.points > 0 ? NominalOnHoldout(problem, *estimate) : trust.cross_validation.nominal;
+  trust.gain = CompareRms(trust.nominal, trust.Quoted(), problem.experiment().significance, kBetter);
   AddModelError(problem.experiment().significance, &trust, estimate);
   trust.verdict.reasons = ReasonsAgainst(problem, *estimate, trust);
   trust.verdict.trusted = trust.verdict.reasons.empty();

@@ -9,6 +9,7 @@
 
 #include "estimator/agreement/between_parts.h"
 #include "estimator/validation/cross_validation.h"
+#include "estimator/validation/noise_share.h"
 #include "estimator/validation/suspects.h"
 
 namespace sagitta {
@@ -23,7 +24,9 @@ struct Verdict {
 struct Trust {
   CrossValidation cross_validation;  // on calibration rows
   UnseenPoints holdout;              // on validation rows; no points: nothing is held out
-  UnseenPoints nominal;              // of the aligned nominal robot, on the points that are quoted
+  UnseenPoints nominal;              // of the aligned nominal robot, on the points that are quoted, by no fit to them
+  Gain gain;                         // on these
+  NoiseShare noise;                  // of the errors that are quoted
   PoseRepeatability repeatability;   // RP of ISO 9283, of all points
   std::vector<Suspect> suspects;
   // Model error: what it is between parts of the data, at least the excess where points that were not fitted are off by

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "estimator/statistics/distributions.h"
 #include "estimator/statistics/median.h"
@@ -19,11 +20,13 @@ UnseenPoints MeasureUnseen(const CalibrationProblem& problem, const std::vector<
   unseen.points = static_cast<int>(observations.size());
   if (observations.empty()) return unseen;
   std::vector<double> farthest(problem.data().configurations.size(), -1.0);  // of each configuration; below 0: not seen
+  std::vector<double> squares(farthest.size(), 0.0);
   for (size_t k = 0; k < observations.size(); ++k) {
     const double distance = errors.col(static_cast<Eigen::Index>(k)).norm();
     unseen.distances.push_back(distance);
-    double& own = farthest[problem.data().shots[problem.data().observations[observations[k]].shot].configuration];
-    own = std::max(own, distance);
+    const int c = problem.data().shots[problem.data().observations[observations[k]].shot].configuration;
+    farthest[c] = std::max(farthest[c], distance);
+    squares[c] += distance * distance;
   }
   unseen.pose_accuracy = MeasurePoseAccuracy(problem, observations, errors);
   unseen.distance_rms = std::sqrt(errors.squaredNorm() / unseen.points);
@@ -34,7 +37,9 @@ UnseenPoints MeasureUnseen(const CalibrationProblem& problem, const std::vector<
   unseen.distance_max = *std::max_element(distances.begin(), distances.end());
   std::vector<int> order;
   for (size_t c = 0; c < farthest.size(); ++c) {
-    if (farthest[c] >= 0.0) order.push_back(static_cast<int>(c));
+    if (farthest[c] < 0.0) continue;
+    order.push_back(static_cast<int>(c));
+    unseen.squares.push_back(squares[c]);
   }
   const auto shown = order.begin() + static_cast<long>(std::min(kWorst, order.size()));
   std::partial_sort(order.begin(), shown, order.end(), [&farthest](int a, int b) {
@@ -44,6 +49,27 @@ UnseenPoints MeasureUnseen(const CalibrationProblem& problem, const std::vector<
     unseen.worst.push_back({problem.data().configurations[*c].id, farthest[*c]});
   }
   return unseen;
+}
+
+Gain CompareRms(const UnseenPoints& before, const UnseenPoints& after, double significance, double least) {
+  Gain gain;
+  const size_t n = after.squares.size();
+  if (before.squares.size() != n || !(before.rms > 0.0 && after.rms > 0.0)) return gain;
+  const auto sum = [](const std::vector<double>& all) { return std::accumulate(all.begin(), all.end(), 0.0); };
+  const double b = sum(before.squares), a = sum(after.squares);
+  gain.ratio = before.rms / after.rms;
+  if (std::abs(gain.ratio - 1.0) <= least) {
+    gain.compared = Compared::kAsGood;
+    return gain;
+  }
+  if (n < 2) return gain;
+  double squares = 0.0;
+  for (size_t c = 0; c < n; ++c) squares += std::pow(before.squares[c] / b - after.squares[c] / a, 2);
+  const double freedom = static_cast<double>(n) - 1.0;
+  const double sigma = std::sqrt(static_cast<double>(n) / freedom * squares), moved = std::log(b / a);
+  if (moved > StudentQuantile(0.975, freedom) * sigma) gain.compared = Compared::kBetter;
+  if (-moved > StudentQuantile(1.0 - significance, freedom) * sigma) gain.compared = Compared::kWorse;
+  return gain;
 }
 
 PredictedSums::PredictedSums(int columns)
@@ -85,11 +111,15 @@ void ComparePrediction(const PredictedSquares& predicted, const Estimate& estima
   unseen->predicted_rms = std::sqrt(predicted.trace / (3.0 * unseen->points));
   // sum e^2 is about tr V / nu chi2_nu, nu = (tr V)^2 / tr V^2 (Satterthwaite 1946).
   const double freedom = predicted.trace * predicted.trace / predicted.trace_of_square;
+  unseen->freedom = freedom;
   const double ratio = 3.0 * unseen->points * unseen->rms * unseen->rms / predicted.trace;
   const bool noise_is_estimated = !estimate.sigma.stated || estimate.sigma.scaled;
   if (noise_is_estimated && estimate.dof < 1) return;
-  unseen->p_value =
-      noise_is_estimated ? FSurvival(ratio, freedom, estimate.dof) : ChiSquareSurvival(ratio * freedom, freedom);
+  const auto p_of = [&](double size) {
+    return noise_is_estimated ? FSurvival(size, freedom, estimate.dof) : ChiSquareSurvival(size * freedom, freedom);
+  };
+  unseen->p_value = p_of(ratio);
+  unseen->p_mostly_unknown = p_of(ratio / (kMostlyUnknown * kMostlyUnknown));
 }
 
 NoiseRoots ScatterOf(const Estimate& estimate, const std::vector<int>& observations) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/report/validation_words.h"
 #include "models/constants.h"
 #include "problems/text.h"
 #include "tools/report/histograms.h"
@@ -73,6 +74,8 @@ Section Unseen(const Trust& trust) {
     section.paragraphs.push_back("Coordinate RMS " + mm(quoted.rms) + " mm, predicted " + mm(quoted.predicted_rms) +
                                  " mm (p = " + Significant(quoted.p_value, 2) + ").");
   }
+  const std::string left_out = LeftOutInWords(trust.cross_validation.unpredictable);
+  if (!left_out.empty()) section.paragraphs.push_back(left_out);
   section.paragraphs.push_back(IsoInWords(trust));
   section.pictures = BeforeAndAfter(trust.nominal, quoted);
   return section;

@@ -1,0 +1,35 @@
+#include "estimator/validation/noise_share.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "estimator/statistics/distributions.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kConsiderable = 0.5;  // of the RMS: a quarter of the mean square
+
+}  // namespace
+
+NoiseShare ShareOfNoise(const Estimate& estimate, const std::vector<int>& points, const UnseenPoints& unseen) {
+  NoiseShare share;
+  if (points.empty() || unseen.points == 0 || !(unseen.freedom > 0.0)) return share;
+  double noise = 0.0;
+  for (const int i : points) noise += estimate.noise[i].squaredNorm();
+  noise /= static_cast<double>(points.size());
+  const double square = unseen.distance_rms * unseen.distance_rms;
+  const double deviation = square * std::sqrt(2.0 / unseen.freedom);
+  const double two_sided = NormalQuantile(0.975), one_sided = NormalQuantile(0.95);
+  // More noise than there are errors: it is stated too large, which is said elsewhere.
+  if (!(noise >= kConsiderable * kConsiderable * square) || noise > square + two_sided * deviation) return share;
+  share.noise = std::sqrt(noise);
+  share.of_residuals = !estimate.sigma.stated && estimate.noise_report.components.empty();
+  share.rms_known_to = 0.5 * two_sided * deviation / square;
+  const double rest = square - noise;
+  share.rest_is_bound = rest < two_sided * deviation;
+  share.rest = std::sqrt(share.rest_is_bound ? std::max(0.0, rest) + one_sided * deviation : rest);
+  return share;
+}
+
+}  // namespace sagitta
