@@ -25,9 +25,7 @@ std::string GainInWords(const Trust& trust) {
   if (trust.gain.compared == Compared::kBetter)
     return ", " + Significant(trust.gain.ratio, 2) + " times better than nominal";
   if (trust.gain.compared == Compared::kAsGood) return "; the robot file was as good already (" + nominal + ")";
-  const size_t poses = trust.nominal.squares.size();
-  return "; as far as " + std::to_string(poses) + (poses == 1 ? " pose shows" : " poses show") +
-         ", the robot file was as good already (" + nominal + ")";
+  return "; within what is uncertain the robot file was as good already (" + nominal + ")";
 }
 
 // What of the RMS is no error of the robot.

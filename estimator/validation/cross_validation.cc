@@ -418,6 +418,7 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStr
   for (Fold& fold : fit->folds) {
     const PredictedSquares own = fold.predicted.Squares(AppliedNoise(estimate.sigma) * fold.root);
     predicted.trace += own.trace;
+    predicted.of_noise += own.of_noise;
     predicted.trace_of_square += own.trace_of_square;
   }
   result.folds = plan.count;

@@ -68,7 +68,8 @@ Gain CompareRms(const UnseenPoints& before, const UnseenPoints& after, double si
   const double freedom = static_cast<double>(n) - 1.0;
   const double sigma = std::sqrt(static_cast<double>(n) / freedom * squares), moved = std::log(b / a);
   if (moved > StudentQuantile(0.975, freedom) * sigma) gain.compared = Compared::kBetter;
-  if (-moved > StudentQuantile(1.0 - significance, freedom) * sigma) gain.compared = Compared::kWorse;
+  const double own = std::log(1.0 - std::min(after.parameters_share, 1.0 - 1e-12));
+  if (own - moved > StudentQuantile(1.0 - significance, freedom) * sigma) gain.compared = Compared::kWorse;
   return gain;
 }
 
@@ -103,7 +104,7 @@ void PredictedSums::Add(const Matrix3<double>& noise,
 PredictedSquares PredictedSums::Squares(const Eigen::MatrixXd& root) {
   const Eigen::MatrixXd moved = root.transpose() * (points_.Total() + alike_) * root;
   const Eigen::MatrixXd mixed = root.transpose() * (by_noise_.Total() + alike_by_noise_) * root;
-  return {trace_ + moved.trace(), square_ + 2.0 * mixed.trace() + moved.squaredNorm()};
+  return {trace_ + moved.trace(), trace_, square_ + 2.0 * mixed.trace() + moved.squaredNorm()};
 }
 
 void ComparePrediction(const PredictedSquares& predicted, const Estimate& estimate, UnseenPoints* unseen) {
@@ -112,6 +113,7 @@ void ComparePrediction(const PredictedSquares& predicted, const Estimate& estima
   // sum e^2 is about tr V / nu chi2_nu, nu = (tr V)^2 / tr V^2 (Satterthwaite 1946).
   const double freedom = predicted.trace * predicted.trace / predicted.trace_of_square;
   unseen->freedom = freedom;
+  unseen->parameters_share = 1.0 - predicted.of_noise / predicted.trace;
   const double ratio = 3.0 * unseen->points * unseen->rms * unseen->rms / predicted.trace;
   const bool noise_is_estimated = !estimate.sigma.stated || estimate.sigma.scaled;
   if (noise_is_estimated && estimate.dof < 1) return;

@@ -35,6 +35,7 @@ struct UnseenPoints {
   double predicted_rms = 0.0;
   double p_value = 1.0;
   double p_mostly_unknown = 1.0;  // the same although the errors are kMostlyUnknown times those predicted
+  double parameters_share = 0.0;  // of the squares predicted: what uncertain parameters add to the noise
   double freedom = 0.0;           // of the errors, nu below; 0: the noise is not known
   double Excess() const { return predicted_rms > 0.0 ? rms / predicted_rms : 1.0; }
 };
@@ -47,10 +48,13 @@ UnseenPoints MeasureUnseen(const CalibrationProblem& problem, const std::vector<
 // squares a_c and b_c of configuration c, A and B of all n,
 //
 //   var log(B / A) = n / (n - 1) sum_c (b_c / B - a_c / A)^2    (delta method over configurations).
-enum class Compared { kBetter, kAsGood, kOpen, kWorse };
+//
+// What an estimate adds by the uncertainty that it states makes it no worse than a file that happens to be right: worse
+// is one of which A without that share is still beyond B.
+enum class Compared { kBetter, kAsGood, kWithinUncertainty, kWorse };
 struct Gain {
   double ratio = 1.0;  // RMS before / RMS after
-  Compared compared = Compared::kOpen;
+  Compared compared = Compared::kWithinUncertainty;
 };
 // significance: of a robot that is called worse than before; better is beyond a 95 % interval. least: share by which
 // RMS differ before one is called better.
@@ -61,6 +65,7 @@ Gain CompareRms(const UnseenPoints& before, const UnseenPoints& after, double si
 // estimated.
 struct PredictedSquares {
   double trace = 0.0;            // tr V, m^2
+  double of_noise = 0.0;         // of this the readings' scatter, m^2
   double trace_of_square = 0.0;  // tr V^2, m^4
 };
 
