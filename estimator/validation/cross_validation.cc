@@ -169,6 +169,7 @@ void ForEachPoint(
       if (!problem.data().observations[k].is_point()) continue;
       const auto place = static_cast<size_t>(
           are_all ? piece.positions[i] : std::lower_bound(quoted.begin(), quoted.end(), k) - quoted.begin());
+      if (place == quoted.size() || quoted[place] != k) continue;  // nothing else predicts it
       visit(place, weighed[place], piece.rows.block(3 * i, 0, 3, n));
     }
   });
