@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 
+#include "estimator/agreement/breaks.h"
 #include "estimator/diagnosis/diagnosed_model.h"
 #include "estimator/diagnosis/gap.h"
 #include "estimator/diagnosis/noise_check.h"
@@ -12,6 +13,7 @@
 #include "estimator/inspection/load_lint.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/report/diagnosis_caution_words.h"
+#include "estimator/report/validation_words.h"
 #include "models/constants.h"
 #include "problems/split.h"
 
@@ -150,6 +152,14 @@ std::string OfHoldout(const Counts& counts) {
   return counts.held_out < kFewHeldOut ? FewHeldOut(counts.held_out) : "";
 }
 
+// A tool that moved on the flange halfway is no effect of the robot: of what moves the catalogue has single markers,
+// stations and joints.
+std::string OfTool(const DiagnosedModel& believed) {
+  const std::optional<Break> moved = FindBreak(*believed.problem, believed.estimate);
+  const bool is_tool = moved && moved->of == BreakOf::kTool;
+  return is_tool ? ToolMoved(SomethingMoved(*believed.problem, *moved)) : "";
+}
+
 }  // namespace
 
 std::vector<std::string> CautionsOfReadings(const CalibrationProblem& problem) {
@@ -170,7 +180,7 @@ std::vector<std::string> FindCautions(const CalibrationProblem& stated, const Di
       OfFew(stated, counts),  OfStandingJoints(stated),
       OfPartlyStated(stated), OfHeldParameters(believed.estimate),
       OfHeldEffects(stated),  counts.in_both > 0 ? FittedAndHeldOut(counts.in_both) : "",
-      OfHoldout(counts),
+      OfHoldout(counts),      OfTool(believed),
   };
   cautions.erase(std::remove(cautions.begin(), cautions.end(), ""), cautions.end());
   return cautions;

@@ -95,6 +95,8 @@ std::string HoldoutBelowFloor(double rms, double floor) {
          "limit.";
 }
 
+std::string ToolMoved(const std::string& words) { return "Look at this first: " + words + "."; }
+
 std::string EffectsAreUndecided() { return "the data do not decide which effects the robot has"; }
 
 std::string IsOneOfSeveral(const std::vector<std::vector<EffectSpec>>& instead) {

@@ -38,6 +38,7 @@ std::string HoldoutFarAboveFloor(double rms, double floor);
 std::string HoldoutBelowFloor(double rms, double floor);
 
 // Effects given a rest without a name, each with its probability by the fitted rows.
+std::string ToolMoved(const std::string& words);
 // Why the intervals of an estimate with effects are wider.
 std::string EffectsAreUndecided();
 // instead: the effects of each other set that share the probability.

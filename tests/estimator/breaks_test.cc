@@ -10,6 +10,7 @@
 #include <functional>
 
 #include "estimator/calibration/joint_estimator.h"
+#include "estimator/diagnosis/cautions.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/statistics/distributions.h"
 #include "estimator/validation/trust.h"
@@ -82,6 +83,9 @@ TEST(Breaks, AToolThatWasExchangedIsNamed) {
     squares += moved.squaredNorm() / 3.0;
   }
   ExpectBreak(Measured(after), BreakOf::kTool, 0, std::sqrt(squares));
+  const CalibrationProblem problem = Measured(after);
+  const std::vector<std::string> cautions = FindCautions(problem, FitFully(problem, JointOptions()));
+  EXPECT_THAT(cautions, ::testing::Contains(HasSubstr("the tool with all markers moved")));
 }
 
 TEST(Breaks, AJointWhoseZeroJumpedIsNamed) {

@@ -141,7 +141,7 @@ TEST(Diagnosis, WhatLimitsTheVerdictIsSaid) {
 // A few empty cells silence a whole column.
 TEST(Diagnosis, ColumnsThatSomeRowsDoNotStateAreNamed) {
   CalibrationProblem partly = Hidden(1, [](double) { return 0.0; });
-  DiagnosedModel believed;
+  const DiagnosedModel believed{std::make_shared<CalibrationProblem>(partly), {}};
   for (size_t s = 0; s < partly.shot_inputs().size(); ++s) {
     (*partly.mutable_shot_inputs())[s].conditions.has_time = s % 2 == 0;
   }
