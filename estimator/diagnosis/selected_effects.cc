@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 
+#include "estimator/diagnosis/refit_order.h"
 #include "estimator/explanations/compensator_shapes.h"
 #include "estimator/statistics/distributions.h"
 #include "models/effects/learnt_deviation.h"
@@ -15,10 +16,6 @@
 namespace sagitta {
 namespace {
 
-// Of the probability: a set that may lead once others have lost what the full model does not keep.
-constexpr double kMayLead = 0.05;
-constexpr size_t kMostRefitted = 4;  // where the linear evidence holds
-constexpr size_t kMostInDoubt = 10;
 constexpr size_t kMostSprings = 8;  // of 144 shapes: neighbours in ratio and in direction
 constexpr size_t kMostGroups = 5;   // FORMATS section 6
 
@@ -140,66 +137,6 @@ std::vector<RivalSet> RivalsOf(const WeightedModel& leading, const std::vector<R
   }
   return rivals;
 }
-
-// Which sets are refitted. What a refit moves a log evidence by, the linear evidence of other sets may be off by, too:
-// that is the doubt. Sets that hold more than a refitted one share its correction, and are not in doubt.
-class RefitOrder {
- public:
-  explicit RefitOrder(const Posterior& posterior)
-      : posterior_(posterior), corrections_(posterior.sets.size(), kOpen), refitted_(0) {}
-
-  void Add(size_t set, double correction) {
-    corrections_[set] = correction;
-    ++refitted_;
-    if (!std::isfinite(correction)) return;
-    doubt_ = std::max(doubt_, std::abs(correction));
-    best_ = std::max(best_, LogOf(set) + correction);
-  }
-
-  // The most probable of those that may lead; none: the number of sets.
-  size_t Next() const {
-    const size_t none = posterior_.sets.size();
-    if (refitted_ >= (doubt_ > 1.0 ? kMostInDoubt : kMostRefitted)) return none;
-    for (size_t s = 0; s < none; ++s) {
-      if (!std::isnan(corrections_[s]) || posterior_.sets[s].has_unnamed) continue;  // none is known of the latter
-      const size_t within = LargestWithin(s);
-      const double log = LogOf(s) + (within == none ? doubt_ : corrections_[within]);
-      if (log >= best_ + std::log(kMayLead)) return s;
-    }
-    return none;
-  }
-
-  double CorrectionOf(size_t set) const {
-    if (!std::isnan(corrections_[set])) return corrections_[set];
-    const size_t within = LargestWithin(set);
-    return within == posterior_.sets.size() ? 0.0 : corrections_[within];
-  }
-
- private:
-  static constexpr double kOpen = std::numeric_limits<double>::quiet_NaN();
-
-  double LogOf(size_t set) const { return std::log(std::max(posterior_.sets[set].probability, 1e-300)); }
-
-  // The refitted set of most names that this one holds all of.
-  size_t LargestWithin(size_t set) const {
-    const std::vector<int>& names = posterior_.sets[set].names;
-    size_t largest = posterior_.sets.size(), most = 0;
-    for (size_t s = 0; s < posterior_.sets.size(); ++s) {
-      const std::vector<int>& own = posterior_.sets[s].names;
-      if (!std::isfinite(corrections_[s]) || own.size() <= most) continue;
-      if (!std::includes(names.begin(), names.end(), own.begin(), own.end())) continue;
-      largest = s;
-      most = own.size();
-    }
-    return largest;
-  }
-
-  const Posterior& posterior_;
-  std::vector<double> corrections_;  // of the log evidence; kOpen: not refitted
-  size_t refitted_;
-  double doubt_ = 0.0;
-  double best_ = -std::numeric_limits<double>::infinity();  // log of the posterior, corrected, not normalised
-};
 
 }  // namespace
 

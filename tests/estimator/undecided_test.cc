@@ -15,7 +15,8 @@ namespace {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-// Two rivals of 1/2 and 1/4 against 1/4: T of a length that they move by 2 mm and by -1 mm is 0.5 * 4 + 0.25 * 1 mm^2.
+// Two rivals of 0.1 and 0.05 against 0.05, of sets that have more in all: T of a length that they move by 2 mm and by
+// -1 mm is 0.5 * 4 + 0.25 * 1 mm^2.
 TEST(Undecided, RivalsCountByTheirProbability) {
   const CalibrationProblem problem = test::Kr270Problem({}, {}, 1);
   const Estimate estimate = EstimateJointly(problem);
@@ -26,7 +27,7 @@ TEST(Undecided, RivalsCountByTheirProbability) {
     parameters.Plus(delta);
     return parameters;
   };
-  const BetweenParts found = ErrorOfChoice(estimate, 0.25, {{0.5, {}, moved(2e-3)}, {0.25, {}, moved(-1e-3)}});
+  const BetweenParts found = ErrorOfChoice(estimate, 0.05, {{0.1, {}, moved(2e-3)}, {0.05, {}, moved(-1e-3)}});
   ASSERT_TRUE(found.known());
   EXPECT_NEAR(found.variance[0], 2.25e-6, 1e-15);
   EXPECT_NEAR(found.covariance.sum(), 2.25e-6, 1e-15);
