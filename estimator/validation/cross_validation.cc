@@ -144,8 +144,8 @@ Eigen::MatrixXd Leave(const Eigen::MatrixXd& left, const Eigen::VectorXd& scale,
 using PointRows = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;  // m/SI
 using RowsOfPoint = Eigen::Ref<const PointRows, 0, Eigen::OuterStride<>>;
 
-// Calls visit(place among `quoted`, S, rows) for every fitted point: S times its rows are in m. Joints that deviate
-// have no part in what a step moves.
+// Calls visit(place among `quoted`, S, rows) for every fitted point of these: S times its rows are in m. Joints that
+// deviate have no part in what a step moves.
 void ForEachPoint(
     const CalibrationProblem& problem, const ParameterSet& parameters, const std::vector<int>& columns,
     const FittedStream& fitted, const std::vector<int>& quoted, const NoiseRoots& weighed,
@@ -169,7 +169,7 @@ void ForEachPoint(
       if (!problem.data().observations[k].is_point()) continue;
       const auto place = static_cast<size_t>(
           are_all ? piece.positions[i] : std::lower_bound(quoted.begin(), quoted.end(), k) - quoted.begin());
-      if (place == quoted.size() || quoted[place] != k) continue;  // nothing else predicts it
+      if (place == quoted.size() || quoted[place] != k) continue;  // a point that no fold predicts
       visit(place, weighed[place], piece.rows.block(3 * i, 0, 3, n));
     }
   });
@@ -262,25 +262,22 @@ class WithoutFold {
   }
 
   bool AreDetermined(const Blocks& blocks) const {
-    constexpr double kRoundOff = 1e-12;  // of a column's square: what is left of a difference of equal sums
-    std::vector<int> places, with_residual;
+    // Of a column's square: a difference of sums that is less is round-off. Of the eigenvalues where columns have unit
+    // norm: two points at a station leave 0, three that are 1 mm off one line at 10 m 1e-8.
+    constexpr double kRoundOff = 1e-7, kRank = 1e-9;
+    std::vector<int> places;
     for (size_t c = 0; c < columns_.size(); ++c) {
       const int block = estimate_.parameters.coordinates()[columns_[c]].block;
       const auto is_it = [&](const ParameterBlock* one) { return one == &estimate_.parameters.blocks()[block]; };
       if (std::any_of(blocks.begin(), blocks.end(), is_it)) places.push_back(static_cast<int>(c));
     }
     if (places.empty()) return true;
-    with_residual = places;
-    with_residual.push_back(static_cast<int>(columns_.size()));
-    NormalSums left;
-    left.valid = true;
-    for (const int c : places) left.columns.push_back(columns_[static_cast<size_t>(c)]);
-    left.matrix = sums_(with_residual, with_residual) - fold_.total(with_residual, with_residual);
-    for (size_t k = 0; k < places.size(); ++k) {
-      const auto at = static_cast<Eigen::Index>(k);
-      if (left.matrix(at, at) <= kRoundOff * sums_(places[k], places[k])) return false;
-    }
-    return FindUnidentifiable(Condense(left), estimate_.parameters, AppliedNoise(estimate_.sigma)).columns.empty();
+    const Eigen::MatrixXd all = sums_(places, places), left = all - fold_.total(places, places);
+    if ((left.diagonal().array() <= kRoundOff * all.diagonal().array()).any()) return false;
+    const Eigen::VectorXd scale = left.diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * left * scale.asDiagonal(),
+                                                               Eigen::EigenvaluesOnly);
+    return eigen.eigenvalues()[0] > kRank;
   }
 
   const Estimate& estimate_;

@@ -143,6 +143,19 @@ TEST(CrossValidation, AMarkerOfOneConfigurationIsLeftOut) {
   EXPECT_EQ(found.nominal.points, 60);
   EXPECT_LT(found.unseen.distance_max, 10 * Kr270Design().sigma);
   EXPECT_NEAR(found.unseen.Excess(), 1.0, 0.25);
+  // The point after the one that is left out (P1 of configuration 5), from a refit without its fold.
+  const std::vector<int> fold_of = FoldsOf(problem, 1);
+  ParameterSet start = estimate.parameters;
+  for (const int i : start.Match("marker/P3")) start.coordinate(i).held = true;
+  RefitOptions options;
+  for (const int i : problem.CalibrationObservations()) {
+    const int configuration = problem.data().shots[problem.data().observations[i].shot].configuration;
+    options.weights.push_back(fold_of[configuration] == fold_of[5] ? 0.0 : 1.0);
+  }
+  const Refit refit = RefitFrom(problem, start, options);
+  ASSERT_TRUE(refit.converged);
+  const double distance = ResidualsOf(problem.data(), {15}, PredictPoints(problem, refit.parameters, {15})).norm();
+  EXPECT_NEAR(found.unseen.distances[10], distance, 0.02 * Kr270Design().sigma);
 }
 
 TEST(CrossValidation, AStationOfOneConfigurationIsLeftOut) {
