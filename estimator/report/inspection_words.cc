@@ -62,7 +62,8 @@ Advice OrientationAboutOneAxis(const Vector3<double>& axis, const std::string& s
   return {"the flange turns about one axis only, (" + Fixed(axis.x(), 2) + ", " + Fixed(axis.y(), 2) + ", " +
               Fixed(axis.z(), 2) + ") in its own frame" + OfStations(stations) +
               ": the marker's place along it cannot be distinguished from the base's",
-          "add configurations with the flange tilted about another axis, or state the markers' points"};
+          "add configurations with the flange tilted about another axis, or state a marker's point and hold it "
+          "(--fixed=NAME)"};
 }
 
 Advice FewConfigurations(int configurations, int equations, int unknowns) {
