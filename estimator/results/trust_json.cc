@@ -101,7 +101,7 @@ void AddTrustTo(const Estimate& estimate, const Trust& trust, Json* json) {
                                          {"of_residuals", trust.noise.of_residuals},
                                          {"rest_mm", 1e3 * trust.noise.rest},
                                          {"rest_is_bound", trust.noise.rest_is_bound},
-                                         {"rms_known_to", trust.noise.rms_known_to}};
+                                         {"rms_known_to_percent", 100.0 * trust.noise.rms_known_to}};
   }
   (*json)["iso9283"] = Iso9283ToJson(trust);
   (*json)["suspects"] = Json::array();
