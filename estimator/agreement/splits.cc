@@ -132,65 +132,65 @@ class Splitter {
     }
   }
 
+  using Groups = std::vector<int>;  // of each row, positions in a list of names
+
   // Stations, of few of them two by two.
   void AddStations() {
     const std::vector<std::string>& stations = problem_.data().stations;
-    const auto station_of = [&](int i) { return ShotOf(i).station; };
-    if (stations.size() > kMostPairs) return AddEachAgainstTheOthers(SplitBy::kStation, stations, station_of);
+    Groups groups;
+    for (const int i : rows_) groups.push_back(ShotOf(i).station);
+    if (stations.size() > kMostPairs) return AddEachAgainstTheOthers(SplitBy::kStation, stations, groups);
     for (size_t a = 0; a < stations.size(); ++a) {
-      for (size_t b = a + 1; b < stations.size(); ++b) {
-        AddRows(SplitBy::kStation, stations[a] + " and " + stations[b],
-                [&](int i) { return Side(station_of(i), static_cast<int>(a), static_cast<int>(b)); });
-      }
+      for (size_t b = a + 1; b < stations.size(); ++b)
+        AddRows(SplitBy::kStation, stations[a] + " and " + stations[b], groups, static_cast<int>(a),
+                static_cast<int>(b));
     }
   }
 
   // A mount that gives way is the same in every region and at every time.
   void AddMarkers() {
-    AddEachAgainstTheOthers(SplitBy::kMarker, problem_.data().markers,
-                            [&](int i) { return problem_.data().observations[i].marker; });
+    Groups groups;
+    for (const int i : rows_) groups.push_back(problem_.data().observations[i].marker);
+    AddEachAgainstTheOthers(SplitBy::kMarker, problem_.data().markers, groups);
   }
 
   // A mass that is not what is stated makes other springs of the joints than another load does.
   void AddLoads() {
     std::vector<std::string> loads;
-    const auto load_of = [&](int i) {
+    Groups groups;
+    for (const int i : rows_) {
       const std::string& load = ShotOf(i).load;
-      const auto at = std::find(loads.begin(), loads.end(), load);
-      if (at == loads.end()) loads.push_back(load);
-      return static_cast<int>(std::find(loads.begin(), loads.end(), load) - loads.begin());
-    };
-    for (const int i : rows_) load_of(i);
-    AddEachAgainstTheOthers(SplitBy::kLoad, loads, load_of);
-  }
-
-  // group_of(observation): a position in `names`.
-  template <typename GroupOf>
-  void AddEachAgainstTheOthers(SplitBy by, const std::vector<std::string>& names, const GroupOf& group_of) {
-    const size_t groups = names.size();
-    for (size_t g = 0; g < groups && (g == 0 || groups > 2); ++g) {
-      const std::string others = groups == 2 ? names[1] : "the others";
-      AddRows(by, names[g] + " and " + others, [&](int i) { return group_of(i) == static_cast<int>(g) ? 1 : 2; });
+      if (groups.empty() || load != loads[groups.back()]) {
+        groups.push_back(static_cast<int>(std::find(loads.begin(), loads.end(), load) - loads.begin()));
+        if (groups.back() == static_cast<int>(loads.size())) loads.push_back(load);
+      } else {
+        groups.push_back(groups.back());
+      }
     }
+    AddEachAgainstTheOthers(SplitBy::kLoad, loads, groups);
   }
 
-  static int Side(int group, int first, int second) { return group == first ? 1 : group == second ? 2 : 0; }
+  static constexpr int kOthers = -1;
 
-  // side_of(observation): 1 of the first part, 2 of the second, 0 of neither. What the robot does at a pose is common
-  // to rows of one configuration, which brings two parts that share it together, so that their rows count as
-  // independent. Intervals by whole configurations and marginalised deviations of joints count on that share: no such
-  // split there.
-  template <typename SideOf>
-  void AddRows(SplitBy by, const std::string& key, const SideOf& side_of) {
+  void AddEachAgainstTheOthers(SplitBy by, const std::vector<std::string>& names, const Groups& groups) {
+    const size_t count = names.size();
+    for (size_t g = 0; g < count && (g == 0 || count > 2); ++g)
+      AddRows(by, names[g] + " and " + (count == 2 ? names[1] : "the others"), groups, static_cast<int>(g), kOthers);
+  }
+
+  // Rows of one group and of another, or of all others. What the robot does at a pose is common to rows of one
+  // configuration, which brings two parts that share it together, so that their rows count as independent. Intervals by
+  // whole configurations and marginalised deviations of joints count on that share: no such split there.
+  void AddRows(SplitBy by, const std::string& key, const Groups& groups, int first, int second) {
     Split split{by, key, {}, {}};
-    std::vector<int> seen(static_cast<size_t>(num_clusters_), 0);  // sides of each configuration, as bits
+    std::vector<char> seen(static_cast<size_t>(num_clusters_), 0);  // sides of each configuration, as bits
     std::array<size_t, 2> configurations = {0, 0};
     bool share = false;
     for (size_t k = 0; k < rows_.size(); ++k) {
-      const int side = side_of(rows_[k]);
+      const char side = groups[k] == first ? 1 : groups[k] == second || second == kOthers ? 2 : 0;
       if (side == 0) continue;
       (side == 1 ? split.first : split.second).push_back(static_cast<int>(k));
-      int& sides = seen[clusters_[k]];
+      char& sides = seen[clusters_[k]];
       if ((sides & side) == 0) ++configurations[side - 1];
       sides |= side;
       share = share || sides == 3;

@@ -8,6 +8,7 @@
 
 #include "estimator/alignment/aligned_misfit.h"
 #include "estimator/alignment/starting_values.h"
+#include "estimator/least_squares/sample.h"
 #include "models/constants.h"
 #include "models/kinematics.h"
 #include "problems/loads.h"
@@ -21,6 +22,7 @@ constexpr double kTilted = 3.0 * kDegree;    // a level that is not looked at is
 constexpr double kExplained = 0.25;          // of the squares that the stated direction leaves: half of the RMS
 constexpr double kSameDirection = 1e-5;      // rad, of a step
 constexpr int kSweeps = 200, kAlternations = 200;
+constexpr double kLooked = 2e4;  // numbers: thousands of rows show a direction as well as all
 constexpr int kDirections = 60;  // over the sphere: 25 deg apart
 
 // Sums over the deflections: all that a direction's misfit needs.
@@ -61,12 +63,15 @@ class LoadedStation {
       return Key{shot.configuration, shot.visit, row.marker};
     };
     const auto is_here = [&](const Observation& row) {
-      return data.shots[row.shot].station == station && row.is_point() && !row.excluded;
+      return data.shots[row.shot].station == station && row.is_point();
     };
-    for (const Observation& row : data.observations) {
+    const std::vector<int> sample = SampleConfigurations(data, problem.CalibrationObservations(), 1, kLooked);
+    for (const int i : sample) {
+      const Observation& row = data.observations[i];
       if (is_here(row) && !IsLoaded(data.shots[row.shot])) unloaded.try_emplace(key(row), row.point_in_station);
     }
-    for (const Observation& row : data.observations) {
+    for (const int i : sample) {
+      const Observation& row = data.observations[i];
       if (!is_here(row) || !IsLoaded(data.shots[row.shot])) continue;
       const auto rest = unloaded.find(key(row));
       if (rest != unloaded.end()) Add(row, row.point_in_station - rest->second);

@@ -82,8 +82,9 @@ Eigen::VectorXd WeightedStep(const Linearization& rows, const Eigen::VectorXd& r
 double RobustScale(std::vector<double> distances, int unknowns) {
   const auto passed = static_cast<size_t>((unknowns + 2) / 3);
   if (passed >= distances.size()) return std::numeric_limits<double>::infinity();
-  std::sort(distances.begin(), distances.end());
-  distances.erase(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(passed));
+  const auto others = distances.begin() + static_cast<std::ptrdiff_t>(passed);
+  std::nth_element(distances.begin(), others, distances.end());
+  distances.erase(distances.begin(), others);
   return Median(distances);
 }
 
