@@ -67,8 +67,8 @@ std::string ModelErrorInWords(double median, double largest, const std::string& 
   std::string reason;
   if (excess == ExcessOf::kHoldout) reason = "errors on the points held out are larger than predicted";
   if (excess == ExcessOf::kCrossValidation) reason = "errors in the cross-validation are larger than predicted";
-  if (!reason.empty()) reason += "; 'sagitta diagnose' may find why";
-  if (!between.empty()) reason = between + (reason.empty() ? "" : ", and " + reason);
+  if (between.empty()) reason += "; 'sagitta diagnose' may find why";  // else it says what may help
+  if (!between.empty()) reason += (reason.empty() ? "" : ", and ") + between;
   const bool is_typical = median >= 1.05;  // "1 times" says nothing
   std::string words = std::string(is_typical ? "the intervals are " : "single intervals are up to ") +
                       Significant(is_typical ? median : largest, 2) + " times as wide as noise alone would make them";
