@@ -44,7 +44,7 @@ Prediction PredictWith(const CalibrationProblem& problem, const KnownRobot& know
   return prediction;
 }
 
-// m^2, mean square distance of a row that parameters, repeatability and instrument let expect; held parameters add
+// m^2, mean square distance of a row that parameters, repeatability and instrument predict; held parameters add
 // theirs.
 double SquareWithoutHeld(const Prediction& prediction, size_t k) {
   return prediction.covariances[k].parameters.trace() + prediction.covariances[k].arm.trace() +

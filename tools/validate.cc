@@ -62,7 +62,7 @@ Command ValidateCommand() {
           R"(sagitta validate ESTIMATE.json MEAS.csv… [--out=DIR]
 
 Compares measured points with those of the calibrated and of the nominal robot, on rows that were not used in the
-fit, and with what the parameters' uncertainty and the noise let expect. Writes validation.json,
+fit, and with what the parameters' uncertainty and the noise predict. Writes validation.json,
 residuals.csv and report.html to DIR. Rows that the robot of the estimate, where it stood, cannot have made are refused
 with the reason (another robot, a place that has moved, another unit or sign); --force goes on.
 

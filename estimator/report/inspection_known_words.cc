@@ -73,7 +73,7 @@ std::string PValueInWords(double p_value) { return p_value < 1e-300 ? "p < 1e-30
 
 std::string RowsRefuteTheEstimate(double rms, double excess, double p_value) {
   return "these rows refute the estimate: their coordinates are off by " + InMillimetres(rms) + " (RMS), " +
-         Significant(excess, 2) + " times what noise and parameter uncertainty let expect (" + PValueInWords(p_value) +
+         Significant(excess, 2) + " times what noise and parameter uncertainty predict (" + PValueInWords(p_value) +
          "): since the calibration something has changed, or the readings are noisier than stated, or the model lacks "
          "something; calibrate these rows by themselves, and 'sagitta changed' says what changed";
 }
