@@ -212,14 +212,8 @@ TEST(Agreement, RepeatsOfOneArrivalAreNotIndependent) {
 TEST(Agreement, StationsOfTheSamePosesAreCompared) {
   const test::Kr270Truth truth;
   test::Kr270Design design = ManyConfigurations();
-  design.stations = 2;
   design.sigma = 4e-5;
-  Measurements data = test::DesignMeasurements(design);
-  const std::vector<Shot> once = data.shots;
-  for (Shot shot : once) {
-    shot.station = 1 - shot.station;
-    test::AddShot(shot, 3, design.sigma, &data);
-  }
+  Measurements data = test::SeenFromBothStations(design);
   for (const double scale : {0.0, 2e-4}) {
     test::MeasureKr270(truth, design.sigma, 5, &data);
     for (Observation& observation : data.observations) {

@@ -57,12 +57,7 @@ TEST(Undecided, IntervalsHoldWhicheverStationIsWrong) {
   test::Kr270Design design;
   design.configurations = 60;
   design.sigma = 4e-5;
-  Measurements data = test::DesignMeasurements(design);
-  const std::vector<Shot> once = data.shots;
-  for (Shot shot : once) {
-    shot.station = 1 - shot.station;
-    test::AddShot(shot, 3, design.sigma, &data);
-  }
+  Measurements data = test::SeenFromBothStations(design);
   for (size_t c = 0; c < data.configurations.size(); c += 5) data.configurations[c].is_validation = true;
   test::MeasureKr270(truth, design.sigma, 5, &data);
   for (Observation& observation : data.observations) {

@@ -103,6 +103,18 @@ inline Vector3<double> ExactPoint(const Kr270Truth& truth, const Eigen::VectorXd
   return truth.base_xyz[station] + BaseRotation(truth, station) * in_base;
 }
 
+// Rows of a design, without points, with every configuration seen from both stations.
+inline Measurements SeenFromBothStations(Kr270Design design) {
+  design.stations = 2;
+  Measurements data = DesignMeasurements(design);
+  const std::vector<Shot> once = data.shots;
+  for (Shot shot : once) {
+    shot.station = 1 - shot.station;
+    AddShot(shot, 3, design.sigma, &data);
+  }
+  return data;
+}
+
 inline Vector3<double> ExactPoint(const Kr270Truth& truth, const Measurements& data, const Observation& row) {
   return ExactPoint(truth, data.ConfigurationOf(row).q, row.marker, data.shots[row.shot].station);
 }
