@@ -73,17 +73,20 @@ TEST(Breaks, AMarkerThatWasSeatedAnewIsNamed) {
   ExpectBreak(Measured(after), BreakOf::kMarker, 1, 0.6e-3);
 }
 
-// One body: all markers by one motion, here a shift of 0.3 mm and a turn of 1 mrad about the flange's x.
+// One body: all markers by one motion, here a shift of 0.3 mm and a turn of 12 mrad about the flange's x.
 TEST(Breaks, AToolThatWasExchangedIsNamed) {
   Kr270Truth after;
   double squares = 0.0;
   for (Vector3<double>& marker : after.tools) {
-    const Vector3<double> moved(0.0, 3e-4 - 1e-3 * marker.z(), 1e-3 * marker.y());
+    const Vector3<double> moved(0.0, 3e-4 - 12e-3 * marker.z(), 12e-3 * marker.y());
     marker += moved;
     squares += moved.squaredNorm() / 3.0;
   }
   ExpectBreak(Measured(after), BreakOf::kTool, 0, std::sqrt(squares));
   const CalibrationProblem problem = Measured(after);
+  const std::optional<Break> found = FindBreak(problem, EstimateJointly(problem));
+  ASSERT_TRUE(found);
+  EXPECT_GT(found->share, 0.98);  // what is left is the readings' noise
   const std::vector<std::string> cautions = FindCautions(problem, FitFully(problem, JointOptions()));
   EXPECT_THAT(cautions, ::testing::Contains(HasSubstr("the tool with all markers moved")));
 }
