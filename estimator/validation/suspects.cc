@@ -163,7 +163,7 @@ bool FitRobustly(const Estimate& estimate, SuspectedRows* rows, std::vector<int>
   // Where a blunder spoiled the estimate so far that nothing is left of it, begin at the aligned nominal robot.
   ParameterSet parameters = IsUsable(estimate.status) ? estimate.parameters : Unheld(estimate.aligned);
   bool is_restarted = !IsUsable(estimate.status);
-  if (estimate.fit.distance_rms > SuspiciousMisfit(rows->problem.robot().chain)) {
+  if (estimate.fit.distance_rms > SuspiciousMisfit(rows->problem)) {
     if (const std::optional<FarRows> far = FindFarRows(rows->problem)) {
       parameters = Unheld(far->parameters);
       is_restarted = true;
@@ -205,7 +205,7 @@ std::vector<Suspect> FindAmong(const CalibrationProblem& problem, const FittedSt
   std::vector<double> distances;
   for (Eigen::Index k = 0; k < rows.residuals.cols(); ++k) distances.push_back(rows.residuals.col(k).norm());
   const double median = RobustScale(distances, rows.unknowns);
-  const bool is_near = median <= SuspiciousMisfit(problem.robot().chain);  // else no reading can be said to fit
+  const bool is_near = median <= SuspiciousMisfit(problem);  // else no reading can be said to fit
   for (const int k : outliers) {
     const int observation = rows.observations[k];
     const auto is_known = [&](const Suspect& suspect) { return suspect.observation == observation; };

@@ -243,7 +243,7 @@ std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const
   std::optional<Break> moved;
   if (StatedTooLarge(estimate) == 1.0) moved = FindBreak(problem, estimate);
   if (moved) reasons.push_back(SomethingMoved(problem, *moved));
-  if (estimate.fit.distance_rms > SuspiciousMisfit(problem.robot().chain)) {
+  if (estimate.fit.distance_rms > SuspiciousMisfit(problem)) {
     reasons.push_back(RobotStillMisses(estimate.fit.distance_rms, !trust.suspects.empty()));
   }
   if (const std::optional<LoadDirection> across = FindLoadDirection(problem))
