@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -104,8 +105,8 @@ double PValueOf(const KnownRobot& known, const Validation& validation, const Pre
   const double ratio = std::pow(validation.after.rms / validation.predicted_rms, 2);
   const double freedom = together.trace * together.trace / together.trace_of_square;
   if (!std::isfinite(ratio * freedom)) return 1.0;
-  return known.noise.freedom > 0.0 ? FSurvival(ratio, freedom, known.noise.freedom)
-                                   : ChiSquareSurvival(ratio * freedom, freedom);
+  const bool is_estimated = known.noise.freedom > 0.0;
+  return FSurvival(ratio, freedom, is_estimated ? known.noise.freedom : std::numeric_limits<double>::infinity());
 }
 
 }  // namespace

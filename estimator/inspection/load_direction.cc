@@ -16,14 +16,14 @@
 namespace sagitta {
 namespace {
 
-constexpr double kAlongGravity = 0.9998;     // cosine: 1 deg, as forces are written
-constexpr size_t kFewestConfigurations = 6;  // each determines about as many numbers as there are joints
-constexpr double kTilted = 3.0 * kDegree;    // a level that is not looked at is better, and moments change by 5 %
-constexpr double kExplained = 0.25;          // of the squares that the stated direction leaves: half of the RMS
-constexpr double kSameDirection = 1e-5;      // rad, of a step
+constexpr double kAlongGravity = 0.9998;   // cosine: 1 deg, as forces are written
+constexpr size_t kFewestLoaded = 6;        // each determines about as many numbers as there are joints
+constexpr double kTilted = 3.0 * kDegree;  // a level that is not looked at is better, and moments change by 5 %
+constexpr double kExplained = 0.25;        // of the squares that the stated direction leaves: half of the RMS
+constexpr double kSameDirection = 1e-5;    // rad, of a step
 constexpr int kSweeps = 200, kAlternations = 200;
-constexpr double kLooked = 2e4;  // numbers: thousands of rows show a direction as well as all
-constexpr int kDirections = 60;  // over the sphere: 25 deg apart
+constexpr double kLookedAt = 2e4;     // numbers: thousands of rows show a direction as well as all
+constexpr int kDirectionsTried = 60;  // over the sphere: 25 deg apart
 
 // Sums over the deflections: all that a direction's misfit needs.
 struct DeflectionSums {
@@ -65,7 +65,7 @@ class LoadedStation {
     const auto is_here = [&](const Observation& row) {
       return data.shots[row.shot].station == station && row.is_point();
     };
-    const std::vector<int> sample = SampleConfigurations(data, problem.CalibrationObservations(), 1, kLooked);
+    const std::vector<int> sample = SampleConfigurations(data, problem.CalibrationObservations(), 1, kLookedAt);
     for (const int i : sample) {
       const Observation& row = data.observations[i];
       if (is_here(row) && !IsLoaded(data.shots[row.shot])) unloaded.try_emplace(key(row), row.point_in_station);
@@ -157,7 +157,7 @@ Vector3<double> DirectionOf(const DeflectionSums& sums, const Eigen::VectorXd& k
 
 // Evenly over the sphere: on a spiral of equal areas.
 Vector3<double> OnSphere(int index) {
-  const double z = 1.0 - (2.0 * index + 1.0) / kDirections, turn = index * kPi * (3.0 - std::sqrt(5.0));
+  const double z = 1.0 - (2.0 * index + 1.0) / kDirectionsTried, turn = index * kPi * (3.0 - std::sqrt(5.0));
   const double r = std::sqrt(1.0 - z * z);
   return {r * std::cos(turn), r * std::sin(turn), z};
 }
@@ -166,7 +166,7 @@ double BestDirection(const DeflectionSums& sums, Vector3<double>* best) {
   Eigen::VectorXd k;
   *best = sums.stated;
   double least = MisfitAlong(sums, *best, &k);
-  for (int i = 0; i < kDirections; ++i) {
+  for (int i = 0; i < kDirectionsTried; ++i) {
     Eigen::VectorXd own;
     const double misfit = MisfitAlong(sums, OnSphere(i), &own);
     if (misfit < least) least = misfit, *best = OnSphere(i), k = own;
@@ -191,7 +191,7 @@ std::optional<LoadDirection> FindLoadDirection(const CalibrationProblem& problem
   FindStartingValues(problem, SampleOfRows(problem), StartingValueOptions(), &aligned);
   for (int s = 0; s < static_cast<int>(problem.data().stations.size()); ++s) {
     const DeflectionSums sums = LoadedStation(problem, aligned, s).sums();
-    if (sums.configurations.size() < kFewestConfigurations) continue;
+    if (sums.configurations.size() < kFewestLoaded) continue;
     LoadDirection found;
     Eigen::VectorXd k;
     const double as_stated = MisfitAlong(sums, sums.stated, &k);

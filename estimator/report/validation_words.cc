@@ -168,9 +168,8 @@ std::string CorrectionIsLarge(const std::string& name, double correction, bool i
 std::string ResidualsRefuteNoise(double times) {
   return "The residuals are " + Significant(times, 3) +
          " times what the stated standard deviations predict: either these are too small, or the arm does something "
-         "that the model does not have ('sagitta diagnose' distinguishes); the prediction was judged with the scatter "
-         "of "
-         "the residuals, not with the stated noise.";
+         "that the model does not have ('sagitta diagnose' distinguishes); the prediction was judged with the "
+         "scatter of the residuals, not with the stated noise.";
 }
 
 std::string StatedNoiseIsTooLarge(double times, double rms) {

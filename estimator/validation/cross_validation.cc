@@ -335,10 +335,11 @@ Eigen::Matrix3Xd ErrorsOfFolds(const CalibrationProblem& problem, const FittedSt
 void RecalibrateWhereLost(const CalibrationProblem& problem, const FittedStream& fitted, const FoldPlan& plan,
                           const DividedFit& fit, const std::vector<int>& quoted, Eigen::Matrix3Xd* errors) {
   for (size_t f = 0; f < fit.folds.size(); ++f) {
+    if (!fit.folds[f].loses) continue;
     std::vector<int> left_out, own;
     const auto is_in = [&](int i) { return FoldAt(problem, plan, i) == f; };
     std::copy_if(quoted.begin(), quoted.end(), std::back_inserter(own), is_in);
-    if (!fit.folds[f].loses || own.empty()) continue;
+    if (own.empty()) continue;
     std::copy_if(fitted.observations().begin(), fitted.observations().end(), std::back_inserter(left_out), is_in);
     const std::optional<ParameterSet> rest = CalibrateWithout(problem, left_out, own);
     if (!rest) continue;

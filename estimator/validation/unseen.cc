@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "estimator/statistics/distributions.h"
@@ -117,9 +118,8 @@ void ComparePrediction(const PredictedSquares& predicted, const Estimate& estima
   const double ratio = 3.0 * unseen->points * unseen->rms * unseen->rms / predicted.trace;
   const bool noise_is_estimated = !estimate.sigma.stated || estimate.sigma.scaled;
   if (noise_is_estimated && estimate.dof < 1) return;
-  const auto p_of = [&](double size) {
-    return noise_is_estimated ? FSurvival(size, freedom, estimate.dof) : ChiSquareSurvival(size * freedom, freedom);
-  };
+  const double of_noise = noise_is_estimated ? estimate.dof : std::numeric_limits<double>::infinity();
+  const auto p_of = [&](double size) { return FSurvival(size, freedom, of_noise); };
   unseen->p_value = p_of(ratio);
   unseen->p_mostly_unknown = p_of(ratio / (kMostlyUnknown * kMostlyUnknown));
 }

@@ -282,13 +282,7 @@ CalibrationProblem FewPoses(int poses, std::uint64_t seed, const Change& change 
   Kr270Design design = Design(poses, seed);
   design.stations = 1;
   return Problem(design, [&](Measurements* data) {
-    data->markers = {"P1"};
-    std::vector<Observation> first;  // of each shot
-    for (Shot& shot : data->shots) {
-      first.push_back(data->observations[static_cast<size_t>(shot.observations.front())]);
-      shot.observations = {static_cast<int>(first.size()) - 1};
-    }
-    data->observations = first;
+    test::KeepFirstMarker(data);
     if (change) change(data);
   });
 }

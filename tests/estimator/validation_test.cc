@@ -222,13 +222,7 @@ TEST(CrossValidation, WhatOnlyOneConfigurationMeasuresIsHeldWhereItIsLeftOut) {
       if (c != 4) q.tail(3).setZero();
       if (c != 4) q[2] = 0.4 - q[1];
     }
-    data->markers = {"P1"};
-    std::vector<Observation> first;  // of each shot
-    for (Shot& shot : data->shots) {
-      first.push_back(data->observations[static_cast<size_t>(shot.observations.front())]);
-      shot.observations = {static_cast<int>(first.size()) - 1};
-    }
-    data->observations = first;
+    test::KeepFirstMarker(data);
     test::MeasureKr270(test::Kr270Truth(), 1e-4, 9, data);
   });
   const Estimate estimate = EstimateJointly(problem);

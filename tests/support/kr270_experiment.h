@@ -103,6 +103,17 @@ inline Vector3<double> ExactPoint(const Kr270Truth& truth, const Eigen::VectorXd
   return truth.base_xyz[station] + BaseRotation(truth, station) * in_base;
 }
 
+// Of every shot the reading of the first marker alone.
+inline void KeepFirstMarker(Measurements* data) {
+  data->markers.resize(1);
+  std::vector<Observation> first;  // of each shot
+  for (Shot& shot : data->shots) {
+    first.push_back(data->observations[static_cast<size_t>(shot.observations.front())]);
+    shot.observations = {static_cast<int>(first.size()) - 1};
+  }
+  data->observations = first;
+}
+
 // Rows of a design, without points, with every configuration seen from both stations.
 inline Measurements SeenFromBothStations(Kr270Design design) {
   design.stations = 2;
