@@ -6,11 +6,10 @@
 #include <cmath>
 
 #include "estimator/diagnosis/cautions.h"
+#include "estimator/diagnosis/leading_set.h"
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/diagnosis/noise_check.h"
-#include "estimator/diagnosis/selected_effects.h"
 #include "estimator/diagnosis/set_aside.h"
-#include "estimator/explanations/moments.h"
 #include "estimator/noise/rotation_noise.h"
 #include "estimator/report/diagnosis_caution_words.h"
 #include "estimator/report/explanations_words.h"
@@ -112,20 +111,15 @@ class Session {
     const bool is_stated = IsSigmaStated(problem_);
     working_ = std::make_unique<CalibrationProblem>(WithWorkingSigma(d_.baseline, is_stated));
     const CalibrationProblem& working = *working_;
-    const ParameterSet& parameters = d_.baseline.estimate.parameters;
-    CandidateList candidates = ListCandidates(working, parameters);
-    RefineMoments(working, parameters, &candidates);
     const double sigma_dof = is_stated ? SigmaDof(problem_.repeat_scatter) : 0.0;
-    evidence_ = std::make_unique<Evidence>(working, parameters, candidates, options_.prior, sigma_dof,
-                                           options_.progress, evidence_.get());
+    LeadingSet found = FindLeading(
+        {working, d_.baseline, options_.prior, sigma_dof, NamingGate(), joint_, options_.progress}, evidence_.get());
+    evidence_ = std::move(found.evidence);
     d_.not_testable = evidence_->list().not_testable;
-    posterior_ = PosteriorOf(*evidence_, evidence_->models());
-    RefittedSet leading;
-    named_ = IsNamed();
-    if (named_)
-      leading = RefitLeading(working, d_.baseline, joint_, NamingGate(), evidence_.get(), &posterior_, &rivals_);
-    named_ = IsNamed();  // the full model may leave less of it
-    if (!named_) leading = RefitSet(*evidence_, evidence_->BestOfNothing(), working, d_.baseline, joint_);
+    posterior_ = std::move(found.posterior);
+    rivals_ = std::move(found.rivals);
+    named_ = found.is_named;
+    const RefittedSet& leading = found.refitted;
     leading_ = leading.model;
     lacking_ = leading.lacking;
     selected_ = leading.effects;
@@ -160,8 +154,6 @@ class Session {
   // Where nothing is missing, odds of B on something come about with probability 1 / B at most (Markov's inequality),
   // and in fact with about the share 1 / B of that: the smallest effects, which have these odds at all, are few.
   double NamingGate() const { return 1.0 - std::sqrt(options_.significance); }
-
-  bool IsNamed() const { return posterior_.Something() > NamingGate() && !posterior_.sets.empty(); }
 
   // The full estimator has the last word: an effect with which it finds no optimum is not named, nor one whose values
   // it finds to be chance (all held: certainly), nor one that makes untouched rows worse beyond chance, nor, given a

@@ -8,7 +8,6 @@ namespace {
 
 // Of the best: a set that may lead once others have lost what the full model does not keep.
 constexpr double kMayLead = 0.05;
-constexpr double kInDoubt = 1.0;     // log evidence: odds that a refit changes by less are not worth more refits
 constexpr size_t kMostRefitted = 4;  // where the linear evidence holds
 constexpr size_t kMostInDoubt = 10;
 

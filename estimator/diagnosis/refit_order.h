@@ -13,6 +13,8 @@
 
 namespace sagitta {
 
+constexpr double kInDoubt = 1.0;  // log evidence: odds that a refit changes by less are not worth more of them
+
 class RefitOrder {
  public:
   // Must outlive the order; its sets are meant by their places.

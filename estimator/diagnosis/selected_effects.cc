@@ -100,14 +100,26 @@ double SquareOfPriors(const RefittedSet& refitted) {
   return sum;
 }
 
-// 0 where the set holds what has no name: the full model cannot hold it.
+// Of the set's effects of the catalogue: the full model cannot hold the others.
+double LogFullOverLinear(const Evidence& evidence, const RefittedSet& refitted) {
+  WeightedModel named = refitted.model;
+  named.set.members.clear();
+  named.set.scales.clear();
+  for (const SelectedEffect& effect : refitted.effects) named.set.members.push_back(effect.explanation);
+  std::sort(named.set.members.begin(), named.set.members.end());
+  for (const int member : named.set.members)
+    named.set.scales.push_back(refitted.model.set.scales[refitted.model.PlaceOf(member)]);
+  const ResidualLikelihood likelihood = evidence.LikelihoodOf(named.view);
+  const double unit = UnitOfRows(evidence, refitted.model);
+  return likelihood.Log(unit * (refitted.with_effects.estimate.chi2 - SquareOfPriors(refitted))) -
+         likelihood.Log(ResidualAtBest(evidence, named));
+}
+
+// 0 where the set holds what has no name.
 double LogCorrection(const Evidence& evidence, const RefittedSet& refitted) {
   if (!refitted.IsUsable()) return -std::numeric_limits<double>::infinity();
   if (refitted.effects.size() != refitted.model.set.members.size()) return 0.0;
-  const ResidualLikelihood likelihood = evidence.LikelihoodOf(refitted.model.view);
-  const double unit = UnitOfRows(evidence, refitted.model);
-  return likelihood.Log(unit * (refitted.with_effects.estimate.chi2 - SquareOfPriors(refitted))) -
-         likelihood.Log(ResidualAtBest(evidence, refitted.model));
+  return LogFullOverLinear(evidence, refitted);
 }
 
 // Effects of the catalogue that `model` holds and the other does not.
@@ -216,6 +228,10 @@ RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel
   return RefitSet(*evidence, leading, working, baseline, joint, LastOfView(refitted, leading.view));
 }
 
+double LinearizationError(const Evidence& evidence, const RefittedSet& refitted) {
+  return std::abs(LogFullOverLinear(evidence, refitted));
+}
+
 double CorrectedP(double reduction, int parameters, double scatter, int dof, bool is_sigma_stated, int tests) {
   const double m = std::max(1, parameters);
   const bool is_known = (is_sigma_stated && scatter <= 1.0) || dof <= 0;
@@ -258,9 +274,7 @@ ParameterSet AlignedWith(const std::vector<SelectedEffect>& effects, const Param
   Eigen::VectorXd delta = Eigen::VectorXd::Zero(aligned.num_coordinates());
   for (int i = 0; i < aligned.num_coordinates(); ++i) {
     const Coordinate& coordinate = aligned.coordinates()[i];
-    const bool is_shape =
-        coordinate.kind == CoordinateKind::kCompensator && coordinate.compensator_part != CompensatorPart::kKc;
-    if (IsOfAny(effects, coordinate) && !is_shape) delta[i] = -aligned.Value(i);
+    if (IsOfAny(effects, coordinate) && !IsSpringShape(coordinate)) delta[i] = -aligned.Value(i);
   }
   aligned.Plus(delta);
   aligned.CopyByName(nominal);

@@ -38,6 +38,11 @@ constexpr size_t kMostModels = 1000;
 // (explanations.cc).
 constexpr double kOfUnnamed = 0.1;
 
+ParameterSet CopiedByName(ParameterSet own, const ParameterSet& other) {
+  own.CopyByName(other);
+  return own;
+}
+
 }  // namespace
 
 void Normalise(std::vector<WeightedModel>* models) {
@@ -51,10 +56,10 @@ void Normalise(std::vector<WeightedModel>* models) {
 
 Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parameters, const CandidateList& candidates,
                    const PriorMasses& masses, double sigma_dof, const std::function<void(const std::string&)>& progress,
-                   const Evidence* before)
+                   const Evidence* before, const LinearizedAbout& about)
     : problem_(problem),
-      columns_(problem, parameters, candidates.candidates),
-      list_(ListExplanations(problem, parameters, candidates, masses, &columns_)),
+      columns_(problem, parameters, candidates.candidates, about),
+      list_(ListExplanations(problem, CopiedByName(parameters, about.parameters), candidates, masses, &columns_)),
       masses_(masses),
       prior_{masses.nothing, masses.further},
       sigma_dof_(sigma_dof),

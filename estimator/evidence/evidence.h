@@ -66,10 +66,10 @@ struct ViewedNormal {
 class Evidence {
  public:
   // sigma_dof: what states the noise (ResidualLikelihood). before: of other rows of the same problem; the search starts
-  // from its best set.
+  // from its best set. about: as of EvidenceColumns.
   Evidence(const CalibrationProblem& problem, const ParameterSet& parameters, const CandidateList& candidates,
            const PriorMasses& masses, double sigma_dof, const std::function<void(const std::string&)>& progress,
-           const Evidence* before = nullptr);
+           const Evidence* before = nullptr, const LinearizedAbout& about = {});
 
   const ExplanationList& list() const { return list_; }
   const EvidenceColumns& columns() const { return columns_; }

@@ -42,6 +42,10 @@ Eigen::MatrixX2d TorquesPerRate(const EffectSpec& shape, const Eigen::VectorXd& 
 
 }  // namespace
 
+bool IsSpringShape(const Coordinate& coordinate) {
+  return coordinate.kind == CoordinateKind::kCompensator && coordinate.compensator_part != CompensatorPart::kKc;
+}
+
 std::vector<int> ComplianceCoordinates(const ParameterSet& parameters, const std::string& joint) {
   std::vector<int> nodes;
   for (int i = 0; i < parameters.num_coordinates(); ++i) {

@@ -20,6 +20,9 @@ constexpr double kTypicalSpringTurn = 3e-4;
 // Gas springs have any equivalent rest length up to a.
 constexpr double kUsualRest = 0.65, kRestDeviation = 0.25;
 
+// Whether it is where a spring is and how long, in which its torque is not linear; its rate is none of these.
+bool IsSpringShape(const Coordinate& coordinate);
+
 // The joint's compliance in a model, or the nodes of its table.
 std::vector<int> ComplianceCoordinates(const ParameterSet& parameters, const std::string& joint);
 // rad/(N m); the mean of a table, 0 where there is none.

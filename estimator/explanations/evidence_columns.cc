@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "estimator/explanations/compensator_shapes.h"
 #include "estimator/explanations/drivers.h"
 #include "estimator/explanations/typical_units.h"
 #include "estimator/least_squares/all_joints.h"
@@ -28,6 +29,17 @@ EffectSpec UnitPull() { return {LearntPull().name, "robot", {{"degree", "0"}}, {
 std::vector<EffectSpec> WithPull(const CalibrationProblem& problem, std::vector<EffectSpec> specs) {
   if (!problem.robot().compliances.empty()) specs.push_back(UnitPull());
   return specs;
+}
+
+// Those of which no other is there already.
+std::vector<EffectSpec> Missing(const std::vector<EffectSpec>& among, const std::vector<EffectSpec>& specs) {
+  std::vector<EffectSpec> missing;
+  for (const EffectSpec& spec : specs) {
+    const bool is_there =
+        std::any_of(among.begin(), among.end(), [&](const EffectSpec& own) { return own.Path() == spec.Path(); });
+    if (!is_there) missing.push_back(spec);
+  }
+  return missing;
 }
 
 }  // namespace
@@ -96,11 +108,14 @@ EvidenceColumns::SplitCandidates EvidenceColumns::Split(const CalibrationProblem
 }
 
 EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                 const std::vector<Candidate>& candidates)
+                                 const std::vector<Candidate>& candidates, const LinearizedAbout& about)
     : extended_(problem), of_candidate_(candidates.size()) {
   const SplitCandidates split = Split(problem, candidates);
-  extended_ = problem.WithEffects(WithPull(problem, split.others));
+  const std::vector<EffectSpec> further = Missing(split.others, about.effects);  // their columns are elsewhere
+  extended_ = problem.WithEffects(further).WithEffects(WithPull(problem, split.others));
   extended_.parameters.CopyByName(parameters);
+  extended_.parameters.CopyByName(about.parameters);
+  SetSubtracted(parameters, about.parameters);
   extended_.latent = WithAllJoints(problem.latent, problem.robot().num_joints());
   const ParameterSet& all = extended_.parameters;
   std::map<std::string, std::vector<int>> coordinates_of;  // by path
@@ -110,6 +125,7 @@ EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const Parame
     if (own < 0) coordinates_of[name.substr(0, name.rfind('/'))].push_back(i);
     if (own >= 0 && parameters.coordinates()[own].estimated()) believed_.push_back(i);
   }
+  for (const EffectSpec& spec : further) coordinates_of.erase(spec.Path());
   for (size_t c = 0; c < candidates.size(); ++c) {
     const auto own = coordinates_of.find(candidates[c].spec.Path());
     if (own == coordinates_of.end()) continue;
@@ -126,6 +142,16 @@ EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const Parame
   SetLinearized();
   SetBlocks();
   AddMotions(candidates, split);
+}
+
+void EvidenceColumns::SetSubtracted(const ParameterSet& believed, const ParameterSet& about) {
+  const ParameterSet& all = extended_.parameters;
+  for (int i = 0; i < all.num_coordinates(); ++i) {
+    const Coordinate& coordinate = all.coordinates()[i];
+    const bool is_estimated_too =
+        believed.FindCoordinate(coordinate.name) < 0 && about.FindCoordinate(coordinate.name) >= 0;
+    if (is_estimated_too && !IsSpringShape(coordinate)) subtracted_.emplace_back(i, all.Value(i));
+  }
 }
 
 void EvidenceColumns::AddMotions(const std::vector<Candidate>& candidates, const SplitCandidates& split) {
@@ -171,6 +197,10 @@ void EvidenceColumns::SetLinearized() {
   const ParameterSet& all = extended_.parameters;
   linearized_ = believed_;
   linearized_.insert(linearized_.end(), catalogue_.begin(), catalogue_.end());
+  for (const auto& [coordinate, value] : subtracted_) {
+    const bool is_there = std::find(catalogue_.begin(), catalogue_.end(), coordinate) != catalogue_.end();
+    if (!is_there) linearized_.push_back(coordinate);
+  }
   const std::set<int> there(linearized_.begin(), linearized_.end());
   const auto append = [&](const ParameterBlock& block) {
     for (int i = 0; i < block.tangent_size; ++i) {
@@ -289,9 +319,14 @@ Eigen::MatrixXd EvidenceColumns::FunctionOf(const std::vector<int>& columns) con
 
 EvidenceColumns::Block EvidenceColumns::LinearizeBlock(const std::vector<int>& observations) const {
   const NoiseRoots noise = ObservationNoise(extended_, observations, kFallbackSigma);
-  return {observations,
-          Linearize(extended_, extended_.parameters, observations, linearized_, noise, LatentTreatment::kIgnore),
-          {}};
+  Block block{observations,
+              Linearize(extended_, extended_.parameters, observations, linearized_, noise, LatentTreatment::kIgnore),
+              {}};
+  for (const auto& [coordinate, value] : subtracted_) {
+    const auto at = std::find(linearized_.begin(), linearized_.end(), coordinate) - linearized_.begin();
+    block.here.residual -= value * block.here.jacobian.col(at);
+  }
+  return block;
 }
 
 const EvidenceColumns::Block& EvidenceColumns::BlockOf(int index, Block* scratch) const {

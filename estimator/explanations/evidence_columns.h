@@ -103,12 +103,21 @@ struct GivenBelieved {
   double log_constant = 0.0;  // -1/2 (log |C| + log |J' C^-1 J|): compares ways to whiten
 };
 
+// Effects estimated in addition to what is believed, and the estimate of all: the point about which the model is
+// linearized. With these columns J and values e there, the residual r - J e is that of the believed model by the same
+// linear model. A spring's torque is linear in its rate alone: e holds no shape.
+struct LinearizedAbout {
+  std::vector<EffectSpec> effects;
+  ParameterSet parameters;
+};
+
 // The columns of everything that is believed or may explain, and their sums over the rows.
 class EvidenceColumns {
  public:
-  // Candidates without columns of their own (the gravity compensator) are left out.
+  // Candidates without columns of their own (the gravity compensator) are left out. about: none, with no effects, and
+  // the model is linearized about what is believed.
   EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
-                  const std::vector<Candidate>& candidates);
+                  const std::vector<Candidate>& candidates, const LinearizedAbout& about = {});
 
   // Adds a family; returns its columns.
   std::vector<int> Add(const FunctionFamily& family);
@@ -188,6 +197,8 @@ class EvidenceColumns {
     std::vector<EffectSpec> others;
   };
   static SplitCandidates Split(const CalibrationProblem& problem, const std::vector<Candidate>& candidates);
+  // What the effects come to about which the model is linearized.
+  void SetSubtracted(const ParameterSet& believed, const ParameterSet& about);
   // Coordinates of a block's columns.
   void SetLinearized();
   // Poses and blocks of them; the first blocks are linearized.
@@ -232,9 +243,10 @@ class EvidenceColumns {
   Eigen::MatrixXd ProductsOf(const std::vector<int>& columns, const std::vector<BlockRoots>& roots) const;
 
   CalibrationProblem extended_;
-  std::vector<int> believed_;    // coordinates of extended_
-  std::vector<int> catalogue_;   // coordinates of effects that have no families
-  std::vector<int> linearized_;  // coordinates behind the columns of a block
+  std::vector<int> believed_;                       // coordinates of extended_
+  std::vector<int> catalogue_;                      // coordinates of effects that have no families
+  std::vector<int> linearized_;                     // coordinates behind the columns of a block
+  std::vector<std::pair<int, double>> subtracted_;  // coordinates and values that move the residual (LinearizedAbout)
   std::vector<std::vector<int>> of_candidate_;
   std::vector<double> units_;         // of the columns of catalogue_
   std::map<int, std::string> names_;  // of all candidates' columns

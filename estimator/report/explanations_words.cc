@@ -111,4 +111,6 @@ std::string SearchingWithRepeatability(double sigma_rad) {
   return "once more with joints that deviate by " + std::to_string(std::lround(1e6 * sigma_rad)) + " urad";
 }
 
+std::string WeighingAboutWhatWasFound() { return "weighing once more about what was found"; }
+
 }  // namespace sagitta

@@ -52,5 +52,7 @@ std::string GravityIsUnknown(const std::string& station);
 
 // Progress: the search among sets is repeated with this repeatability.
 std::string SearchingWithRepeatability(double sigma_rad);
+// All is weighed once more, from an estimate that holds what was found.
+std::string WeighingAboutWhatWasFound();
 
 }  // namespace sagitta

@@ -65,6 +65,65 @@ TEST(EvidenceColumns, ProductsThatAreAskedForAreThoseOfAllRows) {
   }
 }
 
+// Residual r - J e and Jacobian at an estimate that holds a weight (columns of its own), a harmonic (one of a family)
+// and a spring, by differences of predicted points. The spring's torque is linear in its rate alone.
+TEST(EvidenceColumns, AboutAnEstimateWithEffectsTheResidualIsThatWithoutThem) {
+  const CalibrationProblem problem = Campaign();
+  const ParameterSet parameters = EstimateJointly(problem).parameters;
+  const std::vector<EffectSpec> effects = {{"link_gravity", "A3", {}, {}},
+                                           {"joint_harmonic", "A2", {{"order", "2"}}, {}},
+                                           {"gravity_compensator", "A2", {}, {0.2, 0.1, 0.7, 0.5, 3e4}}};
+  const CalibrationProblem extended = problem.WithEffects(effects);
+  ParameterSet about = extended.parameters;
+  about.CopyByName(parameters);
+  std::vector<int> linear = {about.FindCoordinate(CompensatorPart::kKc)};
+  Eigen::VectorXd values = Eigen::VectorXd::Zero(about.num_coordinates());
+  for (int i = 0; i < about.num_coordinates(); ++i) {
+    const std::string& name = about.coordinates()[i].name;
+    const bool is_weight = name.rfind("effect/link_gravity/A3/", 0) == 0;
+    if (!is_weight && name.rfind("effect/joint_harmonic", 0) != 0) continue;
+    values[i] = is_weight ? 20.0 : 4e-4;  // kg, kg m; rad
+    linear.push_back(i);
+  }
+  ASSERT_EQ(linear.size(), 7u);
+  about.Plus(values);
+
+  const std::vector<int> fitted = problem.CalibrationObservations();
+  const auto rows_at = [&](const ParameterSet& here) {
+    const Eigen::Matrix3Xd points = PredictPoints(extended, here, fitted);
+    Eigen::VectorXd rows(3 * points.cols());
+    for (long i = 0; i < points.cols(); ++i)
+      rows.segment<3>(3 * i) = (points.col(i) - problem.data().observations[fitted[i]].point_in_station) / 2e-5;
+    return rows;
+  };
+  const auto by_step = [&](int i, double step) {
+    Eigen::VectorXd delta = Eigen::VectorXd::Zero(about.num_coordinates());
+    delta[i] = step;
+    ParameterSet up = about, down = about;
+    up.Plus(delta);
+    down.Plus(-delta);
+    return Eigen::VectorXd((rows_at(up) - rows_at(down)) / (2.0 * step));
+  };
+  const Eigen::VectorXd there = rows_at(about);
+  Eigen::VectorXd residual = there;
+  for (const int i : linear) residual -= about.Value(i) * by_step(i, 1e-3 * about.Value(i));
+  ASSERT_GT((residual - there).norm(), 10.0 * there.norm() / std::sqrt(there.size()));
+
+  const EvidenceColumns columns(problem, parameters, ListCandidates(problem, parameters).candidates, {effects, about});
+  const RowSums sums = columns.Sum(StatedScatter(problem), {});
+  const long last = columns.num_believed();
+  EXPECT_NEAR(sums.products(last, last), residual.squaredNorm(), 1e-6 * residual.squaredNorm());
+  const std::vector<int> believed = parameters.EstimatedCoordinates();
+  ASSERT_EQ(last, static_cast<long>(believed.size()));
+  for (long c = 0; c < last; ++c) {
+    const std::string& name = parameters.coordinates()[believed[c]].name;
+    const double step = name.find("compliance") != std::string::npos ? 1e-9 : 1e-6;
+    const Eigen::VectorXd column = by_step(about.FindCoordinate(name), step);
+    EXPECT_NEAR(sums.products(c, last), column.dot(residual), 1e-5 * column.norm() * residual.norm()) << name;
+    EXPECT_NEAR(sums.products(c, c), column.squaredNorm(), 1e-5 * column.squaredNorm()) << name;
+  }
+}
+
 // Each group's sums are those over its poses alone, and all together they are those over all rows.
 TEST(EvidenceColumns, SumsOfGroupsOfPosesAddUp) {
   const CalibrationProblem problem = Campaign();

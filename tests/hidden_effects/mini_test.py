@@ -503,6 +503,16 @@ class WhatWasOnceNamedWrong(WithFolder):
                  if len(s['explanations']) == 1 and not s.get('unnamed') and s['explanations'][0]['effect'] == sealed[0][0]]
         self.assertGreater(sum(alone), 0.5)
 
+    def test_weights_of_several_links_are_weighed_where_they_are(self):
+        """The believed model absorbs so much of them that its compliances, and with these the columns of every
+        weight, are up to 60 % off, and one is 0: weighed about it a rest was left, and effects had no name."""
+        for kinds, scales, number in (('link_gravity,link_gravity,link_gravity', '1,0.6,0.8', 3),
+                                      ('link_gravity,link_gravity,joint_harmonic', '1,1.4,1', 4)):
+            diagnosis, sealed = self.diagnosed({'study': 7701, 'case': number, 'kinds': kinds, 'scales': scales})
+            self.assertEqual(diagnosis['verdict'], 'explained', diagnosis['words'])
+            self.assertEqual(sorted((s['effect'], s['target']) for s in diagnosis['steps']), sorted(sealed))
+            self.assertGreater(diagnosis['final']['gap_closed'], 0.99)
+
     def test_what_is_less_probable_than_no_name_is_not_named(self):
         """A stand twists: no effect of the catalogue does that."""
         diagnosis, _ = self.diagnosed({'study': 10201, 'case': 6, 'kinds': 'stand_twist', 'scales': 2.4096050283902546,

@@ -1,0 +1,54 @@
+// Evidence is weighed where the model is linear: about what was found.
+#include "estimator/diagnosis/leading_set.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "estimator/diagnosis/refit_order.h"
+#include "estimator/statistics/distributions.h"
+#include "tests/support/kr270_experiment.h"
+#include "tests/support/moved_kr270.h"
+
+namespace sagitta::leading_set_test {
+namespace {
+
+// Joint 2 swings by 2 mrad: what that moves the points by differs from the linear model's by up to theta^2 / 2 times 2
+// m of arm, four times sigma. Joint 4 deviates by little more than the noise.
+CalibrationProblem Campaign() {
+  const test::Kr270Design design = test::CampaignOf(60, 1, 1e-6, 11);
+  const Measurements data = test::MeasuredAfter(design, 411, [](Eigen::VectorXd* q) {
+    (*q)[3] += 5e-6 * std::cos(2.0 * (*q)[3]);
+    (*q)[1] += 2e-3 * std::cos(2.0 * (*q)[1]);
+  });
+  return MakeCalibrationProblem(test::Kr270Robot(), data, Experiment());
+}
+
+TEST(LeadingSet, IsWeighedAboutWhatWasFound) {
+  const CalibrationProblem problem = Campaign();
+  const DiagnosedModel baseline = FitFully(problem, JointOptions());
+  const PriorMasses prior;
+  const JointOptions joint;
+  const ParameterSet& believed = baseline.estimate.parameters;
+  const CandidateList candidates = ListCandidates(problem, believed);
+  const LeadingSet found = FindLeading({problem, baseline, prior, kInfinity, 0.9, joint, nullptr}, nullptr);
+  ASSERT_TRUE(found.is_named);
+  ASSERT_TRUE(found.refitted.IsUsable());
+  std::vector<std::string> paths;
+  for (const SelectedEffect& effect : found.refitted.effects) paths.push_back(effect.candidate.spec.Path());
+  EXPECT_EQ(paths,
+            (std::vector<std::string>{"effect/joint_harmonic[order=2]/A2", "effect/joint_harmonic[order=2]/A4"}));
+  EXPECT_LT(LinearizationError(*found.evidence, found.refitted), kInDoubt);
+
+  // About the believed model the same set is off by far more.
+  const Evidence about_believed(problem, believed, candidates, prior, kInfinity, nullptr);
+  Posterior posterior = PosteriorOf(about_believed, about_believed.models());
+  ASSERT_FALSE(posterior.sets.empty());
+  const WeightedModel& leading = about_believed.models()[posterior.sets[posterior.Leading(0.9)].best];
+  const RefittedSet refitted = RefitSet(about_believed, leading, problem, baseline, joint);
+  ASSERT_TRUE(refitted.IsUsable());
+  EXPECT_GT(LinearizationError(about_believed, refitted), 5.0 * kInDoubt);
+}
+
+}  // namespace
+}  // namespace sagitta::leading_set_test
