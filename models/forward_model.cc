@@ -24,6 +24,17 @@ ShotInput::~ShotInput() = default;
 
 namespace {
 
+// Indices of the shots as they were measured: by time where every one states it, else as given.
+std::vector<size_t> OrderOfTime(const std::vector<ShotInput>& shots) {
+  std::vector<size_t> order(shots.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  const auto is_timed = [](const ShotInput& shot) { return shot.conditions.has_time; };
+  if (!std::all_of(shots.begin(), shots.end(), is_timed)) return order;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return shots[a].conditions.time < shots[b].conditions.time; });
+  return order;
+}
+
 // Weights of a compliance's nodes at q: piecewise linear, constant outside.
 std::vector<std::pair<int, double>> NodeWeights(const JointCompliance& compliance, double q) {
   const auto& nodes = compliance.nodes;
@@ -163,14 +174,19 @@ ForwardModel::ForwardModel(const Robot& robot, std::vector<std::string> markers)
   elastic_slots_.erase(std::unique(elastic_slots_.begin(), elastic_slots_.end()), elastic_slots_.end());
 }
 
-std::vector<int> OrderOfTime(const std::vector<ShotInput>& shots) {
-  std::vector<int> order(shots.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto is_timed = [](const ShotInput& shot) { return shot.conditions.has_time; };
-  if (!std::all_of(shots.begin(), shots.end(), is_timed)) return order;
-  std::stable_sort(order.begin(), order.end(),
-                   [&](int a, int b) { return shots[a].conditions.time < shots[b].conditions.time; });
-  return order;
+std::vector<double> MemoriesOf(const Robot& robot, const EffectDefinition& definition, const EffectSpec& spec,
+                               const std::vector<ShotInput>& shots) {
+  std::vector<double> memories(shots.size(), 0.0);
+  if (definition.remember == nullptr) return memories;
+  std::map<int, std::vector<size_t>> campaigns;
+  for (const size_t s : OrderOfTime(shots)) campaigns[shots[s].conditions.campaign].push_back(s);
+  for (const auto& [campaign, order] : campaigns) {
+    std::vector<const ShotConditions*> in_order;
+    for (const size_t s : order) in_order.push_back(&shots[s].conditions);
+    const std::vector<double> own = definition.remember(robot, spec, in_order);
+    for (size_t k = 0; k < order.size(); ++k) memories[order[k]] = own[k];
+  }
+  return memories;
 }
 
 void ForwardModel::Prepare(ShotInput* shot) const {
@@ -180,18 +196,13 @@ void ForwardModel::Prepare(ShotInput* shot) const {
 }
 
 void ForwardModel::Prepare(std::vector<ShotInput>* campaign) const {
-  const std::vector<int> order = OrderOfTime(*campaign);
-  std::vector<const ShotConditions*> in_order;
-  for (const int s : order) in_order.push_back(&(*campaign)[s].conditions);
-  std::map<size_t, std::vector<double>> memories;  // by effect; in the order of time
-  for (size_t i = 0; i < robot_.effects.size(); ++i) {
-    if (definitions_[i]->remember != nullptr)
-      memories[i] = definitions_[i]->remember(robot_, robot_.effects[i], in_order);
-  }
-  std::vector<double> memory(robot_.effects.size(), 0.0);
-  for (size_t k = 0; k < order.size(); ++k) {
-    for (const auto& [effect, kept] : memories) memory[effect] = kept[k];
-    AddTerms(memory, &(*campaign)[order[k]]);
+  std::vector<std::vector<double>> memories;  // of each effect
+  for (size_t i = 0; i < robot_.effects.size(); ++i)
+    memories.push_back(MemoriesOf(robot_, *definitions_[i], robot_.effects[i], *campaign));
+  std::vector<double> memory(robot_.effects.size());
+  for (size_t s = 0; s < campaign->size(); ++s) {
+    for (size_t i = 0; i < memory.size(); ++i) memory[i] = memories[i][s];
+    AddTerms(memory, &(*campaign)[s]);
   }
 }
 

@@ -54,8 +54,10 @@ struct ShotInput {
   bool prepared = false;                // false: the model prepares a copy for every call
 };
 
-// Indices of the shots as they were measured: by time where every one states it, else as given.
-std::vector<int> OrderOfTime(const std::vector<ShotInput>& shots);
+// What an effect remembers at each shot, of those that were measured before it in its campaign: by time where every
+// shot states it, else as given. 0 for an effect that remembers nothing.
+std::vector<double> MemoriesOf(const Robot& robot, const EffectDefinition& definition, const EffectSpec& spec,
+                               const std::vector<ShotInput>& shots);
 
 // One reading of a shot: `point` or `rotation` of the target in the frame it rides on.
 struct MarkerInFrame {

@@ -39,29 +39,25 @@ bool AddMarker(const MarkerTerm& term, int shot, SingleMotion* motion) {
 }  // namespace
 
 std::optional<std::vector<SingleMotion>> SingleMotionsOf(const Robot& robot, const std::vector<std::string>& markers,
-                                                         const EffectSpec& spec, const std::vector<ShotInput>& shots,
-                                                         const std::vector<int>& order) {
+                                                         const EffectSpec& spec, const std::vector<ShotInput>& shots) {
   const EffectDefinition* definition = FindEffect(robot, spec.effect);
   const bool may_be = definition != nullptr && !definition->tilts &&
                       (definition->target == EffectTarget::kJoint || definition->target == EffectTarget::kMarker);
   if (!may_be) return std::nullopt;
-  std::vector<const ShotConditions*> in_order;
-  for (const int s : order) in_order.push_back(&shots[s].conditions);
-  std::vector<double> memories(order.size(), 0.0);
-  if (definition->remember != nullptr) memories = definition->remember(robot, spec, in_order);
+  const std::vector<double> memories = MemoriesOf(robot, *definition, spec, shots);
   std::vector<SingleMotion> motions(definition->parameters(robot, spec).size());
   for (SingleMotion& motion : motions) motion.per_unit.setZero(static_cast<long>(shots.size()));
   ShotTerms terms;
-  for (size_t k = 0; k < order.size(); ++k) {
+  for (size_t s = 0; s < shots.size(); ++s) {
     terms.slots.clear();
     terms.markers.clear();
-    definition->apply({&robot, &spec, in_order[k], &markers, 0, memories[k]}, &terms);
+    definition->apply({&robot, &spec, &shots[s].conditions, &markers, 0, memories[s]}, &terms);
     if (!MovesJointsOrMarkers(terms)) return std::nullopt;
     for (const SlotTerm& term : terms.slots) {
-      if (!AddSlot(robot.chain, term, order[k], &motions[term.parameter])) return std::nullopt;
+      if (!AddSlot(robot.chain, term, static_cast<int>(s), &motions[term.parameter])) return std::nullopt;
     }
     for (const MarkerTerm& term : terms.markers) {
-      if (!AddMarker(term, order[k], &motions[term.parameter])) return std::nullopt;
+      if (!AddMarker(term, static_cast<int>(s), &motions[term.parameter])) return std::nullopt;
     }
   }
   for (const SingleMotion& motion : motions) {

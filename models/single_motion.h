@@ -21,9 +21,7 @@ struct SingleMotion {
 };
 
 // One for each parameter of the effect; null where any does anything else, or nothing in all shots. markers: names.
-// order: OrderOfTime of the shots, for effects that remember the shots before.
 std::optional<std::vector<SingleMotion>> SingleMotionsOf(const Robot& robot, const std::vector<std::string>& markers,
-                                                         const EffectSpec& spec, const std::vector<ShotInput>& shots,
-                                                         const std::vector<int>& order);
+                                                         const EffectSpec& spec, const std::vector<ShotInput>& shots);
 
 }  // namespace sagitta

@@ -67,6 +67,7 @@ ShotConditions ConditionsOf(const Measurements& data, const Shot& shot, const Ex
   conditions.station = data.stations[shot.station];
   conditions.load = shot.load;
   conditions.has_time = shot.has_time;
+  conditions.campaign = shot.campaign;
   if (shot.has_time) {
     conditions.time = shot.time - origins.campaign_time.value_or(shot.time);
     conditions.station_time = shot.time - origins.first_time.at(conditions.station);

@@ -52,6 +52,7 @@ struct Shot {
   Wrench wrench;
   bool has_time = false;
   double time = 0.0;  // s, mean of its rows
+  int campaign = 0;   // with a clock of its own: nothing of another campaign is remembered
   bool has_temperature = false;
   double temperature = 0.0;   // degC, mean of its rows
   std::vector<int> approach;  // -1, 0, +1 per joint, kApproachNotStated where the cell is empty; empty: none is stated

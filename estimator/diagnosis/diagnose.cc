@@ -285,6 +285,7 @@ class Session {
     Weigh();
     d_.posterior = ReportPosterior(*evidence_, posterior_, weighed_, options_.prior, NamingGate());
     d_.candidates = Screen(*evidence_, d_.baseline);
+    d_.screened = evidence_->list().NumNamed();
     PredictHoldout(&d_.candidates);
     d_.where = FindWhere(d_.baseline);
     d_.effects.resize(selected_.size());
@@ -298,7 +299,7 @@ class Session {
       FoundEffect& effect = d_.effects[k];
       static_cast<CheckedEffect&>(effect) = checked[k];
       effect.view = views[k];
-      DescribeEffect(selected_[k], static_cast<int>(d_.candidates.size()), &effect);
+      DescribeEffect(selected_[k], &effect);
       const DiagnosedModel& here = k + 1 == selected_.size() ? d_.final : prefixes_[k + 1];
       effect.holdout_before = before;
       if (IsUsable(here.estimate.status)) {
@@ -361,7 +362,7 @@ class Session {
     }
   }
 
-  void DescribeEffect(const SelectedEffect& chosen, int tests, FoundEffect* described) const {
+  void DescribeEffect(const SelectedEffect& chosen, FoundEffect* described) const {
     FoundEffect& effect = *described;
     effect.candidate = chosen.candidate;
     effect.probability = ProbabilityOf(chosen);
@@ -371,7 +372,7 @@ class Session {
     const double unit = UnitOfRows(*evidence_, leading_);
     effect.corrected_p =
         CorrectedP(chosen.fit.reduction, chosen.fit.parameters, unit * after.chi2 / std::max(1, after.dof), after.dof,
-                   evidence_->IsSigmaStated(), tests);
+                   evidence_->IsSigmaStated(), d_.screened);
     for (const ParameterEstimate& row : after.table) {
       if (row.free && IsParameterOf(chosen.candidate.spec, row.name)) effect.parameters.push_back(row);
     }
@@ -424,6 +425,7 @@ class Session {
       auto learnt =
           LearnModel(*evidence_, leading_, Groups(), d_.baseline, selected_.empty() ? lacking_ : d_.final, joint_);
       if (learnt) d_.learnt = std::make_shared<LearntModel>(*std::move(learnt));
+      if (d_.learnt && problem_.ValidationObservations().empty()) d_.cautions.push_back(LearntUnchecked());
     }
     d_.noise.is_bound = d_.has_unexplained;
     if (!selected_.empty()) {

@@ -79,6 +79,7 @@ struct Diagnosis {
   NoiseFinding noise;
   ReportedPosterior posterior;
   std::vector<ScreenedCandidate> candidates;  // of the baseline, best first
+  int screened = 0;                           // effects with their settings: so many tests are behind each p-value
   std::vector<NotTestable> not_testable;
   std::vector<FoundEffect> effects;
   std::vector<EffectGroup> groups;

@@ -243,11 +243,10 @@ std::vector<ScreenedCandidate> Screen(const Evidence& evidence, const DiagnosedM
   const ExplanationList& list = evidence.list();
   const ProjectedNormal& normal = evidence.NormalOf(0);
   const ResidualLikelihood likelihood = evidence.LikelihoodOf(0);
+  const int tests = list.NumNamed();
   std::map<std::string, ScreenedCandidate> best;  // by name
-  int tests = 0;
   for (size_t k = 0; k < list.math.size(); ++k) {
     if (list.IsUnnamed(static_cast<int>(k))) continue;
-    ++tests;
     const GivenOthers alone = GivenNothing(normal, list.math[k].group);
     const double log_evidence = AverageGain(likelihood, alone);
     const auto entry = best.find(list.name[k]);
@@ -288,7 +287,7 @@ bool IsEstimated(const EffectSpec& spec, const Estimate& estimate) {
 
 double WaldP(const EffectSpec& spec, const Estimate& estimate) {
   if (!IsEstimated(spec, estimate)) return 1.0;
-  if (IsGravityCompensator(spec)) return 0.0;  // no values of it are those of no effect
+  if (IsGravityCompensator(spec)) return 0.0;  // its torque may be certain where its rate is a trade with its shape
   std::vector<int> own;
   for (size_t c = 0; c < estimate.estimated.size(); ++c) {
     if (IsParameterOf(spec, estimate.parameters.coordinates()[estimate.estimated[c]].name))

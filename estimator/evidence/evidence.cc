@@ -34,13 +34,13 @@ constexpr int kEveryMove = std::numeric_limits<int>::max();
 constexpr double kLeastGain = 1.92;
 // Where a thousand sets share the probability they differ in details: the rest would say the same of every effect.
 constexpr size_t kMostModels = 1000;
-// A deviation that follows the pose in its own way is one family of unnamed functions among about ten
-// (explanations.cc).
-constexpr double kOfUnnamed = 0.1;
 
-ParameterSet CopiedByName(ParameterSet own, const ParameterSet& other) {
-  own.CopyByName(other);
-  return own;
+// What is estimated stays as it is.
+ParameterSet WithValuesOf(const ParameterSet& own, const ParameterSet& other) {
+  ParameterSet moved = own;
+  moved.CopyByName(other);
+  for (int i = 0; i < own.num_coordinates(); ++i) moved.coordinate(i) = own.coordinates()[i];
+  return moved;
 }
 
 }  // namespace
@@ -58,8 +58,10 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
                    const PriorMasses& masses, double sigma_dof, const std::function<void(const std::string&)>& progress,
                    const Evidence* before, const LinearizedAbout& about)
     : problem_(problem),
-      columns_(problem, parameters, candidates.candidates, about),
-      list_(ListExplanations(problem, CopiedByName(parameters, about.parameters), candidates, masses, &columns_)),
+      about_(about),
+      parameters_(WithValuesOf(parameters, about.parameters)),
+      columns_(problem, parameters_, candidates.candidates, about_),
+      list_(ListExplanations(problem, parameters_, candidates, masses, &columns_)),
       masses_(masses),
       prior_{masses.nothing, masses.further},
       sigma_dof_(sigma_dof),
@@ -84,16 +86,15 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
 
 std::optional<Evidence::Trial> Evidence::NextView() {
   const WeightedModel& best = models_[0];
-  const double of_pose = std::log(kOfUnnamed * masses_.unnamed / masses_.nothing);
   std::vector<Trial> trials;
-  const auto try_kind = [&](NoiseView::Kind kind, double log_prior, const WeightedSet& set) {
+  const auto try_kind = [&](NoiseView::Kind kind, const WeightedSet& set) {
     const auto [known, is_new] = tried_.try_emplace({kind, set.members, set.scales});
-    if (is_new) known->second = BestView(kind, log_prior, set);
+    if (is_new) known->second = BestView(kind, set);
     trials.push_back(known->second);
   };
   const auto try_beside = [&](const WeightedSet& set) {
-    try_kind(NoiseView::Kind::kVisit, std::log(kNoiseIsWrong), set);
-    if (columns_.HasRevisits()) try_kind(NoiseView::Kind::kPose, of_pose, set);
+    try_kind(NoiseView::Kind::kVisit, set);
+    if (columns_.HasRevisits()) try_kind(NoiseView::Kind::kPose, set);
   };
   try_beside(best.set);
   if (!best.set.members.empty()) try_beside(BestOfNothing().set);  // which other noise may be enough for
@@ -136,13 +137,35 @@ ViewedNormal Evidence::Viewed(const NoiseView& view) const {
   return {view, scatter, columns_.ProjectAll(scatter, own)};
 }
 
+// A deviation that follows the pose in its own way is one more cause of the set, with the share of one family of what
+// has no name: it is a family that is in no list.
+double Evidence::LogPriorOf(const NoiseView& view, const WeightedSet& set) const {
+  switch (view.kind) {
+    case NoiseView::Kind::kStated:
+      return 0.0;
+    case NoiseView::Kind::kVisit:
+      return std::log(kNoiseIsWrong) + view.log_occam;
+    case NoiseView::Kind::kPose:
+      break;
+  }
+  std::set<std::string> families;
+  for (size_t k = 0; k < list_.math.size(); ++k) {
+    if (list_.IsUnnamed(static_cast<int>(k))) families.insert(list_.place[k].family);
+  }
+  const double share = masses_.unnamed / (masses_.catalogue + masses_.unnamed) / (1.0 + families.size());
+  std::vector<double> shares(set.members.size(), 1.0);
+  const double without = prior_.Log(shares);
+  shares.push_back(share);
+  return prior_.Log(shares) - without + view.log_occam;
+}
+
 double Evidence::LogWeight(const NoiseView& view, const WeightedSet& set, const FewExplanations& few,
                            const RowSums& sums) const {
   std::vector<int> members(set.members.size());
   std::iota(members.begin(), members.end(), 0);
   const GivenBelieved given_believed = columns_.Project(sums);
   return SearchAmong(few.explanations, given_believed.normal).Evaluate(members, set.scales).log_weight +
-         given_believed.log_constant + view.log_prior;
+         given_believed.log_constant + LogPriorOf(view, set);
 }
 
 // In the first view, whose normal equations are there.
@@ -151,7 +174,7 @@ double Evidence::LogWeightAsStated(const WeightedSet& set) const {
 }
 
 // The size is found on as many blocks of rows as settle it; all rows say how likely it is.
-Evidence::Trial Evidence::BestView(NoiseView::Kind kind, double log_prior, const WeightedSet& set) const {
+Evidence::Trial Evidence::BestView(NoiseView::Kind kind, const WeightedSet& set) const {
   const double low = std::log(kLeastRepeatability), high = std::log(kMostRepeatability);
   const FewExplanations few = WithTheirColumns(list_.math, set.members);
   const int enough = kRowsThatSettle + columns_.num_believed() + static_cast<int>(few.columns.size());
@@ -159,7 +182,7 @@ Evidence::Trial Evidence::BestView(NoiseView::Kind kind, double log_prior, const
   const JointScatter least = ScatterOf({kind, 0.0}), unit = ScatterOf({kind, 1.0});
   const std::vector<FilledBlock> some =
       columns_.Fill(few.columns, every, least, {unit.visit - least.visit, unit.pose - least.pose});
-  const auto view_at = [&](double log_sigma) { return NoiseView{kind, std::exp(log_sigma), log_prior}; };
+  const auto view_at = [&](double log_sigma) { return NoiseView{kind, std::exp(log_sigma)}; };
   const auto among_some = [&](double log_sigma) {
     const NoiseView view = view_at(log_sigma);
     return LogWeight(view, set, few, columns_.Sum(view.sigma * view.sigma, some));
@@ -182,14 +205,14 @@ Evidence::Trial Evidence::BestView(NoiseView::Kind kind, double log_prior, const
                                                                     std::max(low - near, -spacing),
                                                                     std::min(high - near, spacing), kSettledBits);
   const double best = near + offset, best_weight = every == 1 ? -lost : weight(best);
-  const double gain = best_weight - log_prior - LogWeightAsStated(set);
+  const double gain = best_weight - LogPriorOf(view_at(best), set) - LogWeightAsStated(set);
   if (gain < kLeastGain) return {};
   // The prior is even over log sigma: of its range the likelihood keeps what its curvature leaves.
   const double apart = 4.0 * kSettled;
   const double curvature = (2.0 * best_weight - weight(best - apart) - weight(best + apart)) / (apart * apart);
   const double width = std::sqrt(2.0 * kPi / std::max(curvature, 1e-3));
   const double occam = std::log(std::min(1.0, width / (high - low)));
-  return {{kind, std::exp(best), log_prior + occam}, best_weight + occam};
+  return {{kind, std::exp(best), occam}, best_weight + occam};
 }
 
 const WeightedModel& Evidence::BestOfNothing() const {
@@ -204,7 +227,8 @@ void Evidence::Correct(const std::vector<double>& log_corrections) {
 
 void Evidence::AddModel(int view, const WeightedSet& set) {
   const ViewedNormal& viewed = views_[view];
-  models_.push_back({view, set, 0.0, set.log_weight + viewed.given_believed.log_constant + viewed.view.log_prior});
+  models_.push_back(
+      {view, set, 0.0, set.log_weight + viewed.given_believed.log_constant + LogPriorOf(viewed.view, set)});
 }
 
 WeightedSet Evidence::BestOf(const Evidence& other) const {
@@ -257,7 +281,7 @@ void Evidence::Explore() {
 }
 
 void Evidence::AddReadings() {
-  NamelessCauses causes(list_, masses_.further);
+  NamelessCauses causes(problem_.robot(), list_, masses_.further);
   for (size_t i = models_.size(); i-- > 0;) {
     const WeightedModel& many = models_[i];
     auto one = causes.ReadAsOne(many.set.members, many.set, list_.math, NormalOf(many.view), LikelihoodOf(many.view));

@@ -35,8 +35,8 @@ struct NoiseView {
     kPose    // a deviation of the joints that follows the pose, without a name
   };
   Kind kind = Kind::kStated;
-  double sigma = 0.0;  // rad, of the latter two
-  double log_prior = 0.0;
+  double sigma = 0.0;      // rad, of the latter two
+  double log_occam = 0.0;  // of the even prior over log sigma, what the likelihood keeps
 };
 
 // Weights over all views and sets, normalised.
@@ -71,6 +71,10 @@ class Evidence {
            const PriorMasses& masses, double sigma_dof, const std::function<void(const std::string&)>& progress,
            const Evidence* before = nullptr, const LinearizedAbout& about = {});
 
+  const Robot& robot() const { return problem_.robot(); }
+  const LinearizedAbout& about() const { return about_; }
+  // The believed ones, where the model is linearized.
+  const ParameterSet& parameters() const { return parameters_; }
   const ExplanationList& list() const { return list_; }
   const EvidenceColumns& columns() const { return columns_; }
   const std::deque<ViewedNormal>& views() const { return views_; }
@@ -107,11 +111,13 @@ class Evidence {
   };
   JointScatter ScatterOf(const NoiseView& view) const;
   ViewedNormal Viewed(const NoiseView& view) const;
+  // Of the view, in addition to the set's own.
+  double LogPriorOf(const NoiseView& view, const WeightedSet& set) const;
   // Of the set given a view; `sums` are of its few columns alone.
   double LogWeight(const NoiseView& view, const WeightedSet& set, const FewExplanations& few,
                    const RowSums& sums) const;
   double LogWeightAsStated(const WeightedSet& set) const;
-  Trial BestView(NoiseView::Kind kind, double log_prior, const WeightedSet& set) const;
+  Trial BestView(NoiseView::Kind kind, const WeightedSet& set) const;
   // The view that is most likely with one of two sets, the best one and nothing; nothing where none is worth a
   // search.
   std::optional<Trial> NextView();
@@ -129,6 +135,8 @@ class Evidence {
   void AddReadings();
 
   const CalibrationProblem problem_;
+  const LinearizedAbout about_;
+  const ParameterSet parameters_;
   EvidenceColumns columns_;
   ExplanationList list_;
   PriorMasses masses_;

@@ -29,9 +29,9 @@ bool HasSameDriver(const EffectDefinition& effect, const UnnamedFunction& functi
   return is_by_weight && effect.needs != EffectNeeds::kNothing;
 }
 
-bool IsLike(const UnnamedFunction& function, const EffectSpec& spec) {
+bool IsLike(const Robot& robot, const UnnamedFunction& function, const EffectSpec& spec) {
   if (function.acts_on == spec.target || Holds(function.depends_on, spec.target)) return true;
-  const EffectDefinition* effect = FindEffect(spec.effect);
+  const EffectDefinition* effect = FindEffect(robot, spec.effect);
   return effect != nullptr && HasSameDriver(*effect, function);
 }
 
@@ -43,7 +43,7 @@ const NamelessCauses::Pieces& NamelessCauses::PiecesOf(const std::vector<int>& f
   for (size_t k = 0; k < list_.math.size() && is_new; ++k) {
     const int named = static_cast<int>(k);
     const bool may_be = !list_.IsUnnamed(named) && std::any_of(functions.begin(), functions.end(), [&](int function) {
-      return IsLike(list_.functions[list_.unnamed[function]], list_.SpecOf(named));
+      return IsLike(robot_, list_.functions[list_.unnamed[function]], list_.SpecOf(named));
     });
     pieces.may_be.push_back(may_be);
     if (may_be) pieces.share += list_.math[k].share;

@@ -19,8 +19,9 @@ namespace sagitta {
 // The second reading of sets of one list.
 class NamelessCauses {
  public:
-  // further: SetPrior::further.
-  NamelessCauses(const ExplanationList& list, double further) : list_(list), further_(further) {}
+  // robot: of effects of its own. further: SetPrior::further.
+  NamelessCauses(const Robot& robot, const ExplanationList& list, double further)
+      : robot_(robot), list_(list), further_(further) {}
 
   // Of a set, ascending: functions without a name, and effects of the catalogue that may be pieces of the same cause.
   struct Cause {
@@ -56,6 +57,7 @@ class NamelessCauses {
   };
   const Pieces& PiecesOf(const std::vector<int>& functions);
 
+  const Robot& robot_;
   const ExplanationList& list_;
   const double further_;
   std::map<std::vector<int>, Pieces> pieces_;

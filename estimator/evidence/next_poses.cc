@@ -62,7 +62,8 @@ std::vector<ProposedPose> DrawPoses(const CalibrationProblem& problem) {
   return poses;
 }
 
-// The problem with the poses as configurations that are not fitted, shot like those they are like.
+// The problem with the poses as configurations that are not fitted, shot like those they are like, at their times: in
+// a campaign of their own, so that what was measured remembers none of them.
 CalibrationProblem WithPoses(const CalibrationProblem& problem, const std::vector<ProposedPose>& poses) {
   Measurements data = problem.data();
   NoiseRoots roots = problem.resolved_noise;
@@ -72,6 +73,7 @@ CalibrationProblem WithPoses(const CalibrationProblem& problem, const std::vecto
     const std::string id = "next" + std::to_string(data.configurations.size());
     AppendConfiguration(problem.data(), pose.like, own, pose.q, id, &data);
     data.configurations.back().is_validation = true;
+    for (size_t k = data.shots.size() - own.size(); k < data.shots.size(); ++k) data.shots[k].campaign = 1;
     if (roots.empty()) continue;
     for (const int shot : own) {
       for (const int o : problem.data().shots[shot].observations) roots.push_back(problem.resolved_noise[o]);
@@ -105,15 +107,22 @@ class FewColumns {
              const ParameterSet& parameters)
       : given_(evidence.list()),
         candidates_(CandidatesOf(sets)),
-        columns_(extended, parameters, candidates_.candidates),
-        list_(ListExplanations(extended, parameters, candidates_, evidence.masses(), &columns_, AnyUnnamed(sets))) {}
+        columns_(extended, parameters, candidates_.candidates, evidence.about()),
+        list_(ListExplanations(extended, evidence.parameters(), candidates_, evidence.masses(), &columns_,
+                               AnyUnnamed(sets))) {}
 
   const EvidenceColumns& columns() const { return columns_; }
   const ExplanationList& list() const { return list_; }
 
   // Whether both list the same functions without a name. They are listed by the fitted rows, which are the same; only
   // where two say equally much of these, rounding may list another.
-  bool AreListed() const { return list_.functions.empty() || list_.functions.size() == given_.functions.size(); }
+  bool AreListed() const {
+    const auto is_same = [](const UnnamedFunction& a, const UnnamedFunction& b) {
+      return a.acts_on == b.acts_on && a.words == b.words;
+    };
+    return list_.functions.empty() || std::equal(list_.functions.begin(), list_.functions.end(),
+                                                 given_.functions.begin(), given_.functions.end(), is_same);
+  }
 
   // Of a member in this list. What has no name comes last in both lists, all of it in the same order; of the catalogue
   // one start has one place.

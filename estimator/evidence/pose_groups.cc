@@ -147,7 +147,7 @@ std::vector<WeightedModel> BaggedModels(const Evidence& evidence, const Weighted
                                         const PoseGroups& groups) {
   std::vector<WeightedModel> models = evidence.models();
   if (leading.set.members.empty() || groups.HasOnePoseEach()) return models;
-  NamelessCauses causes(evidence.list(), evidence.masses().further);
+  NamelessCauses causes(evidence.robot(), evidence.list(), evidence.masses().further);
   std::mt19937 random(kSeedOfResamples);
   for (int resample = 0; resample < kResamples; ++resample) {
     const GivenBelieved sums = groups.Resample(&random);

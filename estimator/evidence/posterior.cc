@@ -25,9 +25,10 @@ struct Changed {
   double nothing, catalogue, unnamed, further;  // factors
 
   double LogFactor(const Evidence& evidence, const WeightedModel& model) const {
-    const size_t count = model.set.members.size();
-    if (count == 0) return std::log(HasUnnamed(evidence, model) ? unnamed : nothing);
-    double log = static_cast<double>(count - 1) * std::log(further);
+    const size_t count = model.set.members.size() + (IsPose(evidence, model) ? 1 : 0);
+    if (count == 0) return std::log(nothing);
+    double log =
+        static_cast<double>(count - 1) * std::log(further) + (IsPose(evidence, model) ? std::log(unnamed) : 0.0);
     for (const int m : model.set.members) {  // of which a piece has the mass of its nameless cause alone
       if (!model.HasPiece(m)) log += std::log(evidence.list().IsUnnamed(m) ? unnamed : catalogue);
     }

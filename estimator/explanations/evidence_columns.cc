@@ -90,14 +90,13 @@ JointScatter StatedScatter(const CalibrationProblem& problem) {
 EvidenceColumns::SplitCandidates EvidenceColumns::Split(const CalibrationProblem& problem,
                                                         const std::vector<Candidate>& candidates) {
   const Robot& robot = problem.model().robot();
-  const std::vector<int> order = OrderOfTime(problem.shot_inputs());
   SplitCandidates split;
   std::set<std::string> known;
   for (const EffectSpec& own : robot.effects) known.insert(own.Path());
   for (size_t c = 0; c < candidates.size(); ++c) {
     const EffectSpec& spec = candidates[c].spec;
     if (IsGravityCompensator(spec) || !known.insert(spec.Path()).second) continue;
-    auto motions = SingleMotionsOf(robot, problem.data().markers, spec, problem.shot_inputs(), order);
+    auto motions = SingleMotionsOf(robot, problem.data().markers, spec, problem.shot_inputs());
     if (motions) {
       split.motions.emplace_back(c, std::move(*motions));
     } else {

@@ -3,6 +3,7 @@
 // drive. Each is a group of columns with its share of the prior.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <vector>
@@ -35,6 +36,8 @@ struct ExplanationList {
   std::vector<NotTestable> not_testable;
 
   bool IsUnnamed(int explanation) const { return unnamed[explanation] >= 0; }
+  // Effects with their settings: what is tested.
+  int NumNamed() const { return static_cast<int>(std::count(unnamed.begin(), unnamed.end(), -1)); }
   const EffectSpec& SpecOf(int explanation) const { return candidates[candidate[explanation]].spec; }
 };
 

@@ -124,8 +124,7 @@ class JointFunctions : public UnnamedList {
   // What the effect does to its joint, in typical sizes.
   Eigen::MatrixXd FunctionsOf(const EffectSpec& spec) const {
     const std::vector<ShotInput>& shots = problem_.shot_inputs();
-    const auto motions =
-        SingleMotionsOf(problem_.model().robot(), problem_.data().markers, spec, shots, OrderOfTime(shots));
+    const auto motions = SingleMotionsOf(problem_.model().robot(), problem_.data().markers, spec, shots);
     if (!motions) return Eigen::MatrixXd(shots.size(), 0);
     Eigen::MatrixXd functions(static_cast<long>(shots.size()), motions->size());
     for (size_t k = 0; k < motions->size(); ++k) functions.col(k) = (*motions)[k].per_unit;

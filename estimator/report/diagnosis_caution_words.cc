@@ -79,6 +79,12 @@ std::string NothingHeldOut() {
          "effect that is named together with something without a name may be a description of it.";
 }
 
+std::string LearntUnchecked() {
+  return "Functions were learnt by what the fitted configurations say of each other; none is held out that could "
+         "refute "
+         "them. Measure some configurations more and give the learnt robot to sagitta validate before it is used.";
+}
+
 std::string FewHeldOut(int configurations) {
   return "Only " + Configurations(configurations) + " held out: the gap figures are hardly more than an example.";
 }

@@ -32,6 +32,8 @@ std::string EffectsAreHeld(const std::vector<std::string>& effects);
 std::string FittedAndHeldOut(int configurations);
 std::string NothingHeldOut();
 std::string FewHeldOut(int configurations);
+// Functions without a name were learnt, and nothing is held out.
+std::string LearntUnchecked();
 
 // Hold-out RMS against the noise floor, m.
 std::string HoldoutFarAboveFloor(double rms, double floor);

@@ -305,7 +305,7 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
         {{"by", share.by}, {"key", share.key}, {"share_of_excess", share.share}, {"words", ShareInWords(share)}});
   }
   json["noise"] = NoiseToJson(d.noise);
-  json["screened"] = d.candidates.size();  // p-values are corrected for them all
+  json["screened"] = d.screened;
   json["candidates"] = CandidatesToJson(d);
   json["not_testable"] = Json::array();
   for (const NotTestable& entry : d.not_testable) {

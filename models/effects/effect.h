@@ -155,6 +155,7 @@ struct ShotConditions {
   bool has_time = false;
   double time = 0.0;          // s since the first row of all: one clock for the whole campaign
   double station_time = 0.0;  // s since the station's first row
+  int campaign = 0;           // shots of another one are not remembered
   bool has_temperature = false;
   double temperature = 0.0;   // K above the mean of the data
   std::vector<int> approach;  // -1, 0, +1 per joint, or kApproachNotStated; empty: none is stated

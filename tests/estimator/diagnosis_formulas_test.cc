@@ -296,6 +296,50 @@ Weighed Weigh(const CalibrationProblem& problem) {
   return weighed;
 }
 
+// Where a cause is certain, how probable "nothing" was decides nothing any more: neither between causes, nor whether a
+// deviation that follows the pose is one more.
+TEST(DiagnosisFormulas, WhatIsRefutedHasNoSay) {
+  test::Kr270Design design = test::CampaignOf(40, 1, 2e-5, 5);
+  Measurements data = test::DesignMeasurements(design);
+  for (int c = 0; c < design.configurations; ++c) {  // each pose twice
+    Configuration again = data.configurations[c];
+    again.id += "-again";
+    Shot shot = data.shots[c];
+    shot.configuration = static_cast<int>(data.configurations.size());
+    data.configurations.push_back(again);
+    test::AddShot(shot, 3, design.sigma, &data);
+  }
+  Measurements moved = data;
+  std::mt19937_64 random(91);
+  std::normal_distribution<double> off(0.0, 2e-5);
+  for (int c = 0; c < design.configurations; ++c) {
+    Eigen::VectorXd& q = moved.configurations[c].q;
+    for (double& joint : q) joint += off(random);
+    q[2] += 4e-4 * std::cos(2.0 * data.configurations[c].q[2]);
+    moved.configurations[c + design.configurations].q = q;
+  }
+  test::MeasureKr270(test::Kr270Truth(), design.sigma, 92, &moved);
+  for (size_t i = 0; i < data.observations.size(); ++i)
+    data.observations[i].point_in_station = moved.observations[i].point_in_station;
+  const CalibrationProblem problem = test::Kr270ProblemOf(data, Experiment());
+  const ParameterSet parameters = EstimateJointly(problem).parameters;
+  const CandidateList candidates = ListCandidates(problem, parameters);
+  std::map<std::pair<NoiseView::Kind, std::vector<int>>, double> weights[2];
+  for (const int k : {0, 1}) {
+    const PriorMasses masses = k == 0 ? PriorMasses{0.5, 0.38, 0.12, 0.3} : PriorMasses{0.02, 0.7448, 0.2352, 0.3};
+    const Evidence evidence(problem, parameters, candidates, masses, kInfinity, nullptr);
+    for (const WeightedModel& model : evidence.models())
+      weights[k][{evidence.ViewOf(model).kind, model.set.members}] = model.log_weight;
+  }
+  int with_pose = 0;
+  for (const auto& [key, weight] : weights[0]) {
+    if (key.second.empty() || weights[1].count(key) == 0) continue;
+    EXPECT_NEAR(weights[1].at(key) - weight, std::log(0.98 / 0.5), 1e-6);
+    with_pose += key.first == NoiseView::Kind::kPose ? 1 : 0;
+  }
+  EXPECT_GT(with_pose, 0);
+}
+
 // Sums over all models, written out.
 TEST(DiagnosisFormulas, PosteriorsAreSumsOverSets) {
   // Too small to be sure of: several sets share the probability.

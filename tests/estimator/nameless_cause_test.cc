@@ -51,7 +51,8 @@ TEST(NamelessCause, PiecesAreOfTheSamePartOrHaveTheSameDriver) {
   const int heat = all.Nameless("links", {"temperature"}, DriverKind::kTemperature, 0.1);
   const int time = all.Nameless("S1", {"time"}, DriverKind::kTime, 0.1);
   const int seat = all.Nameless("M1", {"gravity"}, DriverKind::kOther, 0.1);
-  NamelessCauses causes(all.list, 0.3);
+  const Robot robot = test::Kr270Robot();
+  NamelessCauses causes(robot, all.list, 0.3);
   const std::vector<int> named = {gain1, gain2, payload, growth, slip, shift};
   const auto pieces_beside = [&](int function) {
     std::vector<int> members = named;
@@ -73,7 +74,8 @@ TEST(NamelessCause, OddsAreThoseOfTheTwoPriors) {
   const int gain = all.Named("encoder_gain", "A1", 0.02), wobble = all.Named("axis_wobble", "A1", 0.05);
   const int other = all.Named("encoder_gain", "A2", 0.4);
   const int angle = all.Nameless("A1", {"A1"}, DriverKind::kAngle, 0.1);
-  NamelessCauses causes(all.list, 0.3);
+  const Robot robot = test::Kr270Robot();
+  NamelessCauses causes(robot, all.list, 0.3);
   const auto odds = [&](const std::vector<int>& members) {
     return std::exp(causes.LogPriorOdds(members, causes.OneOf(members)));
   };

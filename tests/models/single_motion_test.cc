@@ -73,7 +73,7 @@ TEST(SingleMotions, DoWhatTheirEffectsDo) {
   const std::vector<ShotInput> shots = Campaign(robot);
   std::set<std::string> of_one, of_more;
   for (const EffectSpec& use : test::ContractUses(EffectCatalogue())) {
-    const auto motions = SingleMotionsOf(robot, test::ContractMarkers(), use, shots, OrderOfTime(shots));
+    const auto motions = SingleMotionsOf(robot, test::ContractMarkers(), use, shots);
     (motions ? of_one : of_more).insert(use.effect);
     if (motions) ExpectTheSame(use, *motions);
   }
@@ -85,6 +85,27 @@ TEST(SingleMotions, DoWhatTheirEffectsDo) {
                            "station_scale", "thermal_growth"}) {
     EXPECT_EQ(of_more.count(name), 1u) << name;  // of play that what is pressed by torque
   }
+}
+
+// The same shots again at the same times, as another campaign: each remembers its own.
+TEST(Memories, OtherCampaignsAreNotRemembered) {
+  const Robot robot = Arm();
+  const std::vector<ShotInput> alone = Campaign(robot);
+  std::vector<ShotInput> twice = alone;
+  for (ShotInput shot : alone) {
+    shot.conditions.campaign = 1;
+    twice.push_back(shot);
+  }
+  int remembering = 0;
+  for (const EffectSpec& use : test::ContractUses(EffectCatalogue())) {
+    const EffectDefinition& definition = *FindEffect(robot, use.effect);
+    const std::vector<double> own = MemoriesOf(robot, definition, use, alone);
+    std::vector<double> both = own;
+    both.insert(both.end(), own.begin(), own.end());
+    EXPECT_EQ(MemoriesOf(robot, definition, use, twice), both) << use.Path();
+    remembering += own != std::vector<double>(own.size(), 0.0) ? 1 : 0;
+  }
+  EXPECT_GE(remembering, 3);
 }
 
 }  // namespace

@@ -122,7 +122,7 @@ Section CandidateSection(const Diagnosis& d) {
                             std::to_string(entry.parameters), Probability(entry.corrected_p),
                             Fixed(entry.log_evidence, 1)});
   }
-  section.paragraphs = {std::to_string(d.candidates.size()) +
+  section.paragraphs = {std::to_string(d.screened) +
                         " candidates, each alone with the believed model; p counts the whole search."};
   std::map<std::string, int> missing;
   for (const NotTestable& entry : d.not_testable) ++missing[entry.effect + " needs " + entry.needs];
