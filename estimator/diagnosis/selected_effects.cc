@@ -119,7 +119,11 @@ double LogFullOverLinear(const Evidence& evidence, const RefittedSet& refitted) 
 double LogCorrection(const Evidence& evidence, const RefittedSet& refitted) {
   if (!refitted.IsUsable()) return -std::numeric_limits<double>::infinity();
   if (refitted.effects.size() != refitted.model.set.members.size()) return 0.0;
-  return LogFullOverLinear(evidence, refitted);
+  double log = LogFullOverLinear(evidence, refitted);
+  for (const SelectedEffect& effect : refitted.effects) {
+    if (IsGravityCompensator(effect.candidate.spec)) log += LogPriorOfRest(refitted.with_effects.estimate.parameters);
+  }
+  return log;
 }
 
 // Effects of the catalogue that `model` holds and the other does not.

@@ -101,6 +101,15 @@ void SeedSpring(const Eigen::VectorXd& angles, const Eigen::VectorXd& torques, E
   p[4] = std::max(rates[0], kLeastRate);
 }
 
+// a and L are alike in the torque: the longer one is what the rest length is in units of.
+double LogPriorOfRest(const ParameterSet& parameters) {
+  const auto value = [&](CompensatorPart part) { return parameters.Value(parameters.FindCoordinate(part)); };
+  const double a = std::hypot(value(CompensatorPart::kAx), value(CompensatorPart::kAy));
+  const double longer = std::max(a, value(CompensatorPart::kL));
+  const double x = (value(CompensatorPart::kS0) / longer - kUsualRest) / kRestDeviation;
+  return -0.5 * x * x - 0.5 * std::log(2.0 * kPi) + std::log(kPi * (1.0 + x * x));
+}
+
 void BoundCompensatorShape(bool keep, ParameterSet* parameters) {
   const auto value = [&](CompensatorPart part) { return parameters->Value(parameters->FindCoordinate(part)); };
   const auto prior = [&](CompensatorPart part, double about, double sigma) {

@@ -39,6 +39,11 @@ Eigen::MatrixXd SpringColumns(const EffectSpec& shape, const Eigen::VectorXd& an
 // rate or rest length) the nearest that one has.
 void SeedSpring(const Eigen::VectorXd& angles, const Eigen::VectorXd& torques, EffectSpec* shape);
 
+// What is known of the rest length of a spring, over what the columns' coefficients say of it (SpringColumns: c_0 and
+// c_1 normal and independent make x = c_1 / c_0 Cauchy), with x = (s0 / max(a, L) - usual) / deviation:
+//   log N(x; 0, 1) - log (1 / (pi (1 + x^2)))
+double LogPriorOfRest(const ParameterSet& parameters);
+
 // Weak physical priors on the shape: anchors lie within metres of the joint. keep: near the shape as it is, and the
 // rest length that goes with it.
 void BoundCompensatorShape(bool keep, ParameterSet* parameters);

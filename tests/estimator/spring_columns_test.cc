@@ -41,6 +41,36 @@ TEST(SpringColumns, ReachTheSpringsOfTheGridsCell) {
   }
 }
 
+// Ratio of two densities of x = (s0 / longer - usual) / deviation, each of which integrates to 1: by quadrature the
+// mean of the ratio over the second one is 1. Lever and anchor are alike.
+TEST(SpringColumns, RestLengthsAreThoseOfRealSprings) {
+  Robot robot;
+  robot.chain = test::Kr270Chain();
+  robot.gravity_compensator = GravityCompensator{1, 0.2, 0.1, 0.7, 0.5, 1e4, true};
+  ParameterSet parameters({"S1"}, {"P1"}, ForwardModel(robot, {"P1"}).parameters());
+  const auto log_prior = [&](double lever, double anchor, double x) {
+    const double longer = std::max(lever, anchor);
+    const std::pair<CompensatorPart, double> wanted[] = {{CompensatorPart::kL, lever},
+                                                         {CompensatorPart::kAx, 0.6 * anchor},
+                                                         {CompensatorPart::kAy, 0.8 * anchor},
+                                                         {CompensatorPart::kS0, (0.65 + 0.25 * x) * longer}};
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(parameters.num_coordinates());
+    for (const auto& [part, value] : wanted) {
+      const int i = parameters.FindCoordinate(part);
+      step[i] = value - parameters.Value(i);
+    }
+    parameters.Plus(step);
+    return LogPriorOfRest(parameters);
+  };
+  double sum = 0.0;
+  constexpr double kStep = 0.01;
+  for (double x = -40.0; x <= 40.0; x += kStep)
+    sum += kStep * std::exp(log_prior(0.2, 0.7, x)) / (M_PI * (1.0 + x * x));
+  EXPECT_NEAR(sum, 1.0, 1e-4);
+  EXPECT_NEAR(log_prior(0.7, 0.2, 1.5), log_prior(0.2, 0.7, 1.5), 1e-9);
+  EXPECT_LT(log_prior(0.2, 0.02, 7.0), -15.0);  // two and a half times the longer of the two
+}
+
 TEST(Compress, KeepsFunctionsOfAnyNumberOfShots) {
   Eigen::MatrixXd few(12, 3), mixed(3, 40);
   for (long i = 0; i < few.size(); ++i) few(i) = std::sin(1.7 * static_cast<double>(i * i + 1));
