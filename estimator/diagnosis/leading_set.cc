@@ -44,14 +44,26 @@ std::set<std::string> PathsOf(const LinearizedAbout& about) {
   return paths;
 }
 
-LinearizedAbout AboutLeading(const LeadingSet& found) {
-  return {SpecsOf(CandidatesOf(found.refitted.effects)), found.refitted.with_effects.estimate.parameters};
+// The leading set with all its effects of the catalogue, those too that may be pieces of a nameless cause, and nothing
+// else: a function without a name may be no more than what the linearization has wrong of these.
+RefittedSet WithoutFunctions(const SearchInput& input, const LeadingSet& found) {
+  WeightedModel model = found.refitted.model;
+  if (model.set.members.size() == found.refitted.effects.size()) return found.refitted;
+  const WeightedSet all = std::move(model.set);
+  model.set = {};
+  model.pieces.clear();
+  for (size_t k = 0; k < all.members.size(); ++k) {
+    if (found.evidence->list().IsUnnamed(all.members[k])) continue;
+    model.set.members.push_back(all.members[k]);
+    model.set.scales.push_back(all.scales[k]);
+  }
+  return RefitSet(*found.evidence, model, input.working, input.baseline, input.joint, &found.refitted);
 }
 
-bool IsRefuted(const LeadingSet& found) {
-  if (!found.is_named || !found.refitted.IsUsable() || found.refitted.effects.empty()) return false;
-  const double error = LinearizationError(*found.evidence, found.refitted);
-  VLOG(1) << "diagnosis: the linear model is off by " << error << " of the leading set's log evidence";
+bool Refutes(const RefittedSet& refitted, const Evidence& evidence) {
+  if (refitted.effects.empty() || !refitted.IsUsable()) return false;
+  const double error = LinearizationError(evidence, refitted);
+  VLOG(1) << "diagnosis: the linear model is off by " << error << " of the leading effects' log evidence";
   return error > kInDoubt;
 }
 
@@ -60,9 +72,10 @@ bool IsRefuted(const LeadingSet& found) {
 LeadingSet FindLeading(const SearchInput& input, const Evidence* before) {
   LeadingSet found = WeighAndRefit(input, before, {});
   std::set<std::set<std::string>> known;  // effects about which the model was linearized
-  for (int again = 0; again < kMostAgain && IsRefuted(found); ++again) {
-    const LinearizedAbout about = AboutLeading(found);
-    if (!known.insert(PathsOf(about)).second) break;
+  for (int again = 0; again < kMostAgain && found.is_named; ++again) {
+    const RefittedSet effects = WithoutFunctions(input, found);
+    const LinearizedAbout about{SpecsOf(CandidatesOf(effects.effects)), effects.with_effects.estimate.parameters};
+    if (!Refutes(effects, *found.evidence) || !known.insert(PathsOf(about)).second) break;
     if (input.progress) input.progress(WeighingAboutWhatWasFound());
     LeadingSet anew = WeighAndRefit(input, found.evidence.get(), about);
     if (!anew.is_named || !anew.refitted.IsUsable()) break;  // "nothing" is far from here: no linearization reaches it

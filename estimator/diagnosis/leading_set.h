@@ -3,8 +3,10 @@
 //
 // The linearization about the believed model is as good as that model is near. Where something large is missing, values
 // that it estimates are off by what they absorb: a weight moves a joint by compliance times torque, so where a
-// compliance is 20 % too large every column of a weight is, too. About the optimum of the leading set the neighbours
-// of that set (one more, one less, another instead) are weighed where they are, as in each step of Gauss-Newton.
+// compliance is 20 % too large every column of a weight is, too. What that leaves over looks like a smooth function, so
+// pieces of a nameless cause are refitted as the effects that they may be. About the optimum of the leading set's
+// effects its neighbours (one more, one less, another instead) are weighed where they are, as in each step of
+// Gauss-Newton.
 #pragma once
 
 #include <functional>

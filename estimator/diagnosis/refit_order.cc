@@ -19,7 +19,8 @@ RefitOrder::RefitOrder(const Posterior& posterior)
 void RefitOrder::Add(size_t set, double correction) {
   corrections_[set] = correction;
   ++refitted_;
-  if (!std::isfinite(correction)) return;
+  if (std::isinf(correction)) return;
+  if (std::isnan(correction)) correction = 0.0;
   doubt_ = std::max(doubt_, std::abs(correction));
   best_ = std::max(best_, LogOf(set) + correction);
 }
@@ -45,7 +46,7 @@ double RefitOrder::CorrectionOf(size_t set) const {
 double RefitOrder::LogOf(size_t set) const { return std::log(std::max(posterior_.sets[set].probability, 1e-300)); }
 
 size_t RefitOrder::LargestWithin(size_t set) const {
-  const std::vector<int>& names = posterior_.sets[set].names;
+  const std::vector<int> names = EachOnce(posterior_.sets[set].names, posterior_.sets[set].pieces);
   size_t largest = posterior_.sets.size(), most = 0;
   for (size_t s = 0; s < posterior_.sets.size(); ++s) {
     const std::vector<int>& own = posterior_.sets[s].names;

@@ -2,8 +2,8 @@
 //
 // What a refit moves the log evidence of one set by, the linear evidence of others may be off by as well: the doubt d.
 // A set may lead where, with d in its favour, it has a twentieth of the best so far. A set that holds more than a
-// refitted one shares what that lost or won, and is not in doubt; nor is one with something that has no name, which the
-// full model cannot hold.
+// refitted one, also as pieces of a nameless cause, shares what that lost or won, and is not in doubt; nor is one with
+// something that has no name, which the full model cannot hold.
 #pragma once
 
 #include <limits>
@@ -20,7 +20,8 @@ class RefitOrder {
   // Must outlive the order; its sets are meant by their places.
   explicit RefitOrder(const Posterior& posterior);
 
-  // correction: by which the refit moved the set's log evidence; -infinity: the full model has no optimum there.
+  // correction: by which the refit moved the set's log evidence; -infinity: the full model has no optimum there; not a
+  // number: the full model does not hold all of the set.
   void Add(size_t set, double correction);
   // The most probable of those that may lead; none: the number of sets.
   size_t Next() const;

@@ -115,10 +115,10 @@ double LogFullOverLinear(const Evidence& evidence, const RefittedSet& refitted) 
          likelihood.Log(ResidualAtBest(evidence, named));
 }
 
-// 0 where the set holds what has no name.
+// Not a number where the set holds what has no name.
 double LogCorrection(const Evidence& evidence, const RefittedSet& refitted) {
   if (!refitted.IsUsable()) return -std::numeric_limits<double>::infinity();
-  if (refitted.effects.size() != refitted.model.set.members.size()) return 0.0;
+  if (refitted.effects.size() != refitted.model.set.members.size()) return std::numeric_limits<double>::quiet_NaN();
   double log = LogFullOverLinear(evidence, refitted);
   for (const SelectedEffect& effect : refitted.effects) {
     if (IsGravityCompensator(effect.candidate.spec)) log += LogPriorOfRest(refitted.with_effects.estimate.parameters);

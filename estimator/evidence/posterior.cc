@@ -139,9 +139,12 @@ Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>
       posterior.nothing += (1.0 - wrong) * model.probability;
       continue;
     }
-    std::vector<int> names;
+    std::vector<int> names, pieces;
     for (const int m : model.set.members) {
-      if (model.HasPiece(m)) continue;
+      if (model.HasPiece(m)) {
+        pieces.push_back(all.place[m]);
+        continue;
+      }
       const int name = all.place[m];
       names.push_back(name);
       const auto [entry, is_new] = (list.IsUnnamed(m) ? functions : named).try_emplace(name);
@@ -158,7 +161,7 @@ Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>
       if (named.count(name) > 0) effects.push_back(name);
     }
     // The first of a kind is the most probable.
-    const NameSet fresh{names, effects, has_unnamed, 0.0, static_cast<int>(i), {}};
+    const NameSet fresh{names, effects, EachOnce(pieces), has_unnamed, 0.0, static_cast<int>(i), {}};
     NameSet& set = sets.emplace(std::make_pair(names, IsPose(evidence, model)), fresh).first->second;
     set.probability += model.probability;
     set.models.push_back(static_cast<int>(i));

@@ -13,6 +13,7 @@ namespace sagitta {
 struct NameSet {
   std::vector<int> names;    // places among all names in their order, ascending
   std::vector<int> effects;  // of them those of the catalogue
+  std::vector<int> pieces;   // names of the pieces of a nameless cause, in the most probable of the models
   bool has_unnamed = false;
   double probability = 0.0;
   int best = 0;             // of the models

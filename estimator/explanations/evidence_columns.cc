@@ -321,10 +321,17 @@ EvidenceColumns::Block EvidenceColumns::LinearizeBlock(const std::vector<int>& o
   Block block{observations,
               Linearize(extended_, extended_.parameters, observations, linearized_, noise, LatentTreatment::kIgnore),
               {}};
+  if (subtracted_.empty()) return block;
+  ParameterSet without = extended_.parameters;
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(without.num_coordinates());
   for (const auto& [coordinate, value] : subtracted_) {
     const auto at = std::find(linearized_.begin(), linearized_.end(), coordinate) - linearized_.begin();
     block.here.residual -= value * block.here.jacobian.col(at);
+    step[coordinate] = -value;
   }
+  without.Plus(step);
+  block.here.jacobian.leftCols(num_believed()) =
+      Linearize(extended_, without, observations, believed_, noise, LatentTreatment::kIgnore).jacobian;
   return block;
 }
 

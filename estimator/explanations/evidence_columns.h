@@ -104,8 +104,11 @@ struct GivenBelieved {
 };
 
 // Effects estimated in addition to what is believed, and the estimate of all: the point about which the model is
-// linearized. With these columns J and values e there, the residual r - J e is that of the believed model by the same
-// linear model. A spring's torque is linear in its rate alone: e holds no shape.
+// linearized. With the effects' columns A and values e there, residual r - A e is that of the believed model by the
+// same linear model. A spring's torque is linear in its rate alone: e holds no shape. Believed columns are those
+// without the effects: the compliance's column at e holds the torque of a weight that is one of them, and would promise
+// that another compliance does what the weight does. A set that holds the effects needs hardly any step of what is
+// believed.
 struct LinearizedAbout {
   std::vector<EffectSpec> effects;
   ParameterSet parameters;

@@ -35,7 +35,7 @@ const EffectDefinition& LinkGravity() {
                             EffectTarget::kJoint, link_gravity::Parameters, link_gravity::Apply};
     effect.needs = EffectNeeds::kCompliances;
     effect.separate_by = kSeparateByWeight;
-    effect.note = "Of the last joint it is the weight of flange and tool as well.";
+    effect.note = "All that is fixed to the link counts: a drive, cables, on the last link flange and tool.";
     effect.sizes =
         "links weigh as much as the load, at a third of its lever: a third of the deflection under rated load";
     return effect;

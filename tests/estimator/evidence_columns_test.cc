@@ -65,8 +65,9 @@ TEST(EvidenceColumns, ProductsThatAreAskedForAreThoseOfAllRows) {
   }
 }
 
-// Residual r - J e and Jacobian at an estimate that holds a weight (columns of its own), a harmonic (one of a family)
-// and a spring, by differences of predicted points. The spring's torque is linear in its rate alone.
+// Residual r - A e, and what is believed without the effects, at an estimate that holds a weight (columns of its own),
+// a harmonic (one of a family) and a spring, by differences of predicted points. The spring's torque is linear in its
+// rate alone.
 TEST(EvidenceColumns, AboutAnEstimateWithEffectsTheResidualIsThatWithoutThem) {
   const CalibrationProblem problem = Campaign();
   const ParameterSet parameters = EstimateJointly(problem).parameters;
@@ -96,17 +97,17 @@ TEST(EvidenceColumns, AboutAnEstimateWithEffectsTheResidualIsThatWithoutThem) {
       rows.segment<3>(3 * i) = (points.col(i) - problem.data().observations[fitted[i]].point_in_station) / 2e-5;
     return rows;
   };
-  const auto by_step = [&](int i, double step) {
-    Eigen::VectorXd delta = Eigen::VectorXd::Zero(about.num_coordinates());
+  const auto by_step = [&](const ParameterSet& here, int i, double step) {
+    Eigen::VectorXd delta = Eigen::VectorXd::Zero(here.num_coordinates());
     delta[i] = step;
-    ParameterSet up = about, down = about;
+    ParameterSet up = here, down = here;
     up.Plus(delta);
     down.Plus(-delta);
     return Eigen::VectorXd((rows_at(up) - rows_at(down)) / (2.0 * step));
   };
   const Eigen::VectorXd there = rows_at(about);
   Eigen::VectorXd residual = there;
-  for (const int i : linear) residual -= about.Value(i) * by_step(i, 1e-3 * about.Value(i));
+  for (const int i : linear) residual -= about.Value(i) * by_step(about, i, 1e-3 * about.Value(i));
   ASSERT_GT((residual - there).norm(), 10.0 * there.norm() / std::sqrt(there.size()));
 
   const EvidenceColumns columns(problem, parameters, ListCandidates(problem, parameters).candidates, {effects, about});
@@ -115,10 +116,14 @@ TEST(EvidenceColumns, AboutAnEstimateWithEffectsTheResidualIsThatWithoutThem) {
   EXPECT_NEAR(sums.products(last, last), residual.squaredNorm(), 1e-6 * residual.squaredNorm());
   const std::vector<int> believed = parameters.EstimatedCoordinates();
   ASSERT_EQ(last, static_cast<long>(believed.size()));
+  ParameterSet without = about;
+  Eigen::VectorXd back = Eigen::VectorXd::Zero(about.num_coordinates());
+  for (const int i : linear) back[i] = -about.Value(i);
+  without.Plus(back);
   for (long c = 0; c < last; ++c) {
     const std::string& name = parameters.coordinates()[believed[c]].name;
     const double step = name.find("compliance") != std::string::npos ? 1e-9 : 1e-6;
-    const Eigen::VectorXd column = by_step(about.FindCoordinate(name), step);
+    const Eigen::VectorXd column = by_step(without, about.FindCoordinate(name), step);
     EXPECT_NEAR(sums.products(c, last), column.dot(residual), 1e-5 * column.norm() * residual.norm()) << name;
     EXPECT_NEAR(sums.products(c, c), column.squaredNorm(), 1e-5 * column.squaredNorm()) << name;
   }

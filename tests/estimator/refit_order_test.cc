@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace sagitta::refit_order_test {
 namespace {
 
@@ -45,6 +47,21 @@ TEST(RefitOrder, WhatHasNoNameIsNotRefitted) {
   posterior.sets[1].has_unnamed = true;
   RefitOrder order(posterior);
   order.Add(0, -5.0);
+  EXPECT_EQ(order.Next(), 2u);
+}
+
+// Half of it is nameless and the full model says nothing of that; what it says of a piece counts.
+TEST(RefitOrder, ANamelessCauseIsAsWrongAsItsPieces) {
+  Posterior posterior;
+  posterior.sets = {SetOf({7}, 0.6), SetOf({1}, 0.3), SetOf({2}, 0.1)};
+  posterior.sets[0].has_unnamed = true;
+  posterior.sets[0].pieces = {1};
+  RefitOrder order(posterior);
+  order.Add(0, std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(order.CorrectionOf(0), 0.0);
+  EXPECT_EQ(order.Next(), 1u);
+  order.Add(1, -8.0);
+  EXPECT_EQ(order.CorrectionOf(0), -8.0);
   EXPECT_EQ(order.Next(), 2u);
 }
 

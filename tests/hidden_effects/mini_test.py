@@ -513,6 +513,11 @@ class WhatWasOnceNamedWrong(WithFolder):
             self.assertEqual(sorted((s['effect'], s['target']) for s in diagnosis['steps']), sorted(sealed))
             self.assertGreater(diagnosis['final']['gap_closed'], 0.99)
 
+    def test_one_heavy_link_leaves_no_rest(self):
+        """Twice the usual weight: the rest that was called unnamed was what the first linearization had wrong."""
+        for number in (2, 11):
+            self.assert_explained({'study': 7900, 'case': number, 'kinds': 'link_gravity', 'scales': 2})
+
     def test_what_is_less_probable_than_no_name_is_not_named(self):
         """A stand twists: no effect of the catalogue does that."""
         diagnosis, _ = self.diagnosed({'study': 10201, 'case': 6, 'kinds': 'stand_twist', 'scales': 2.4096050283902546,
