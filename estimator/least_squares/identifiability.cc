@@ -17,6 +17,7 @@ constexpr double kNumericallyZero = 1e-13;
 constexpr double kWellDetermined = 1e6;
 constexpr double kPeeled = 0.03;           // of the largest singular value, those found at once
 constexpr double kLeastSigma = 1e-9;       // of an exact fit, stated sigmas
+constexpr double kAsGood = 0.9;            // of the largest: another column in its place costs no digit
 constexpr double kWeakPerHoldLimit = 0.2;  // 1 mm of 5 mm, 1 mrad of 5 mrad
 
 // Which member of a direction is held first: a geometric error has a nominal
@@ -89,6 +90,22 @@ ScaledSvd Decompose(const Eigen::MatrixXd& r) {
   return svd;
 }
 
+// As many columns as there are rows, each the first of those that are as good as the largest in what the chosen ones
+// leave: neither rounding nor noise decides between columns that do the same, and campaigns of one robot hold the same.
+std::vector<int> PivotColumns(Eigen::MatrixXd rows) {
+  std::vector<int> chosen;
+  for (long k = 0; k < rows.rows(); ++k) {
+    const Eigen::VectorXd norms = rows.colwise().norm();
+    const double good = kAsGood * norms.maxCoeff();
+    long first = 0;
+    while (norms[first] < good) ++first;
+    chosen.push_back(static_cast<int>(first));
+    const Eigen::VectorXd way = rows.col(first).normalized();
+    rows -= way * (way.transpose() * rows).eval();
+  }
+  return chosen;
+}
+
 // Largest first, small ones left out, unit norm.
 std::vector<std::pair<std::string, double>> Components(const Eigen::VectorXd& direction,
                                                        const Linearization& linearization,
@@ -140,12 +157,8 @@ Unidentifiable FindUnidentifiable(const Linearization& linearization, const Para
   for (int c = 0; c < n; ++c) {
     preferred.col(c) *= HoldPreference(parameters.coordinates()[linearization.columns[c]]);
   }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(preferred);
-  Eigen::MatrixXd pivot_rows(lost.size(), lost.size());
-  for (size_t k = 0; k < lost.size(); ++k) {
-    result.columns.push_back(qr.colsPermutation().indices()[k]);
-    pivot_rows.row(k) = null_space.row(result.columns[k]);
-  }
+  result.columns = PivotColumns(std::move(preferred));
+  const Eigen::MatrixXd pivot_rows = null_space(result.columns, Eigen::all);
   // Reduced form: direction k moves held column k by one and no other held one.
   const Eigen::MatrixXd reduced = null_space * pivot_rows.inverse();
   for (size_t k = 0; k < lost.size(); ++k) {

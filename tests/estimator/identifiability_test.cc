@@ -49,6 +49,18 @@ TEST(Identifiability, DecidedRelativeToTheNoise) {
   EXPECT_TRUE(FindUnidentifiable(FromMatrix(jacobian), parameters, 0.5).columns.empty());
 }
 
+// Three that do the same: noise makes any of them the largest of what is lost by a few per cent, and the first two are
+// held all the same.
+TEST(Identifiability, OfColumnsThatDoTheSameTheFirstIsHeld) {
+  const ParameterSet parameters({}, {}, {{"geometry/a"}, {"geometry/b"}, {"geometry/c"}, {"geometry/d"}});
+  for (const double off : {0.0, -0.05, 0.05}) {
+    Eigen::MatrixXd jacobian(2, 4);
+    jacobian << 1, 0, 0, 0, 0, 1, 1 + off, 1;
+    const Unidentifiable found = FindUnidentifiable(FromMatrix(1e5 * jacobian), parameters, 1.0);
+    EXPECT_EQ(found.columns, (std::vector<int>{1, 2})) << off;
+  }
+}
+
 // A prior so wide that it says nothing, or a limit of what hardly moves anything, is no reason to hold others.
 TEST(Identifiability, AWidePriorHoldsNothingElse) {
   Eigen::MatrixXd jacobian(3, 2);
