@@ -194,6 +194,7 @@ CalibrationProblem CalibrationProblem::WithEffects(const std::vector<EffectSpec>
       continue;
     }
     const std::vector<double>& p = spec.values;
+    if (p.empty()) continue;  // the robot's own
     extended.gravity_compensator =
         GravityCompensator{robot().chain.FindJoint(spec.target), p[0], p[1], p[2], p[3], p[4], true};
     adds_compensator = true;

@@ -155,6 +155,8 @@ LoadPlan ChooseBest(const CalibrationProblem& problem, const Estimate& estimate,
 
 LoadPlan PlanLoads(const CalibrationProblem& problem, const Estimate& estimate, int held,
                    const std::vector<AppliedWrench>& wrenches, int count) {
+  const auto estimated = static_cast<Eigen::Index>(estimate.estimated.size());
+  if (estimate.model_covariance.rows() != estimated) return {{}, {}, kInfinity};  // no intervals, no plan
   const Background background = MakeBackground(problem, estimate, held);
   CalibrationProblem scratch = problem;
   std::vector<LoadCandidate> candidates;

@@ -28,6 +28,10 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
   const std::vector<double> sizes =
       any_loose ? TypicalSizes(problem, problem.parameters, SpecsOf(added)) : std::vector<double>();
   for (const Candidate& candidate : added) {
+    if (IsGravityCompensator(candidate.spec) && !IsNewSpring(candidate.spec)) {
+      FreeSpring(candidate.keeps_shape, candidate.prior_scale, &problem.parameters);
+      continue;
+    }
     for (const std::string& name : candidate.loose) {
       const int i = problem.parameters.FindCoordinate(name);
       Coordinate& coordinate = problem.parameters.coordinate(i);

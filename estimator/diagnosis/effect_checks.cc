@@ -148,7 +148,7 @@ std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Poster
   const double size = std::max(1e-300, values.dot(given.information * values));
   std::vector<Alternative> alternatives;
   for (const NamedProbability& rival : in_place) {
-    if (std::max(rival.probability, posterior.Of(rival.name)) < kWorthListing) continue;
+    if (posterior.Of(rival.name) < kWorthListing) continue;
     if (rival.name == evidence.list().name[member]) continue;
     if (evidence.list().IsUnnamed(rival.explanation)) continue;
     const Eigen::MatrixXd both =
@@ -290,7 +290,7 @@ std::vector<int> OthersOfItsName(const Evidence& evidence, const WeightedModel& 
 double ResidualAtBest(const Evidence& evidence, const WeightedModel& model) {
   std::vector<double> scales = model.set.scales;
   for (size_t k = 0; k < scales.size(); ++k) {
-    const bool is_spring = IsGravityCompensator(evidence.list().start[model.set.members[k]]);
+    const bool is_spring = IsNewSpring(evidence.list().start[model.set.members[k]]);
     if (!is_spring) scales[k] = kWidestScale;
   }
   const Members members = evidence.MembersOf(model, &scales);

@@ -61,7 +61,7 @@ DiagnosedModel LackingGiven(const Evidence& evidence, const WeightedModel& model
 // shape, and near others, the refit may find its floor.
 void TryOtherSprings(const Evidence& evidence, const JointOptions& joint, RefittedSet* refitted) {
   for (SelectedEffect& effect : refitted->effects) {
-    if (!IsGravityCompensator(effect.candidate.spec)) continue;
+    if (!IsNewSpring(effect.candidate.spec)) continue;
     effect.candidate.keeps_shape = true;
     std::vector<EffectSpec> springs = OtherSprings(evidence, refitted->model, effect, refitted->lacking);
     springs.insert(springs.begin(), effect.candidate.spec);
@@ -121,7 +121,7 @@ double LogCorrection(const Evidence& evidence, const RefittedSet& refitted) {
   if (refitted.effects.size() != refitted.model.set.members.size()) return std::numeric_limits<double>::quiet_NaN();
   double log = LogFullOverLinear(evidence, refitted);
   for (const SelectedEffect& effect : refitted.effects) {
-    if (IsGravityCompensator(effect.candidate.spec)) log += LogPriorOfRest(refitted.with_effects.estimate.parameters);
+    if (IsNewSpring(effect.candidate.spec)) log += LogPriorOfSpring(refitted.with_effects.estimate.parameters);
   }
   return log;
 }
@@ -168,9 +168,10 @@ std::vector<SelectedEffect> SelectedEffectsOf(const Evidence& evidence, const We
     SelectedEffect effect;
     effect.explanation = member;
     effect.candidate = list.candidates[list.candidate[member]];
-    if (IsGravityCompensator(effect.candidate.spec)) {
+    if (IsNewSpring(list.start[member])) {
       effect.candidate.spec = SeededSpring(evidence, model, member, lacking);
     }
+    effect.candidate.keeps_shape = IsGravityCompensator(effect.candidate.spec) && list.math[member].group.size() == 1;
     const GivenOthers given = members.Of(k);
     effect.fit = FitOf(given);
     MarkUndetermined(evidence, member, given, &effect.candidate);

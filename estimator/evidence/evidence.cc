@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "estimator/evidence/nameless_cause.h"
+#include "estimator/explanations/compensator_shapes.h"
 #include "estimator/report/explanations_words.h"
 #include "models/constants.h"
 
@@ -35,10 +36,13 @@ constexpr double kLeastGain = 1.92;
 // Where a thousand sets share the probability they differ in details: the rest would say the same of every effect.
 constexpr size_t kMostModels = 1000;
 
-// What is estimated stays as it is.
+// What is estimated stays as it is, and a spring that is held.
 ParameterSet WithValuesOf(const ParameterSet& own, const ParameterSet& other) {
   ParameterSet moved = own;
   moved.CopyByName(other);
+  Eigen::VectorXd back = Eigen::VectorXd::Zero(own.num_coordinates());
+  for (const int i : HeldSpring(own)) back[i] = own.Value(i) - moved.Value(i);
+  moved.Plus(back);
   for (int i = 0; i < own.num_coordinates(); ++i) moved.coordinate(i) = own.coordinates()[i];
   return moved;
 }

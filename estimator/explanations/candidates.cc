@@ -140,10 +140,15 @@ std::set<std::string> CompliantJoints(const CalibrationProblem& problem, const P
 }
 
 // The compensator's home is the robot; its place in the list of effects is after
-// the transverse compliance.
+// the transverse compliance. One that the robot has may be other than stated, where its parameters are held.
 void AppendCompensators(const CalibrationProblem& problem, const std::set<std::string>& compliant,
                         CandidateList* list) {
-  if (problem.robot().gravity_compensator) return;
+  if (problem.robot().gravity_compensator) {
+    const std::string& joint = problem.robot().chain.joints[problem.robot().gravity_compensator->joint].name;
+    if (!HeldSpring(problem.parameters).empty() && compliant.count(joint) > 0)
+      list->candidates.push_back({{kGravityCompensator, joint, {}, {}}});
+    return;
+  }
   for (const Joint& joint : problem.robot().chain.joints) {
     if (joint.type != JointType::kRevolute) continue;
     if (compliant.count(joint.name) == 0) {

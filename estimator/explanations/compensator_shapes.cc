@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "models/constants.h"
 #include "models/gravity_compensator.h"
@@ -17,7 +18,11 @@ constexpr int kAnchorDirections = 24;  // of the anchor around the joint: neighb
 constexpr double kAnchorReach = 1.5;   // m, prior standard deviation of a_x, a_y: the largest arms are as long
 constexpr double kSpringRest = 0.5;    // m, prior of s0 and its standard deviation
 constexpr double kLeastRate = 100.0;   // N/m
-constexpr double kKeptWithin = 0.3;    // of a: 17 degrees and a factor of 1.35, about one cell of the grid either way
+constexpr double kShortest = 0.1;      // of the longer lever: where both point the same way, |a - L| of spring is left
+// Of a stated spring: coil springs are made to 5 to 10 % of their force (DIN EN 15800), gas springs lose as much with
+// age; anchors are where drawings say to some millimetres, of castings.
+constexpr double kTypicalSpringShare = 0.1, kTypicalAnchorError = 3e-3;
+constexpr double kKeptWithin = 0.3;  // of a: 17 degrees and a factor of 1.35, about one cell of the grid either way
 
 // Of an even distribution over a cell of the grid: its width over the root of 12. Ratios differ by factors of
 // about 1.4.
@@ -44,6 +49,35 @@ Eigen::MatrixX2d TorquesPerRate(const EffectSpec& shape, const Eigen::VectorXd& 
 
 bool IsSpringShape(const Coordinate& coordinate) {
   return coordinate.kind == CoordinateKind::kCompensator && coordinate.compensator_part != CompensatorPart::kKc;
+}
+
+std::vector<int> HeldSpring(const ParameterSet& parameters) {
+  std::vector<int> held;
+  for (int i = 0; i < parameters.num_coordinates(); ++i) {
+    const Coordinate& coordinate = parameters.coordinates()[i];
+    const bool may_be_off =
+        coordinate.kind == CoordinateKind::kCompensator && coordinate.compensator_part != CompensatorPart::kL;
+    if (may_be_off && !coordinate.estimated()) held.push_back(i);
+  }
+  return held;
+}
+
+double TypicalSpringError(const ParameterSet& parameters, int coordinate) {
+  const std::optional<CompensatorPart> part = parameters.coordinates()[coordinate].compensator_part;
+  const bool is_anchor = part == CompensatorPart::kAx || part == CompensatorPart::kAy;
+  return is_anchor ? kTypicalAnchorError : kTypicalSpringShare * std::abs(parameters.Value(coordinate));
+}
+
+void FreeSpring(bool rate_alone, double prior_scale, ParameterSet* parameters) {
+  for (const int i : HeldSpring(*parameters)) {
+    const double typical = TypicalSpringError(*parameters, i);
+    Coordinate& coordinate = parameters->coordinate(i);
+    if (!(typical > 0.0) || (rate_alone && coordinate.compensator_part != CompensatorPart::kKc)) continue;
+    coordinate.free = true;
+    coordinate.held = false;
+    coordinate.prior_value = parameters->Value(i);
+    coordinate.prior_sigma = prior_scale * typical;
+  }
 }
 
 std::vector<int> ComplianceCoordinates(const ParameterSet& parameters, const std::string& joint) {
@@ -102,10 +136,11 @@ void SeedSpring(const Eigen::VectorXd& angles, const Eigen::VectorXd& torques, E
 }
 
 // a and L are alike in the torque: the longer one is what the rest length is in units of.
-double LogPriorOfRest(const ParameterSet& parameters) {
+double LogPriorOfSpring(const ParameterSet& parameters) {
   const auto value = [&](CompensatorPart part) { return parameters.Value(parameters.FindCoordinate(part)); };
   const double a = std::hypot(value(CompensatorPart::kAx), value(CompensatorPart::kAy));
   const double longer = std::max(a, value(CompensatorPart::kL));
+  if (std::abs(a - value(CompensatorPart::kL)) < kShortest * longer) return -std::numeric_limits<double>::infinity();
   const double x = (value(CompensatorPart::kS0) / longer - kUsualRest) / kRestDeviation;
   return -0.5 * x * x - 0.5 * std::log(2.0 * kPi) + std::log(kPi * (1.0 + x * x));
 }

@@ -23,6 +23,15 @@ constexpr double kUsualRest = 0.65, kRestDeviation = 0.25;
 // Whether it is where a spring is and how long, in which its torque is not linear; its rate is none of these.
 bool IsSpringShape(const Coordinate& coordinate);
 
+// Whether the robot has no spring and this would be one: that of the robot has its values there.
+inline bool IsNewSpring(const EffectSpec& spec) { return IsGravityCompensator(spec) && !spec.values.empty(); }
+
+// Of a spring that the robot states: coordinates that are held, but for L (the gauge), and what they may be off by.
+std::vector<int> HeldSpring(const ParameterSet& parameters);
+double TypicalSpringError(const ParameterSet& parameters, int coordinate);
+// Those free, with priors of so many typical errors about the stated values. rate_alone: where it is stated to be.
+void FreeSpring(bool rate_alone, double prior_scale, ParameterSet* parameters);
+
 // The joint's compliance in a model, or the nodes of its table.
 std::vector<int> ComplianceCoordinates(const ParameterSet& parameters, const std::string& joint);
 // rad/(N m); the mean of a table, 0 where there is none.
@@ -42,7 +51,8 @@ void SeedSpring(const Eigen::VectorXd& angles, const Eigen::VectorXd& torques, E
 // What is known of the rest length of a spring, over what the columns' coefficients say of it (SpringColumns: c_0 and
 // c_1 normal and independent make x = c_1 / c_0 Cauchy), with x = (s0 / max(a, L) - usual) / deviation:
 //   log N(x; 0, 1) - log (1 / (pi (1 + x^2)))
-double LogPriorOfRest(const ParameterSet& parameters);
+// -infinity of a spring that is shorter at some angle than a tenth of the longer lever: no machine has one.
+double LogPriorOfSpring(const ParameterSet& parameters);
 
 // Weak physical priors on the shape: anchors lie within metres of the joint. keep: near the shape as it is, and the
 // rest length that goes with it.

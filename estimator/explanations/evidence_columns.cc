@@ -135,21 +135,43 @@ EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const Parame
     }
     coordinates_of.erase(own);
   }
+  AddStatedSpring(candidates, parameters);
   num_columns_ = static_cast<int>(catalogue_.size());
   const std::vector<double> sizes = TypicalSizes(extended_, all, split.others);
-  for (const int coordinate : catalogue_) units_.push_back(sizes[coordinate]);
+  for (const int coordinate : catalogue_) {
+    const bool is_spring = all.coordinates()[coordinate].kind == CoordinateKind::kCompensator;
+    units_.push_back(is_spring
+                         ? TypicalSpringError(parameters, parameters.FindCoordinate(all.coordinates()[coordinate].name))
+                         : sizes[coordinate]);
+  }
   SetLinearized();
   SetBlocks();
   AddMotions(candidates, split);
+}
+
+void EvidenceColumns::AddStatedSpring(const std::vector<Candidate>& candidates, const ParameterSet& believed) {
+  if (!extended_.robot().gravity_compensator) return;
+  for (size_t c = 0; c < candidates.size(); ++c) {
+    if (!IsGravityCompensator(candidates[c].spec)) continue;
+    for (const int held : HeldSpring(believed)) {
+      const std::string& name = believed.coordinates()[held].name;
+      names_[catalogue_.size()] = name;
+      of_candidate_[c].push_back(static_cast<int>(catalogue_.size()));
+      catalogue_.push_back(extended_.parameters.FindCoordinate(name));
+    }
+  }
 }
 
 void EvidenceColumns::SetSubtracted(const ParameterSet& believed, const ParameterSet& about) {
   const ParameterSet& all = extended_.parameters;
   for (int i = 0; i < all.num_coordinates(); ++i) {
     const Coordinate& coordinate = all.coordinates()[i];
-    const bool is_estimated_too =
-        believed.FindCoordinate(coordinate.name) < 0 && about.FindCoordinate(coordinate.name) >= 0;
-    if (is_estimated_too && !IsSpringShape(coordinate)) subtracted_.emplace_back(i, all.Value(i));
+    const int own = believed.FindCoordinate(coordinate.name), there = about.FindCoordinate(coordinate.name);
+    if (there < 0) continue;
+    if (own >= 0 && !believed.coordinates()[own].estimated() && about.coordinates()[there].estimated()) {
+      subtracted_.emplace_back(i, all.Value(i) - believed.Value(own));
+    }
+    if (own < 0 && !IsSpringShape(coordinate)) subtracted_.emplace_back(i, all.Value(i));
   }
 }
 

@@ -202,6 +202,8 @@ class EvidenceColumns {
   static SplitCandidates Split(const CalibrationProblem& problem, const std::vector<Candidate>& candidates);
   // What the effects come to about which the model is linearized.
   void SetSubtracted(const ParameterSet& believed, const ParameterSet& about);
+  // Columns of the candidate that the spring the robot states is another.
+  void AddStatedSpring(const std::vector<Candidate>& candidates, const ParameterSet& believed);
   // Coordinates of a block's columns.
   void SetLinearized();
   // Poses and blocks of them; the first blocks are linearized.

@@ -94,12 +94,25 @@ class ListBuilder {
     for (size_t c = 0; c < list_.candidates.size(); ++c) {
       const EffectSpec& spec = list_.candidates[c].spec;
       const int candidate = static_cast<int>(c);
-      if (IsGravityCompensator(spec)) {
+      if (IsGravityCompensator(spec) && !problem_.robot().gravity_compensator) {
         AddCompensator(candidate);
       } else if (!columns_->ColumnsOf(candidate).empty()) {
-        Append({columns_->ColumnsOf(candidate), {}}, candidate, -1, spec, {spec.effect, spec.target},
-               WithoutChangePoint(problem_.robot(), spec));
+        AddAsItIs(candidate, columns_->ColumnsOf(candidate));
+        if (IsGravityCompensator(spec)) AddRateAlone(candidate);
       }
+    }
+  }
+
+  void AddAsItIs(int candidate, const std::vector<int>& columns) {
+    const EffectSpec& spec = list_.candidates[candidate].spec;
+    Append({columns, {}}, candidate, -1, spec, {spec.effect, spec.target}, WithoutChangePoint(problem_.robot(), spec));
+  }
+
+  // A stated spring that has lost force, or was never as stiff, is where it is stated to be.
+  void AddRateAlone(int candidate) {
+    const std::vector<int>& all = columns_->ColumnsOf(candidate);
+    for (const int column : all) {
+      if (all.size() > 1 && columns_->Name(column) == NameOf(CompensatorPart::kKc)) AddAsItIs(candidate, {column});
     }
   }
 

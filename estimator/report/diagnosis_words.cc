@@ -6,6 +6,7 @@
 
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/estimate/parameter_table.h"
+#include "estimator/explanations/compensator_shapes.h"
 #include "estimator/report/explanations_words.h"
 #include "models/effects/catalogue.h"
 #include "problems/text.h"
@@ -166,7 +167,8 @@ std::string NeededInWords(const NextPoses& next) {
 
 std::string Title(const Robot& robot, const EffectSpec& spec) {
   const EffectDefinition* definition = FindEffect(robot, spec.effect);
-  const std::string title = definition == nullptr ? "gravity compensator" : definition->title;
+  const char* spring = IsNewSpring(spec) ? "gravity compensator" : "gravity compensator not as stated";
+  const std::string title = definition == nullptr ? spring : definition->title;
   return title + " (" + spec.effect + ", " + spec.target + SettingsInWords(definition, spec) + ")";
 }
 
@@ -335,22 +337,46 @@ bool IsPlausibleSpring(const FoundEffect& effect) {
   return true;
 }
 
+// Of the robot file, rad/(N m), the least of a table: an effect adds to it.
+double StatedCompliance(const Robot& robot, const std::string& joint) {
+  double least = 0.0;
+  for (const JointCompliance& own : robot.compliances) {
+    if (robot.chain.joints[own.joint].name != joint || own.nodes.empty()) continue;
+    least =
+        std::min_element(own.nodes.begin(), own.nodes.end(), [](const auto& a, const auto& b) { return a.k < b.k; })->k;
+  }
+  return least;
+}
+
 // Whether a machine could show it: sign, and size within what its definition allows.
 bool IsPlausible(const Robot& robot, const FoundEffect& effect) {
   const EffectDefinition* definition = FindEffect(robot, effect.candidate.spec.effect);
   if (definition == nullptr) return IsPlausibleSpring(effect);
   for (const ParameterEstimate& row : effect.parameters) {
     const bool is_compliance = row.quantity == Quantity::kCompliance;
-    if (is_compliance && row.ci95.high < 0.0) return false;
+    const bool is_added = definition == &JointComplianceEffect();
+    const double stated = is_added ? StatedCompliance(robot, effect.candidate.spec.target) : 0.0;
+    if (is_compliance && stated + row.ci95.high < 0.0) return false;
     if (std::abs(row.value) > definition->largest * TraitsOf(row.quantity).hold_limit) return false;
     if (row.quantity == Quantity::kMass && row.ci95.high < 0.0 && definition == &LinkGravity()) return false;
   }
   return true;
 }
 
+std::string CorrectionInWords(const Robot& robot, const FoundEffect& effect) {
+  const EffectSpec& spec = effect.candidate.spec;
+  const double stated = spec.effect == JointComplianceEffect().name ? StatedCompliance(robot, spec.target) : 0.0;
+  if (!(stated > 0.0) || effect.parameters.empty() || !IsPlausible(robot, effect)) return "";
+  const QuantityTraits& traits = TraitsOf(Quantity::kCompliance);
+  const auto words = [&](double k) { return Significant(k / traits.si_per_unit, 3) + " " + traits.unit; };
+  return "it corrects the robot file: " + words(stated) + " there, " + words(stated + effect.parameters[0].value) +
+         " found";
+}
+
 std::string PhysicalInWords(const Robot& robot, const FoundEffect& effect) {
-  return IsPlausible(robot, effect) ? "the size is one that machines show"
-                                    : "sign or size is not physical: read it as a description, not as a cause";
+  if (!IsPlausible(robot, effect)) return "sign or size is not physical: read it as a description, not as a cause";
+  const std::string correction = CorrectionInWords(robot, effect);
+  return correction.empty() ? "the size is one that machines show" : correction;
 }
 
 std::string ClosedInWords(const GapReport& gap) {
@@ -374,7 +400,8 @@ std::string DiagnosisToText(const Diagnosis& d) {
   for (size_t i = 0; i < std::min(kMostEffects, d.effects.size()); ++i) {
     text << "Effect " << i + 1 << ": " << EffectInWords(robot, d.effects[i]) << "\n";
     text << "    " << HalvesInWords(d.effects[i].confirmation) << "\n";
-    if (!IsPlausible(robot, d.effects[i])) text << "    " << PhysicalInWords(robot, d.effects[i]) << "\n";
+    const bool is_said = !IsPlausible(robot, d.effects[i]) || !CorrectionInWords(robot, d.effects[i]).empty();
+    if (is_said) text << "    " << PhysicalInWords(robot, d.effects[i]) << "\n";
     for (const Alternative& alternative : d.effects[i].alternatives) {
       text << "    or " << Title(robot, alternative.spec) << " (overlap " << Significant(alternative.overlap, 3) << ", "
            << Percent(alternative.probability) << "); separate by " << SeparateBy(robot, alternative.spec) << "\n";

@@ -60,7 +60,7 @@ TEST(SpringColumns, RestLengthsAreThoseOfRealSprings) {
       step[i] = value - parameters.Value(i);
     }
     parameters.Plus(step);
-    return LogPriorOfRest(parameters);
+    return LogPriorOfSpring(parameters);
   };
   double sum = 0.0;
   constexpr double kStep = 0.01;
@@ -69,6 +69,7 @@ TEST(SpringColumns, RestLengthsAreThoseOfRealSprings) {
   EXPECT_NEAR(sum, 1.0, 1e-4);
   EXPECT_NEAR(log_prior(0.7, 0.2, 1.5), log_prior(0.2, 0.7, 1.5), 1e-9);
   EXPECT_LT(log_prior(0.2, 0.02, 7.0), -15.0);  // two and a half times the longer of the two
+  EXPECT_EQ(log_prior(0.2, 0.199, 0.0), -std::numeric_limits<double>::infinity());  // it would pass through no length
 }
 
 TEST(Compress, KeepsFunctionsOfAnyNumberOfShots) {

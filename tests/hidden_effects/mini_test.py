@@ -518,6 +518,25 @@ class WhatWasOnceNamedWrong(WithFolder):
         for number in (2, 11):
             self.assert_explained({'study': 7900, 'case': number, 'kinds': 'link_gravity', 'scales': 2})
 
+    def test_a_stated_spring_that_is_another(self):
+        """The robot file states 11 N/mm of 15 and nothing makes it free: the weighed load was accused."""
+        PROGRAMS.generate({'study': 7910, 'case': 1, 'kinds': 'none', 'robot': 'kr270_compensator'}, self.folder / 'case',
+                          self.folder / 'answer')
+        for file, old, new in (('robot.yaml', 'Kc_N_per_mm: 15,', 'Kc_N_per_mm: 11,'),
+                               ('experiment.yaml', '  gravity_compensator: [Kc]\n', '')):
+            text = (self.folder / 'case' / file).read_text()
+            self.assertIn(old, text)
+            (self.folder / 'case' / file).write_text(text.replace(old, new))
+        diagnosis, message, _ = PROGRAMS.diagnose(self.folder / 'case' / 'experiment.yaml', self.folder / 'result')
+        self.assertIsNotNone(diagnosis, message)
+        self.assertEqual([(s['effect'], s['target']) for s in diagnosis['steps']], [('gravity_compensator', 'A2')])
+        self.assertEqual(diagnosis['verdict'], 'explained', diagnosis['words'])
+        self.assertIn('not as stated', diagnosis['words'])
+        rate = [p for p in diagnosis['steps'][0]['parameters'] if p['name'] == 'Kc_N_per_mm']
+        self.assertEqual(len(rate), 1, diagnosis['steps'][0]['parameters'])
+        low, high = rate[0]['ci95']
+        self.assertTrue(low < 15 < high, rate)
+
     def test_what_is_less_probable_than_no_name_is_not_named(self):
         """A stand twists: no effect of the catalogue does that."""
         diagnosis, _ = self.diagnosed({'study': 10201, 'case': 6, 'kinds': 'stand_twist', 'scales': 2.4096050283902546,
