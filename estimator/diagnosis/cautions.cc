@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 
 #include "estimator/agreement/breaks.h"
 #include "estimator/diagnosis/diagnosed_model.h"
@@ -23,6 +24,7 @@ namespace {
 constexpr double kStill = 5.0 * kDegree;  // rad: a joint that moves less is assumed to stand
 constexpr double kStillLength = 0.05;     // m, prismatic
 constexpr int kFewConfigurations = 15;
+constexpr double kInOrder = 0.9;  // rank correlation: of 15 values in random order one in ten million is more
 constexpr double kFarAboveFloor = 1.5;
 constexpr double kFarBelowFloor = 3.1;  // standard deviations, one in a thousand
 
@@ -160,6 +162,36 @@ std::string OfTool(const DiagnosedModel& believed) {
   return is_tool ? ToolMoved(SomethingMoved(*believed.problem, *moved)) : "";
 }
 
+// Spearman's correlation of a joint's values with their order: 1 - 6 sum d^2 / (n (n^2 - 1)), d the difference of
+// ranks.
+double CorrelationWithOrder(const Eigen::VectorXd& values) {
+  const auto n = static_cast<double>(values.size());
+  std::vector<int> order(static_cast<size_t>(values.size()));
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return values[a] < values[b]; });
+  double squares = 0.0;
+  for (size_t rank = 0; rank < order.size(); ++rank) squares += std::pow(static_cast<double>(rank) - order[rank], 2);
+  return 1.0 - 6.0 * squares / (n * (n * n - 1.0));
+}
+
+// Without a clock nothing tells a drift from an error of a joint that moved one way all the time.
+std::string OfOrder(const CalibrationProblem& problem) {
+  const Measurements& data = problem.data();
+  const bool any_time =
+      std::any_of(data.shots.begin(), data.shots.end(), [](const Shot& shot) { return shot.has_time; });
+  if (any_time || data.configurations.size() < kFewConfigurations) return "";
+  const std::vector<std::string> standing = StandingJoints(problem);
+  std::vector<std::string> in_order;
+  for (int j = 0; j < problem.robot().num_joints(); ++j) {
+    const std::string& name = problem.robot().chain.joints[j].name;
+    Eigen::VectorXd values(static_cast<long>(data.configurations.size()));
+    for (long c = 0; c < values.size(); ++c) values[c] = data.configurations[static_cast<size_t>(c)].q[j];
+    const bool is_still = std::find(standing.begin(), standing.end(), name) != standing.end();
+    if (!is_still && std::abs(CorrelationWithOrder(values)) > kInOrder) in_order.push_back(name);
+  }
+  return in_order.empty() ? "" : JointsFollowTheOrder(in_order);
+}
+
 }  // namespace
 
 std::vector<std::string> CautionsOfReadings(const CalibrationProblem& problem) {
@@ -181,6 +213,7 @@ std::vector<std::string> FindCautions(const CalibrationProblem& stated, const Di
       OfPartlyStated(stated), OfHeldParameters(believed.estimate),
       OfHeldEffects(stated),  counts.in_both > 0 ? FittedAndHeldOut(counts.in_both) : "",
       OfHoldout(counts),      OfTool(believed),
+      OfOrder(stated),
   };
   cautions.erase(std::remove(cautions.begin(), cautions.end(), ""), cautions.end());
   return cautions;

@@ -47,6 +47,13 @@ std::string JointsStandStill(const std::vector<std::string>& joints, bool all) {
          (all ? ", and the verdict holds for this one pose." : ".");
 }
 
+std::string JointsFollowTheOrder(const std::vector<std::string>& joints) {
+  return Enumerate(joints, kNamesListed) + (joints.size() == 1 ? " follows" : " follow") +
+         " the order of the rows, and no time is stated: if they were measured in this order, a drift looks like an "
+         "error of "
+         "that joint, also on the configurations held out. State time_s, or measure in random order.";
+}
+
 std::string PartlyStated(const std::string& column, long empty, size_t rows) {
   return column + " (" + std::to_string(empty) + " of " + std::to_string(rows) + " rows)";
 }

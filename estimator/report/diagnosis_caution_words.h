@@ -22,6 +22,9 @@ std::string FewAreFitted(int configurations, int coordinates, int unknowns);
 // Joints that hardly move; all: none moves.
 std::string JointsStandStill(const std::vector<std::string>& joints, bool all);
 
+// Joints that moved one way over all rows, which state no time.
+std::string JointsFollowTheOrder(const std::vector<std::string>& joints);
+
 // "time_s (3 of 40 rows)".
 std::string PartlyStated(const std::string& column, long empty, size_t rows);
 std::string ColumnsArePartlyStated(const std::vector<std::string>& columns);

@@ -14,6 +14,7 @@
 namespace sagitta {
 namespace {
 
+constexpr double kDoTheSame = 0.9999;    // overlap: of what the one moves, the other leaves a hundredth
 constexpr double kFarthestAnchor = 3.0;  // m, of a compensator's spring
 constexpr size_t kMostNames = 3;         // of what another prior would name
 constexpr double kCompatible = 0.01;     // p below which two halves contradict each other
@@ -163,6 +164,13 @@ std::string NeededInWords(const NextPoses& next) {
   return " About " + std::to_string(next.needed) + " such poses would make it " + wanted + ".";
 }
 
+// No pose, load or marker like these tells them apart.
+std::string SeparateByKnowledge() {
+  return "what is known from elsewhere (a part that is weighed, a length or a rate that is measured): in these rows "
+         "both do "
+         "the same, and at poses and loads like these both predict the same";
+}
+
 }  // namespace
 
 std::string Title(const Robot& robot, const EffectSpec& spec) {
@@ -228,7 +236,9 @@ std::string AlternativeInWords(const Robot& robot, const Alternative& alternativ
          Significant(100 * alternative.overlap, 3) + " % of the same";
 }
 
-std::string SeparateBy(const Robot& robot, const EffectSpec& spec) {
+std::string SeparateBy(const Robot& robot, const Alternative& alternative) {
+  if (alternative.overlap >= kDoTheSame) return SeparateByKnowledge();
+  const EffectSpec& spec = alternative.spec;
   const EffectDefinition* definition = FindEffect(robot, spec.effect);
   // The compensator, whose home is the robot: as a weight.
   std::string words = definition == nullptr ? kSeparateByWeight : definition->separate_by;
@@ -251,7 +261,8 @@ std::string HalvesInWords(const Confirmation& confirmation) {
 std::string NextInWords(const NextPoses& next) {
   return "Measure " + std::to_string(next.poses.size()) +
          " more poses, chosen where the explanations that are left say " +
-         "different things (next.csv, to be filled in): whichever is right is expected to have " +
+         "different things (next.csv, to be filled in): whichever answer is right, with all its effects, is expected "
+         "to have " +
          Percent(next.decides) + " of the probability then, on average; it is " + Percent(next.decided) + " now." +
          NeededInWords(next);
 }
@@ -404,7 +415,7 @@ std::string DiagnosisToText(const Diagnosis& d) {
     if (is_said) text << "    " << PhysicalInWords(robot, d.effects[i]) << "\n";
     for (const Alternative& alternative : d.effects[i].alternatives) {
       text << "    or " << Title(robot, alternative.spec) << " (overlap " << Significant(alternative.overlap, 3) << ", "
-           << Percent(alternative.probability) << "); separate by " << SeparateBy(robot, alternative.spec) << "\n";
+           << Percent(alternative.probability) << "); separate by " << SeparateBy(robot, alternative) << "\n";
     }
   }
   if (d.effects.size() > kMostEffects)

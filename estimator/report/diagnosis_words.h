@@ -24,7 +24,7 @@ std::vector<std::string> VerdictLines(const Diagnosis& diagnosis);
 std::string EffectInWords(const Robot& robot, const FoundEffect& effect);
 std::string AlternativeInWords(const Robot& robot, const Alternative& alternative);
 // Poses, loads or columns that would distinguish this effect from another.
-std::string SeparateBy(const Robot& robot, const EffectSpec& spec);
+std::string SeparateBy(const Robot& robot, const Alternative& alternative);
 std::string HalvesInWords(const Confirmation& confirmation);
 std::string NoiseInWords(const NoiseFinding& noise);
 // What a rest without a name depends on.

@@ -72,7 +72,7 @@ Json FoundToJson(const Robot& robot, const FoundEffect& effect) {
     entry["probability"] = alternative.probability;
     entry["overlap"] = alternative.overlap;
     entry["words"] = AlternativeInWords(robot, alternative);
-    entry["separate_by"] = SeparateBy(robot, alternative.spec);
+    entry["separate_by"] = SeparateBy(robot, alternative);
     json["alternatives"].push_back(entry);
   }
   json["words"] = EffectInWords(robot, effect);

@@ -132,10 +132,19 @@ TEST(Diagnosis, WhatLimitsTheVerdictIsSaid) {
   EXPECT_TRUE(
       AnyStartsWith(FindCautions(*believed.problem, believed), "1 configuration is fitted and held out at once"));
 
-  for (Configuration& configuration : configurations) configuration.q = configurations[0].q;
-  believed.problem = std::make_shared<CalibrationProblem>(shared);
+  CalibrationProblem alike = shared, sorted = shared;
+  for (Configuration& configuration : alike.mutable_data()->configurations)
+    configuration.q = shared.data().configurations[0].q;
+  believed.problem = std::make_shared<CalibrationProblem>(alike);
   EXPECT_TRUE(AnyStartsWith(FindCautions(*believed.problem, believed), "All configurations are alike"));
   EXPECT_TRUE(AnyStartsWith(FindCautions(*believed.problem, believed), "Only 1 different configurations"));
+
+  for (Shot& shot : sorted.mutable_data()->shots) shot.has_time = false;
+  EXPECT_FALSE(AnyStartsWith(FindCautions(sorted, believed), "A4"));
+  std::vector<Configuration>& in_order = sorted.mutable_data()->configurations;
+  for (size_t c = 0; c < in_order.size(); ++c)
+    in_order[c].q[3] = -0.05 * static_cast<double>(c) + 0.2 * std::sin(1.0 * static_cast<double>(c * c));
+  EXPECT_TRUE(AnyStartsWith(FindCautions(sorted, believed), "A4 follows the order of the rows"));
 }
 
 // A few empty cells silence a whole column.

@@ -106,7 +106,7 @@ Section EffectSection(const Robot& robot, const FoundEffect& effect, size_t numb
                         "Physical bounds: " + PhysicalInWords(robot, effect) + "."};
   for (const Alternative& alternative : effect.alternatives) {
     section.paragraphs.push_back("Or: " + AlternativeInWords(robot, alternative) +
-                                 ". To separate them: " + SeparateBy(robot, alternative.spec) + ".");
+                                 ". To separate them: " + SeparateBy(robot, alternative) + ".");
   }
   section.pictures = EffectPictures(effect.view);
   return section;
