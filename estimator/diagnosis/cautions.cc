@@ -174,7 +174,7 @@ double CorrelationWithOrder(const Eigen::VectorXd& values) {
   return 1.0 - 6.0 * squares / (n * (n * n - 1.0));
 }
 
-// Without a clock nothing tells a drift from an error of a joint that moved one way all the time.
+// Without a clock nothing distinguishes a drift from an error of a joint that moved one way all the time.
 std::string OfOrder(const CalibrationProblem& problem) {
   const Measurements& data = problem.data();
   const bool any_time =

@@ -164,7 +164,7 @@ std::string NeededInWords(const NextPoses& next) {
   return " About " + std::to_string(next.needed) + " such poses would make it " + wanted + ".";
 }
 
-// No pose, load or marker like these tells them apart.
+// No pose, load or marker like these distinguishes them.
 std::string SeparateByKnowledge() {
   return "what is known from elsewhere (a part that is weighed, a length or a rate that is measured): in these rows "
          "both do "
