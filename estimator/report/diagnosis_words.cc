@@ -14,6 +14,8 @@
 namespace sagitta {
 namespace {
 
+constexpr double kWorthSaying = 0.1;  // of the probability, where nothing is named
+constexpr size_t kMostLikely = 3;
 constexpr double kDoTheSame = 0.9999;    // overlap: of what the one moves, the other leaves a hundredth
 constexpr double kFarthestAnchor = 3.0;  // m, of a compensator's spring
 constexpr size_t kMostNames = 3;         // of what another prior would name
@@ -164,6 +166,20 @@ std::string NeededInWords(const NextPoses& next) {
   return " About " + std::to_string(next.needed) + " such poses would make it " + wanted + ".";
 }
 
+// Nothing fits, or too much does.
+std::string UnknownInWords(const Diagnosis& d) {
+  const Robot& robot = d.baseline.problem->robot();
+  std::vector<std::string> likely;
+  for (const auto& [spec, probability] : d.posterior.explanations) {
+    if (probability >= kWorthSaying && likely.size() < kMostLikely)
+      likely.push_back(Title(robot, spec) + " " + Percent(probability));
+  }
+  if (likely.empty() || d.posterior.unnamed > kEvenOdds)
+    return "There is a significant gap that no effect of the catalogue explains well.";
+  likely.push_back("what has no name " + Percent(d.posterior.unnamed));
+  return "There is a significant gap, and these data do not decide what it is: " + Joined(likely, ", ") + ".";
+}
+
 // No pose, load or marker like these distinguishes them.
 std::string SeparateByKnowledge() {
   return "what is known from elsewhere (a part that is weighed, a length or a rate that is measured): in these rows "
@@ -190,8 +206,7 @@ std::string VerdictInWords(const Diagnosis& d) {
                               : "Nothing is missing at this significance, as far as these data show: see the cautions.";
   }
   if (d.verdict == DiagnosisVerdict::kNoise) return "No effect is missing; " + WrongNoiseInWords(d.noise) + ".";
-  if (d.verdict != DiagnosisVerdict::kExplained && d.verdict != DiagnosisVerdict::kPartly)
-    return "There is a significant gap that no effect of the catalogue explains well.";
+  if (d.verdict != DiagnosisVerdict::kExplained && d.verdict != DiagnosisVerdict::kPartly) return UnknownInWords(d);
   return "Found: " + Joined(CausesInWords(d), "; ") + ". " + RestInWords(d);
 }
 

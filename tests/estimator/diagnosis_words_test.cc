@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "tests/support/kr270_experiment.h"
+#include "tests/support/moved_kr270.h"
 
 namespace sagitta::diagnosis_words_test {
 namespace {
@@ -60,6 +61,35 @@ TEST(DiagnosisWords, AVerdictOfFortyOneEffectsHasFiveLines) {
   const std::string text = DiagnosisToText(d);
   EXPECT_THAT(text, HasSubstr("Verdict: partly. Found 41 effects."));
   EXPECT_THAT(text, HasSubstr("36 more effects: in report.html and diagnosis.json"));
+}
+
+TEST(DiagnosisWords, UndecidedIsNotUnexplained) {
+  Diagnosis d = Large();
+  d.effects.clear();
+  d.groups.clear();
+  d.verdict = DiagnosisVerdict::kUnknown;
+  d.posterior.unnamed = 0.9;
+  d.posterior.explanations = {{{"encoder_gain", "A3", {}, {}}, 0.27}, {{"link_gravity", "A3", {}, {}}, 0.05}};
+  EXPECT_THAT(VerdictInWords(d), HasSubstr("no effect of the catalogue explains well"));
+  d.posterior.unnamed = 0.24;
+  EXPECT_THAT(VerdictInWords(d), AllOf(HasSubstr("do not decide what it is"), HasSubstr("encoder_gain, A3) 27 %"),
+                                       HasSubstr("no name 24 %"), ::testing::Not(HasSubstr("link_gravity"))));
+}
+
+// Stated 2.1 urad/Nm, found 0.6 less: as much as machines show.
+TEST(DiagnosisWords, ACorrectionOfAStatedComplianceIsJudgedByTheSum) {
+  FoundEffect found = Found("joint_compliance", "A2", 0.99);
+  ParameterEstimate row;
+  row.name = "effect/joint_compliance/A2/k";
+  row.quantity = Quantity::kCompliance;
+  row.value = -0.6e-6;
+  row.ci95 = {-0.62e-6, -0.58e-6};
+  found.parameters = {row};
+  Robot robot = test::Kr270Robot();
+  EXPECT_FALSE(IsPlausible(robot, found));
+  robot.compliances = {{1, {{0.0, 2.1e-6}}, false}};
+  EXPECT_TRUE(IsPlausible(robot, found));
+  EXPECT_EQ(PhysicalInWords(robot, found), "it corrects the robot file: 2.1 urad/Nm there, 1.5 urad/Nm found");
 }
 
 // Effects that cost untouched rows more than they give, though not beyond chance, have no share of what is explained.
