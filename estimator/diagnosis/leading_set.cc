@@ -13,7 +13,7 @@
 namespace sagitta {
 namespace {
 
-constexpr int kMostAgain = 3;
+constexpr int kMostAgain = 3;  // steps of Gauss-Newton, of which each squares what is off: from 60 % to 2 %
 
 LeadingSet WeighAndRefit(const SearchInput& input, const Evidence* before, const LinearizedAbout& about) {
   const ParameterSet& believed = input.baseline.estimate.parameters;

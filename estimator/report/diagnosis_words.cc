@@ -40,6 +40,7 @@ std::string SettingsInWords(const EffectDefinition* definition, const EffectSpec
 }
 
 std::string GapInWords(const Diagnosis& d) {
+  if (d.gap.before == 0.0) return "Gap on untouched configurations: none beyond the noise floor\n";
   const std::string words =
       "Gap on untouched configurations, beyond the noise floor: " + Significant(1e3 * d.gap.before, 3);
   if (d.effects.empty()) return words + " mm\n";
@@ -168,6 +169,9 @@ std::string NeededInWords(const NextPoses& next) {
 
 // Nothing fits, or too much does.
 std::string UnknownInWords(const Diagnosis& d) {
+  const std::string there_is = d.gap.before == 0.0
+                                   ? "The fitted rows say that something is missing, the untouched ones show no gap"
+                                   : "There is a significant gap";
   const Robot& robot = d.baseline.problem->robot();
   std::vector<std::string> likely;
   for (const auto& [spec, probability] : d.posterior.explanations) {
@@ -175,9 +179,10 @@ std::string UnknownInWords(const Diagnosis& d) {
       likely.push_back(Title(robot, spec) + " " + Percent(probability));
   }
   if (likely.empty() || d.posterior.unnamed > kEvenOdds)
-    return "There is a significant gap that no effect of the catalogue explains well.";
+    return there_is + (d.gap.before == 0.0 ? ", and no effect of the catalogue explains it well."
+                                           : " that no effect of the catalogue explains well.");
   likely.push_back("what has no name " + Percent(d.posterior.unnamed));
-  return "There is a significant gap, and these data do not decide what it is: " + Joined(likely, ", ") + ".";
+  return there_is + ", and these data do not decide what it is: " + Joined(likely, ", ") + ".";
 }
 
 // No pose, load or marker like these distinguishes them.

@@ -63,6 +63,17 @@ TEST(DiagnosisWords, AVerdictOfFortyOneEffectsHasFiveLines) {
   EXPECT_THAT(text, HasSubstr("36 more effects: in report.html and diagnosis.json"));
 }
 
+TEST(DiagnosisWords, WithoutAGapNoneIsSaid) {
+  Diagnosis d = Large();
+  d.gap.before = d.gap.after = d.gap.closed = 0.0;
+  EXPECT_THAT(DiagnosisToText(d), HasSubstr("Gap on untouched configurations: none beyond the noise floor\n"));
+  d.effects.clear();
+  d.groups.clear();
+  d.verdict = DiagnosisVerdict::kUnknown;
+  d.posterior.unnamed = 0.9;
+  EXPECT_THAT(VerdictInWords(d), HasSubstr("the untouched ones show no gap"));
+}
+
 TEST(DiagnosisWords, UndecidedIsNotUnexplained) {
   Diagnosis d = Large();
   d.effects.clear();
