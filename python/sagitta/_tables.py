@@ -44,7 +44,7 @@ def _input_error(what, key, hint=""):
 
 
 def _is_missing(value):
-    return value is None or value != value or str(value) == "<NA>"
+    return value is None or value is np.ma.masked or value != value or str(value) == "<NA>"
 
 
 def _text(value):
@@ -55,11 +55,24 @@ def _text(value):
     return str(value)
 
 
+def _unmasked(values):
+    """An array with nothing where values are masked: what lies under a mask is no value."""
+    mask = np.ma.getmaskarray(values)
+    if values.dtype.kind in "fiu":
+        return np.where(mask, np.nan, np.ma.getdata(values).astype(np.float64))
+    cells = np.ma.getdata(values).astype(object)
+    cells[mask] = None
+    return cells
+
+
 def _column(name, values):
     """[(name, float64 array or list of texts)]"""
-    array = values.to_numpy() if hasattr(values, "to_numpy") else np.asarray(values)
+    array = values.to_numpy() if hasattr(values, "to_numpy") else np.asanyarray(values)
     if array.dtype.kind == "c":
         raise _input_error("'%s' holds complex numbers" % name, name)
+    if np.ma.isMaskedArray(array):
+        array = _unmasked(array)
+    array = np.asarray(array)
     if array.ndim == 2:
         return _single_columns(name, np.asarray(array, dtype=np.float64))
     if array.ndim != 1:

@@ -289,6 +289,30 @@ class TablesInMemory(FolderTest):
         self.assertEqual(len(experiment), len(frame) - 1)
         self.assertIn("lost", experiment.warnings[0])
 
+    def test_masked_values_are_not_stated(self):
+        frame = pandas.read_csv(KR270 / "geometric.csv", comment="#", float_precision="round_trip")
+        wrong = frame[["x_mm", "y_mm", "z_mm"]].to_numpy()
+        wrong[3] += 5.0
+        masked = np.ma.array(wrong, mask=np.arange(len(frame))[:, None] == [3, 3, 3])
+        others = dict(frame.drop(columns=["x_mm", "y_mm", "z_mm"]))
+        for points in ({"xyz_mm": masked}, {"%s_mm" % axis: masked[:, a] for a, axis in enumerate("xyz")},
+                       {"xyz_mm": masked.filled(np.nan)}):
+            experiment = sagitta.read(KR270 / "robot.yaml", {**others, **points})
+            self.assertEqual(len(experiment), len(frame) - 1)
+            self.assertIn("lost", experiment.warnings[0])
+        # Numbers, whole numbers, texts and cells of any kind: what must be stated is missing by its row and name.
+        for name, values in (("q2_deg", others["q2_deg"].to_numpy()), ("config", np.arange(len(frame))),
+                             ("marker", np.array(["P1"] * len(frame))), ("marker", ["P1"] * 3 + [np.ma.masked] +
+                                                                         ["P1"] * (len(frame) - 4))):
+            if isinstance(values, np.ndarray):
+                values = np.ma.array(values, mask=np.arange(len(frame)) == 3)
+            else:
+                values = np.array(values, dtype=object)
+            with self.assertRaises(sagitta.InputError) as raised:
+                sagitta.read(KR270 / "robot.yaml", {**frame, name: values})
+            self.assertEqual((raised.exception.line, raised.exception.key), (4, name))
+            self.assertIn("empty", str(raised.exception))
+
 
 class Errors(FolderTest):
     def caught(self, function, *arguments, **options):
