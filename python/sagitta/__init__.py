@@ -34,8 +34,16 @@ class NumericalError(RuntimeError):
     status = ""
 
 
+def _unconditional(row):
+    """(standard deviation, interval) that allow for what was held; None where nothing held makes them wider."""
+    wide = row.get("unconditional")
+    if wide is None or (row["sigma"] is not None and not wide["sigma"] > row["sigma"]):
+        return None, None
+    return wide["sigma"], tuple(wide["ci95"])
+
+
 class Parameter:
-    """One parameter in its own unit."""
+    """One parameter in its own unit. sigma and ci95 assume that what was held is exact; unconditional does not."""
 
     def __init__(self, row):
         self.name = row["name"]
@@ -46,10 +54,12 @@ class Parameter:
         self.ci95 = None if row["ci95"] is None else tuple(row["ci95"])
         self.free = row["free"]
         self.identifiable = row["identifiable"]
+        self.unconditional, self.unconditional_ci95 = _unconditional(row)
 
     def __repr__(self):
         interval = "" if self.sigma is None else " ± %.3g" % self.sigma
-        return "<%s = %.6g%s %s>" % (self.name, self.value, interval, self.unit)
+        allowing = "" if self.unconditional is None else ", ± %.3g with what was held" % self.unconditional
+        return "<%s = %.6g%s %s%s>" % (self.name, self.value, interval, self.unit, allowing)
 
 
 class _Data:
@@ -252,9 +262,14 @@ class Estimate(_WithJson):
         return self.known.compensate(targets, threads=threads)
 
     def to_dataframe(self):
-        """One row per parameter, in the units of its column `unit`."""
+        """One row per parameter, in the units of its column `unit`; unconditional: where it is wider than sigma."""
         import pandas
-        frame = pandas.DataFrame(self.to_dict()["parameters"]).set_index("name")
+        rows = self.to_dict()["parameters"]
+        frame = pandas.DataFrame(rows).set_index("name")
+        wide = [_unconditional(row) for row in rows]
+        frame["unconditional"] = _np.array([sigma for sigma, _ in wide], dtype=_np.float64)
+        for end, column in enumerate(("unconditional_low", "unconditional_high")):
+            frame[column] = _np.array([None if ci95 is None else ci95[end] for _, ci95 in wide], dtype=_np.float64)
         for key in ("ci95", "ci95_noise_only"):
             ends = [(None, None) if cell is None else tuple(cell) for cell in frame[key]]
             frame[key + "_low"], frame[key + "_high"] = zip(*ends) if ends else ((), ())

@@ -31,6 +31,8 @@ class Parameter:
     ci95: Optional[Tuple[float, float]]
     free: bool
     identifiable: bool
+    unconditional: Optional[float]
+    unconditional_ci95: Optional[Tuple[float, float]]
     def __init__(self, row: Mapping[str, Any]) -> None: ...
 
 class _Data:

@@ -314,6 +314,44 @@ class TablesInMemory(FolderTest):
             self.assertIn("empty", str(raised.exception))
 
 
+class Held(unittest.TestCase):
+    def test_deviations_that_allow_for_what_was_held(self):
+        """Two parallel axes: the height of the marker trades with that of the base."""
+        robot = {"schema": "sagitta/robot/1",
+                 "joints": [{"name": "A1", "type": "revolute"}, {"name": "A2", "type": "revolute"}],
+                 "kinematics": {"chain": [{"Rz": "A1"}, {"Tx_mm": 400, "error": "a1"}, {"Rz": "A2"}, {"Tx_mm": 250}]}}
+        random = np.random.default_rng(2)
+        q = random.uniform(-1.5, 1.5, (30, 2))
+        turned = q.sum(axis=1)
+        points = np.array([400 * np.cos(q[:, 0]) + 300 * np.cos(turned), 400 * np.sin(q[:, 0]) + 300 * np.sin(turned),
+                           np.full(30, 20.0)]).T + 0.02 * random.standard_normal((30, 3))
+        estimate = sagitta.calibrate(sagitta.read(robot, {"config": np.arange(30), "marker": ["M"] * 30, "q_rad": q,
+                                                          "xyz_mm": points}, sigma_mm=0.02))
+        frame = estimate.to_dataframe()
+        wider = []
+        for row in estimate.to_dict()["parameters"]:
+            parameter, shown = estimate[row["name"]], frame.loc[row["name"]]
+            if "unconditional" in row and (row["sigma"] is None or row["unconditional"]["sigma"] > row["sigma"]):
+                wider.append(row["name"])
+                self.assertEqual(parameter.unconditional, row["unconditional"]["sigma"])
+                self.assertEqual(list(parameter.unconditional_ci95), row["unconditional"]["ci95"])
+                self.assertEqual(shown["unconditional"], row["unconditional"]["sigma"])
+                self.assertEqual([shown["unconditional_low"], shown["unconditional_high"]], row["unconditional"]["ci95"])
+                self.assertIn("± %.3g with what was held" % parameter.unconditional, repr(parameter))
+            else:
+                self.assertIsNone(parameter.unconditional)
+                self.assertIsNone(parameter.unconditional_ci95)
+                self.assertTrue(np.isnan(shown["unconditional"]))
+                self.assertNotIn("held", repr(parameter))
+        self.assertIn("base/S1/z", wider)  # it moves with the marker's height
+        self.assertIn("marker/M/z", wider)  # held
+        self.assertNotIn("base/S1/rx", wider)
+
+    def test_nothing_is_held(self):
+        frame = sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml", sigma_mm=0.1)).to_dataframe()
+        self.assertTrue(frame[["unconditional", "unconditional_low", "unconditional_high"]].isna().all(axis=None))
+
+
 class Errors(FolderTest):
     def caught(self, function, *arguments, **options):
         with self.assertRaises(sagitta.InputError) as raised:
