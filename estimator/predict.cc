@@ -127,6 +127,15 @@ std::string LeftOpenInWords(const KnownRobot& known, const Measurements& rows, c
   return CalibrationLeftOpen(open, known.uncertainty.held);
 }
 
+std::vector<std::string> WarningsOf(const KnownRobot& known, const Measurements& rows, const Prediction& prediction) {
+  std::vector<std::string> warnings;
+  for (const std::string& words :
+       {LeftOpenInWords(known, rows, prediction), OutsideMeasuredInWords(known, rows.configurations)}) {
+    if (!words.empty()) warnings.push_back(words);
+  }
+  return warnings;
+}
+
 std::optional<Finding> Contradiction(const KnownRobot& known, const Measurements& rows,
                                      const Eigen::Matrix3Xd& predicted) {
   const Chain& chain = known.robot.chain;

@@ -4,6 +4,8 @@
 #include <memory>
 
 #include "estimator/changes/changes.h"
+#include "estimator/report/results_words.h"
+#include "estimator/results/measured_joints.h"
 #include "estimator/results/program_compensation.h"
 #include "estimator/results/residuals_csv.h"
 #include "models/constants.h"
@@ -40,9 +42,17 @@ struct CalibratedExperiment {
   }
 };
 
+// What was said, and the model error that figures of this estimate carry, where there is any: what commands print.
+std::vector<std::string> WithModelError(std::vector<std::string> warnings, const KnownRobot& known) {
+  const std::string words = ModelErrorInWords(known);
+  if (!words.empty()) warnings.push_back(words);
+  return warnings;
+}
+
 struct PredictedRows {
   Measurements rows;
   Prediction prediction;
+  std::vector<std::string> warnings;
 };
 
 struct ValidatedRows {
@@ -57,6 +67,7 @@ struct ValidatedRows {
 struct CompensatedRows {
   Targets targets;
   std::vector<CompensatedTarget> results;
+  std::vector<std::string> warnings;
 };
 
 std::shared_ptr<CalibratedExperiment> CalibrateInputs(const ExperimentInputs& inputs, const std::string& method,
@@ -117,11 +128,12 @@ void BindEstimate(py::module_& module) {
 }
 
 PredictedRows PredictRows(const KnownRobot& known, const py::list& sources, bool force) {
-  PredictedRows result{RowsFrom(known.robot, sources, false, nullptr), {}};
+  PredictedRows result{RowsFrom(known.robot, sources, false, nullptr), {}, {}};
   AddKnownRotations(known, &result.rows);
   const py::gil_scoped_release others_may_run;
   result.prediction = Numerically([&] { return Predict(known, result.rows); });
   if (!force && !PointsAreZero(result.rows)) CheckReadings(known, result.rows, result.prediction.points, kForce);
+  result.warnings = WithModelError(WarningsOf(known, result.rows, result.prediction), known);
   return result;
 }
 
@@ -148,6 +160,7 @@ void BindPrediction(py::module_& module) {
                                return PointsOf(p.rows, p.prediction.points, self);
                              })
       .def_property_readonly("covariance_m2", &CovariancesOf)
+      .def_readonly("warnings", &PredictedRows::warnings)
       .def("csv", [](const PredictedRows& p) { return PredictionToCsv(p.rows, p.prediction); });
   py::class_<ValidatedRows>(module, "Validation")
       .def_property_readonly("predicted_m",
@@ -155,6 +168,8 @@ void BindPrediction(py::module_& module) {
                                const auto& v = py::cast<const ValidatedRows&>(self);
                                return PointsOf(v.rows, v.validation.predicted, self);
                              })
+      .def("with_model_error",
+           [](const ValidatedRows& v, std::vector<std::string> warnings) { return WithModelError(warnings, v.known); })
       .def("report_html", &ValidatedRows::ReportHtml)
       .def("csv", [](const ValidatedRows& v) { return ValidationToCsv(v.rows, v.validation); })
       .def("json", [](const ValidatedRows& v) { return DumpJson(ValidationToJson(v.validation, v.provenance)); });
@@ -189,6 +204,9 @@ CompensatedRows CompensateTargets(const KnownRobot& known, const py::object& sou
   const CompensationInput input = MakeCompensationInput(known, rows.targets);
   rows.results = ResultOf<std::vector<CompensatedTarget>>(
       py::none(), [&](const Say&) { return Compensate(input, rows.targets.rows, threads); });
+  const size_t outside = AddOutsideMeasured(known, &rows.results);
+  if (outside > 0) rows.warnings.push_back(TargetsOutsideMeasured(outside));
+  rows.warnings = WithModelError(std::move(rows.warnings), known);
   return rows;
 }
 
@@ -217,6 +235,7 @@ void BindCompensation(py::module_& module) {
                                return names;
                              })
       .def_property_readonly("joint_values", &CommandedJoints)
+      .def_readonly("warnings", &CompensatedRows::warnings)
       .def("csv", [](const CompensatedRows& rows) { return CompensationToCsv(rows.targets, rows.results); });
 }
 
@@ -276,8 +295,7 @@ void BindPrograms(py::module_& module) {
 void BindEstimates(py::module_& module) {
   py::class_<KnownRobot, std::shared_ptr<KnownRobot>>(module, "Known")
       .def_property_readonly("robot_name", [](const KnownRobot& k) { return k.robot.name; })
-      .def_property_readonly("robot_yaml", [](const KnownRobot& k) { return RobotToYaml(k.robot); })
-      .def("model_error_words", [](const KnownRobot& k) { return ModelErrorInWords(k); });
+      .def_property_readonly("robot_yaml", [](const KnownRobot& k) { return RobotToYaml(k.robot); });
   BindEstimate(module);
   BindPrediction(module);
   BindCompensation(module);

@@ -3,7 +3,6 @@
 #include <iostream>
 #include <optional>
 
-#include "estimator/results/measured_joints.h"
 #include "estimator/sagitta.h"
 #include "problems/interruption.h"
 #include "problems/io/files.h"
@@ -39,14 +38,12 @@ int RunPredict(const CommandLine& line) {
   progress->Say("writing the rows");
   const std::string csv = PredictionToCsv(rows, prediction);
   const double largest = LargestDeviation(prediction, rows);  // mm
-  const std::string open = LeftOpenInWords(known, rows, prediction);
-  const std::string outside = OutsideMeasuredInWords(known, rows.configurations);
+  const std::vector<std::string> warnings = WarningsOf(known, rows, prediction);
   CheckInterruption();
   out.Write(csv);
   progress.reset();
   std::cout << PredictedInWords(rows.NumRows(), largest, FLAGS_out);
-  if (!open.empty()) std::cout << "Warning: " << open << "\n";
-  if (!outside.empty()) std::cout << "Warning: " << outside << "\n";
+  for (const std::string& warning : warnings) std::cout << "Warning: " << warning << "\n";
   const std::string model_error = ModelErrorInWords(known);
   if (!model_error.empty()) std::cout << model_error << "\n";
   return 0;

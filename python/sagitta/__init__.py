@@ -444,6 +444,11 @@ class Prediction:
     def covariance_m2(self):
         return self._core.covariance_m2
 
+    @property
+    def warnings(self):
+        """What `sagitta predict` warns of, and the model error that the figures carry."""
+        return self._core.warnings
+
     def to_dataframe(self):
         """The file of `sagitta predict`."""
         return _tables.frame(self._core.csv())
@@ -465,7 +470,8 @@ class Validation(_WithJson):
 
     @property
     def warnings(self):
-        return self.to_dict()["warnings"]
+        """Those of validation.json, and the model error that the figures carry."""
+        return self._core.with_model_error(self.to_dict()["warnings"])
 
     @property
     def report_html(self):
@@ -489,6 +495,11 @@ class Compensation:
     @property
     def status(self):
         return self._core.status
+
+    @property
+    def warnings(self):
+        """What `sagitta compensate` says of targets outside the measured joint ranges and of model error."""
+        return self._core.warnings
 
     @property
     def joint_values(self):

@@ -143,6 +143,44 @@ class SameAsTheProgram(FolderTest):
         rows.to_csv(self.folder / "simulated.csv")
         self.assertEqual((self.folder / "simulated.csv").read_text(), (out / "simulated.csv").read_text())
 
+    def test_warnings(self):
+        """What a command prints next to its figures is in `warnings`, and nothing else is."""
+        out = self.folder / "program"
+        run("calibrate", KR270 / "robot.yaml", KR270 / "geometric.csv", "--sigma_mm=0.02", "--out=%s" % out, "--quiet")
+        known = json.loads((out / "estimate.json").read_text())
+        known["model_error"]["factor"] = max(1.5, known["model_error"]["factor"])  # so that there is something to say
+        estimate = self.folder / "estimate.json"
+        estimate.write_text(json.dumps(known))
+        beyond = {"q1_deg": [10.0, 170.0], "q2_deg": [-80.0, -20.0], "q3_deg": [90.0, 150.0], "q4_deg": [5.0, 300.0],
+                  "q5_deg": [20.0, 110.0], "q6_deg": [3.0, 10.0]}
+        for name, labels in (("poses", {"config": ["a", "b"], "marker": ["P1", "P1"]}), ("targets", {"target": ["a", "b"]})):
+            pandas.DataFrame({**labels, **beyond}).to_csv(self.folder / (name + ".csv"), index=False)
+        simulated = sagitta.simulate(sagitta.read(KR270 / "robot.yaml", self.folder / "poses.csv", points_required=False),
+                                     estimate, sigma_mm=0.02, seed=3)
+        simulated.to_csv(self.folder / "rows.csv")
+
+        def assert_printed(warnings, printed):
+            printed = " ".join(printed.split())
+            for words in warnings:
+                self.assertIn(words, printed)
+            for words in ("outside the measured joint ranges", "carry the model error"):
+                self.assertTrue(any(words in warning for warning in warnings), warnings)
+
+        prediction = sagitta.predict(estimate, self.folder / "poses.csv")
+        printed = run("predict", estimate, self.folder / "poses.csv", "--out=%s" % (out / "p.csv"))
+        assert_printed(prediction.warnings, printed)
+        self.assertEqual(["Warning: " + words for words in prediction.warnings[:-1]],
+                         [line for line in printed.splitlines() if line.startswith("Warning: ")])
+        self.assertEqual(sagitta.predict(out / "estimate.json", KR270 / "geometric.csv").warnings[:-1], [])
+        assert_printed(sagitta.validate(estimate, self.folder / "rows.csv").warnings,
+                       run("validate", estimate, self.folder / "rows.csv"))
+        corrected = sagitta.compensate(estimate, self.folder / "targets.csv")
+        assert_printed(corrected.warnings,
+                       run("compensate", estimate, self.folder / "targets.csv", "--out=%s" % (out / "c.csv")))
+        words = corrected.to_dataframe()["words"].fillna("")
+        self.assertEqual(list(words), columns_of(out / "c.csv")["words"])
+        self.assertIn("outside the measured joint ranges: A1 by ", words[1])
+
     def test_report(self):
         out = self.folder / "program"
         run("calibrate", KR270 / "experiment.yaml", "--out=%s" % out, "--quiet")
