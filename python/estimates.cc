@@ -130,7 +130,7 @@ void BindEstimate(py::module_& module) {
 PredictedRows PredictRows(const KnownRobot& known, const py::list& sources, bool force) {
   PredictedRows result{RowsFrom(known.robot, sources, false, nullptr), {}, {}};
   AddKnownRotations(known, &result.rows);
-  const py::gil_scoped_release others_may_run;
+  const OthersMayRun others_may_run;
   result.prediction = Numerically([&] { return Predict(known, result.rows); });
   if (!force && !PointsAreZero(result.rows)) CheckReadings(known, result.rows, result.prediction.points, kForce);
   result.warnings = WithModelError(WarningsOf(known, result.rows, result.prediction), known);
@@ -180,7 +180,7 @@ ValidatedRows ValidateRows(const KnownRobot& known, const py::list& sources, boo
   result.known = known;
   result.provenance = {"sagitta.validate", "validation", {}};
   result.rows = RowsFrom(known.robot, sources, true, &result.provenance.inputs);
-  const py::gil_scoped_release others_may_run;
+  const OthersMayRun others_may_run;
   result.validation = Numerically([&] { return Validate(known, result.rows); });
   if (!force) CheckReadings(known, result.rows, result.validation.predicted, kForce);
   return result;
@@ -194,7 +194,7 @@ Rows SimulateRows(const KnownRobot& truth, const ExperimentInputs& inputs, const
     options.sigma = *sigma_mm / 1e3;
   }
   options.seed = seed;
-  const py::gil_scoped_release others_may_run;
+  const OthersMayRun others_may_run;
   return {Numerically([&] { return Simulate(truth, inputs.data, inputs.experiment, options); })};
 }
 
@@ -285,7 +285,7 @@ void BindPrograms(py::module_& module) {
   module.def("compensate_program", &CompensateProgramOf);
   py::class_<Changes>(module, "Changes").def("json", [](const Changes& c) { return DumpJson(ChangesToJson(c)); });
   module.def("changed", [](const KnownRobot& before, const KnownRobot& after) {
-    const py::gil_scoped_release others_may_run;
+    const OthersMayRun others_may_run;
     return FindChanges(before, after);
   });
 }

@@ -3,6 +3,7 @@
 #include <pybind11/pybind11.h>
 
 #include "python/inputs.h"
+#include "python/interruptible.h"
 
 namespace sagitta::python {
 namespace {
@@ -28,6 +29,8 @@ void Translate(std::exception_ptr thrown) {
            {"hint", py::str(error.hint())}});
   } catch (const NumericalFailure& error) {
     Raise("NumericalError", error.what(), {{"status", py::str(error.status)}});
+  } catch (const Interruption&) {
+    PyErr_SetNone(PyExc_SystemExit);  // the interpreter ends: it alone interrupts what has no progress
   }
 }
 
@@ -38,6 +41,9 @@ PYBIND11_MODULE(_core, module) {
   FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres' own words help nobody, and a library prints nothing
   module.attr("__version__") = SAGITTA_VERSION;
   pybind11::register_exception_translator(sagitta::python::Translate);
+  pybind11::module_::import("atexit").attr("register")(pybind11::cpp_function(&sagitta::python::EndRunningCalls));
+  pybind11::module_::import("os").attr("register_at_fork")(
+      pybind11::arg("after_in_child") = pybind11::cpp_function(&sagitta::python::ForgetRunningCalls));
   sagitta::python::BindInputs(module);
   sagitta::python::BindEstimates(module);
   sagitta::python::BindResults(module);

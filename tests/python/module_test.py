@@ -559,6 +559,51 @@ class LongCalls(unittest.TestCase):
         self.assertTrue(any("bootstrap" in what for what in said))
 
 
+class TheEndOfTheInterpreter(unittest.TestCase):
+    """What runs in daemon threads then is asked to end, and waited for; the process does not abort."""
+    SCRIPT = """
+import sys, threading, time
+import sagitta
+robot, rows, work = sys.argv[1:4]
+options = {"covariance": "bootstrap", "bootstrap": {"kind": "parametric", "replicates": 100000, "seed": 1}}
+experiment = sagitta.read(robot, rows, noise={"sigma_mm": 0.1}, **options)
+estimate = sagitta.calibrate(sagitta.read(robot, rows))
+calls = {"calibrate": lambda: sagitta.calibrate(experiment), "predict": lambda: estimate.predict(rows)}
+def again_and_again():
+    while True:
+        try:
+            calls[work]()
+        except Exception as error:
+            print(type(error).__name__)
+for _ in range(2):
+    threading.Thread(target=again_and_again, daemon=True).start()
+time.sleep(float(sys.argv[4]))
+print("main ends")
+"""
+
+    def test_daemon_threads_inside_long_and_short_calls(self):
+        for work in ("calibrate", "predict"):
+            for trial in range(6):
+                start = time.monotonic()
+                done = subprocess.run([sys.executable, "-c", self.SCRIPT, KR270 / "robot.yaml", KR270 / "geometric.csv",
+                                       work, str(0.2 + 0.013 * trial)], capture_output=True, text=True, check=False)
+                self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "main ends\n", ""), work)
+                self.assertLess(time.monotonic() - start, 9.0)
+
+    def test_a_child_does_not_wait_for_the_threads_of_its_parent(self):
+        script = self.SCRIPT.replace('print("main ends")', """
+child = os.fork()
+if child == 0:
+    sys.exit()
+print(os.waitpid(child, 0)[1])
+""").replace("import sys,", "import os, sys,")
+        start = time.monotonic()
+        done = subprocess.run([sys.executable, "-c", script, KR270 / "robot.yaml", KR270 / "geometric.csv", "calibrate",
+                               "0.2"], capture_output=True, text=True, check=False)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "0\n", ""))
+        self.assertLess(time.monotonic() - start, 9.0)
+
+
 if __name__ == "__main__":
     PROGRAM = sys.argv.pop(1)
     unittest.main()
