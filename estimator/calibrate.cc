@@ -151,7 +151,8 @@ void WriteCalibration(const Calibration& calibration, const std::string& folder,
 }
 
 KnownRobot KnownFrom(const Calibration& calibration) {
-  return ReadEstimateText(DumpJson(CalibrationToJson(calibration, {})), "estimate");
+  return ReadEstimateText(DumpJson(CalibrationToJson(calibration, {})), "estimate",
+                          calibration.problem.robot().own_effects);
 }
 
 }  // namespace sagitta

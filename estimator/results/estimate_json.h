@@ -61,9 +61,10 @@ struct KnownRobot {
 // In mm and mrad.
 nlohmann::ordered_json SizeToJson(const ResidualSize& size);
 
-// Throws InputError.
-KnownRobot ReadEstimateFile(const std::string& path);
-KnownRobot ReadEstimateText(const std::string& text, const std::string& file_in_messages);
+// Throws InputError. own_effects: as of ReadRobotFile, where the estimated robot has effects of one's own.
+KnownRobot ReadEstimateFile(const std::string& path, const std::vector<const EffectDefinition*>& own_effects = {});
+KnownRobot ReadEstimateText(const std::string& text, const std::string& file_in_messages,
+                            const std::vector<const EffectDefinition*>& own_effects = {});
 
 // The robot before the estimate: nominal, with base poses and markers aligned to the rows it was estimated from.
 // `problem`: a PredictionProblem of `known`.

@@ -38,9 +38,9 @@ class EstimateReader {
  public:
   explicit EstimateReader(const JsonValue& root, const std::string& file) : root_(root) { known_.file = file; }
 
-  KnownRobot Read() {
+  KnownRobot Read(const std::vector<const EffectDefinition*>& own_effects) {
     CheckKind();
-    known_.robot = ReadRobotText(root_.Get("robot").json().dump(), known_.file);
+    known_.robot = ReadRobotText(root_.Get("robot").json().dump(), known_.file, own_effects);
     ReadStations(root_.Get("stations"));
     ReadMarkers(root_.Get("markers"));
     if (const auto joints = root_.Find("measured_joints")) {
@@ -251,13 +251,16 @@ void CheckRows(const KnownRobot& known, const Measurements& data) {
 
 }  // namespace
 
-KnownRobot ReadEstimateText(const std::string& text, const std::string& file_in_messages) {
+KnownRobot ReadEstimateText(const std::string& text, const std::string& file_in_messages,
+                            const std::vector<const EffectDefinition*>& own_effects) {
   const Json json = ParseJson(text, file_in_messages);
   const JsonValue root(json, file_in_messages);
-  return EstimateReader(root, file_in_messages).Read();
+  return EstimateReader(root, file_in_messages).Read(own_effects);
 }
 
-KnownRobot ReadEstimateFile(const std::string& path) { return ReadEstimateText(ReadTextFile(path), path); }
+KnownRobot ReadEstimateFile(const std::string& path, const std::vector<const EffectDefinition*>& own_effects) {
+  return ReadEstimateText(ReadTextFile(path), path, own_effects);
+}
 
 ParameterSet NominalParameters(const KnownRobot& known, const CalibrationProblem& problem) {
   ParameterSet parameters = problem.parameters;

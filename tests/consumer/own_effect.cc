@@ -1,7 +1,7 @@
 // An effect of one's own: joint 3's gear is turned by joint 2, so that joint 3 is off by cos . cos(n q2) + sin . sin(n
 // q2). The robot carries the definition; calibration estimates it like any other.
 //
-// usage: own_effect EXPERIMENT.yaml
+// usage: own_effect EXPERIMENT.yaml OUT_FOLDER
 #include <sagitta/sagitta.h>
 
 #include <cmath>
@@ -61,5 +61,11 @@ int main(int, char** argv) {
     std::cout << row.name << " = " << 1e6 * row.value << " +- " << 1.96e6 * row.sigma << " urad\n";
     found += std::abs(row.value) < 4.0 * row.sigma;  // nothing of the kind is in the data
   }
-  return sagitta::IsUsable(result.estimate.status) && found == 2 ? 0 : 1;
+  if (!sagitta::IsUsable(result.estimate.status) || found != 2) return 1;
+  // What reads the file later, in another program, needs the definition as well.
+  sagitta::WriteCalibration(result, argv[2]);
+  const sagitta::KnownRobot known =
+      sagitta::ReadEstimateFile(std::string(argv[2]) + "/estimate.json", {&DrivenHarmonic()});
+  const sagitta::Prediction prediction = sagitta::Predict(known, inputs.data);
+  return (prediction.points - result.estimate.predicted).cwiseAbs().maxCoeff() < 1e-9 ? 0 : 1;
 }

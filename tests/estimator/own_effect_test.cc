@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "estimator/diagnosis/diagnose.h"
+#include "estimator/results/estimate_json.h"
+#include "estimator/sagitta.h"
 #include "problems/input_error.h"
 #include "problems/io/effect_entries.h"
 #include "problems/io/robot_file.h"
@@ -91,6 +93,21 @@ TEST(OwnEffect, IsEstimatedWithinItsInterval) {
     ++found;
   }
   EXPECT_EQ(found, 2);
+}
+
+TEST(OwnEffect, EstimatesThatHaveItAreReadBackAndPredictWithIt) {
+  Robot robot = ArmThatKnowsIt();
+  robot.effects = {{"driven_harmonic", "A3", {{"driver", "A2"}, {"order", "2"}}, {}}};
+  const Calibration calibration = Calibrate(Hidden(robot));
+  ASSERT_TRUE(IsUsable(calibration.estimate.status));
+  const std::string text = DumpJson(CalibrationToJson(calibration, {}));
+  EXPECT_THROW(ReadEstimateText(text, "estimate.json"), InputError);
+  const Measurements& rows = calibration.problem.data();
+  for (const KnownRobot& known : {ReadEstimateText(text, "estimate.json", Own()), KnownFrom(calibration)}) {
+    ASSERT_EQ(known.robot.effects.size(), 1u);
+    EXPECT_EQ(known.robot.effects[0].Path(), kPath);
+    EXPECT_LT((Predict(known, rows).points - calibration.estimate.predicted).cwiseAbs().maxCoeff(), 1e-9);
+  }
 }
 
 TEST(OwnEffect, IsFoundByScreeningAndNamed) {
