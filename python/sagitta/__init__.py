@@ -563,12 +563,14 @@ def _rows(rows):
     return _tables.sources(rows, "rows")
 
 
-
-def _path_or_text(robot):
+def _path_or_text(robot, name):
     """(path or text, whether it is text)"""
     if isinstance(robot, (str, _os.PathLike)):
         text = _os.fspath(robot)
         return text, "\n" in text
+    if not hasattr(robot, "keys"):
+        raise TypeError("%s: a path, its text or a dictionary of its keys is expected, not %s"
+                        % (name, type(robot).__name__))
     return _json.dumps(robot, default=_plain), True
 
 
@@ -588,6 +590,7 @@ def read(robot_or_experiment, *measurements, sigma_mm=None, holdout=None, seed=1
     """
     if not measurements:
         if not isinstance(robot_or_experiment, (str, _os.PathLike)):
+            _path_or_text(robot_or_experiment, "robot")
             raise _tables._input_error("the measurements are missing", "measurements",
                                        "read(ROBOT, MEASUREMENTS), or the path of an experiment file")
         if settings:
@@ -595,7 +598,7 @@ def read(robot_or_experiment, *measurements, sigma_mm=None, holdout=None, seed=1
                                        next(iter(settings)), "change it there, or give a robot and measurements")
         core = _core.read([_os.fspath(robot_or_experiment)], sigma_mm is None, points_required)
     else:
-        text, is_text = _path_or_text(robot_or_experiment)
+        text, is_text = _path_or_text(robot_or_experiment, "robot")
         tables = []
         for i, table in enumerate(measurements):
             tables += _tables.sources(table, "measurements" if len(measurements) == 1 else "measurements[%d]" % i)
@@ -725,7 +728,7 @@ def plan(experiment, *, poses=None, accuracy_mm=None, augment=False, criterion="
         "seed": _seed(seed), "random_tests": random_tests,
         "candidates": [] if candidates is None else _tables.sources(candidates, "candidates"),
         "tests": [] if tests is None or random_tests else _tables.sources(tests, "tests"),
-        "cell": ("", False) if cell is None else _path_or_text(cell), "move": move,
+        "cell": ("", False) if cell is None else _path_or_text(cell, "cell"), "move": move,
         "model_error": _estimate_text(model_error),
     }
     return Plan(_core.plan(inputs, wishes, "sagitta.plan", progress))

@@ -15,25 +15,37 @@ _WIDE = {
     "moment": ["m" + a for a in _AXES],
     "sim": ["sim_" + a for a in _AXES],
 }
+_ISOTROPIC = ("sigma", "sigma_r")  # one number per row is that of all three axes
 _NUMBERED = ("q", "tau", "approach")
 _TEXTS = {name: str for name in ("config", "marker", "station", "visit", "repeat", "load", "set", "target", "status",
                                 "words")}
 
 
-def _single_columns(name, values):
-    """The single columns that an array of n rows and several columns stands for; views of it, nothing is copied."""
-    stem, bar, unit = name.rpartition("_")
-    if not bar:
-        stem, unit = name, ""
-    tail = bar + unit
+def _single_columns(name, values, rows):
+    """The single columns that an array of n rows and several columns stands for; views of it, nothing is copied.
+
+    rows: how many the table has, as its other columns state.
+    """
+    stem, unit = _parted(name)
     if stem in _NUMBERED:
-        names = ["%s%d%s" % (stem, i + 1, tail) for i in range(values.shape[1])]
-    elif stem in _WIDE and values.shape[1] == 3:
-        names = [axis + tail for axis in _WIDE[stem]]
+        names = ["%s%d%s" % (stem, i + 1, unit) for i in range(values.shape[1])]
+    elif stem in _WIDE:
+        names = [axis + unit for axis in _WIDE[stem]]
     else:
         raise _input_error("'%s' has %d columns" % (name, values.shape[1]), name,
                            "arrays of several columns are q_deg, xyz_mm, sigma_mm, rotvec_mrad, force_N, moment_Nm")
+    if values.shape[1] != len(names) or values.shape[0] != rows == values.shape[1]:
+        is_turned = values.shape[1] == rows or values.shape[0] == len(names)
+        raise _input_error("'%s' has %d rows and %d columns" % (name, *values.shape), name,
+                           "transposed? one row per reading is expected: %s.T" % name if is_turned else
+                           "%d columns are expected: %s" % (len(names), ", ".join(names)))
     return [(single, values[:, i]) for i, single in enumerate(names)]
+
+
+def _parted(name):
+    """(stem, _unit) of the name of an array; no unit: empty"""
+    stem, bar, unit = name.rpartition("_")
+    return (stem, bar + unit) if bar else (name, "")
 
 
 def _input_error(what, key, hint=""):
@@ -44,7 +56,8 @@ def _input_error(what, key, hint=""):
 
 
 def _is_missing(value):
-    return value is None or value is np.ma.masked or value != value or str(value) == "<NA>"
+    # What compares with itself as neither true nor false (pandas.NA) comes first.
+    return value is None or value is np.ma.masked or str(value) == "<NA>" or value != value
 
 
 def _text(value):
@@ -65,21 +78,40 @@ def _unmasked(values):
     return cells
 
 
-def _column(name, values):
-    """[(name, float64 array or list of texts)]"""
+def _array(name, values):
+    """What a table holds under a name, as an array: no dimension where one value is that of all rows."""
     array = values.to_numpy() if hasattr(values, "to_numpy") else np.asanyarray(values)
     if array.dtype.kind == "c":
         raise _input_error("'%s' holds complex numbers" % name, name)
     if np.ma.isMaskedArray(array):
         array = _unmasked(array)
     array = np.asarray(array)
-    if array.ndim == 2:
-        return _single_columns(name, np.asarray(array, dtype=np.float64))
-    if array.ndim != 1:
-        raise _input_error("'%s' has %d dimensions" % (name, array.ndim), name, "one value per row")
-    if array.dtype.kind in "fiu":
-        return [(name, np.asarray(array, dtype=np.float64))]
-    return [(name, [_text(value) for value in array])]
+    is_value = array.dtype.kind != "O" or array.ndim > 0 or np.isscalar(array[()]) or _is_missing(array[()])
+    if array.ndim > 2 or not is_value:
+        raise _input_error("'%s' has %d dimensions" % (name, array.ndim) if is_value else
+                           "'%s' is %s" % (name, type(values).__name__), name,
+                           "an array or a list with one value per row, or one value for all rows")
+    return array
+
+
+def _cells(column):
+    """A column as float64, or as a list of texts"""
+    if column.dtype.kind in "fiu":
+        return np.asarray(column, dtype=np.float64)
+    return [_text(value) for value in column]
+
+
+def _columns(name, array, rows):
+    """[(name, float64 array or list of texts)] of what stands under one name; rows: of the table."""
+    if array.ndim == 0:
+        array = np.full(rows, array, dtype=array.dtype)
+    stem, unit = _parted(name)
+    if stem in _ISOTROPIC and unit and (array.ndim == 1 or array.shape[1] == 1):
+        cells = _cells(array.reshape(len(array)))
+        return [(axis + unit, cells) for axis in _WIDE[stem]]
+    if array.ndim == 1:
+        return [(name, _cells(array))]
+    return [(single, _cells(column)) for single, column in _single_columns(name, array, rows)]
 
 
 def source(table, name):
@@ -89,9 +121,15 @@ def source(table, name):
     if not hasattr(table, "keys"):
         raise _input_error("%s: a path, a pandas frame or a mapping of columns is expected, not %s"
                            % (name, type(table).__name__), name)
+    arrays = {str(key): _array(str(key), table[key]) for key in table.keys()}
+    # Columns of one value per row state how many rows there are; where there are none, arrays of several columns do.
+    lengths = [len(array) for array in sorted((a for a in arrays.values() if a.ndim > 0), key=lambda a: a.ndim)]
+    if arrays and not lengths:
+        raise _input_error("%s: no column states how many rows there are" % name, next(iter(arrays)),
+                           "a value that is no array or list is that of all rows")
     columns = {}
-    for key in table.keys():
-        for single, values in _column(str(key), table[key]):
+    for key, array in arrays.items():
+        for single, values in _columns(key, array, lengths[0]):
             if single in columns:
                 raise _input_error("column '%s' is given twice" % single, single)
             columns[single] = values

@@ -320,6 +320,34 @@ class TablesInMemory(FolderTest):
         np.testing.assert_allclose(experiment.joint_values, [[0.0], [np.pi / 2]], rtol=1e-15)
         np.testing.assert_allclose(experiment.points_m[0], [0.4, 0.0, 0.75], rtol=1e-15)
 
+    def test_one_value_for_all_rows_and_one_sigma_for_all_axes(self):
+        frame = pandas.read_csv(KR270 / "geometric.csv", comment="#", float_precision="round_trip")
+        columns = {**frame, "marker": "P1", "station": "S1", "temperature_degC": 21}
+        rows = sagitta.read(KR270 / "robot.yaml", columns)
+        self.assertEqual((rows.markers, rows.stations), (["P1"], ["S1"]))
+        self.assertEqual(set(rows.to_dataframe()["temperature_degC"]), {21.0})
+        self.assertEqual(sagitta.read(KR270 / "robot.yaml", {**frame, "station": np.ma.masked}).stations, ["S1"])
+        sigma = np.linspace(0.02, 0.04, len(frame))
+        of_each = sagitta.read(KR270 / "robot.yaml", {**frame, "sigma_mm": np.repeat(sigma[:, None], 3, axis=1)})
+        for values in (sigma, list(sigma), sigma[:, None], pandas.Series(sigma)):
+            of_all = sagitta.read(KR270 / "robot.yaml", {**frame, "sigma_mm": values})
+            pandas.testing.assert_frame_equal(of_all.to_dataframe(), of_each.to_dataframe())
+        one = sagitta.read(KR270 / "robot.yaml", {**frame, "sigma_mm": 0.03}).to_dataframe()
+        self.assertEqual(set(one["sigma_y_mm"]), {0.03})
+
+    def test_nullable_columns_of_pandas(self):
+        frame = pandas.read_csv(KR270 / "geometric.csv", comment="#", float_precision="round_trip")
+        points = frame[["x_mm", "y_mm", "z_mm"]].astype("Float64")
+        points.loc[3] = pandas.NA
+        others = frame.drop(columns=["x_mm", "y_mm", "z_mm"])
+        for table in (pandas.concat([others, points], axis=1), {**others, "xyz_mm": points}):
+            experiment = sagitta.read(KR270 / "robot.yaml", table)
+            self.assertEqual(len(experiment), len(frame) - 1)
+            self.assertIn("lost", experiment.warnings[0])
+        frame["config"] = pandas.array([pandas.NA, *range(1, len(frame))], dtype="Int64")
+        with self.assertRaisesRegex(sagitta.InputError, "measurements:1: config: the cell is empty"):
+            sagitta.read(KR270 / "robot.yaml", frame)
+
     def test_lost_readings_are_counted(self):
         frame = pandas.read_csv(KR270 / "geometric.csv", comment="#")
         frame.loc[3, ["x_mm", "y_mm", "z_mm"]] = np.nan
@@ -431,7 +459,27 @@ class Errors(FolderTest):
         self.assertEqual(self.caught(sagitta.read, KR270 / "robot.yaml", columns).key, "xyz_mm")
         self.assertIn("measurements", str(self.caught(sagitta.read, {"schema": "sagitta/robot/1"})))
 
+    def test_shapes_that_cannot_be_columns(self):
+        frame = pandas.read_csv(KR270 / "geometric.csv", comment="#")
+        rows = len(frame)
+        for name, array, words in (("xyz_mm", np.zeros((3, rows)), "transposed.*xyz_mm.T"),
+                                   ("q_deg", np.zeros((6, rows)), "transposed.*q_deg.T"),
+                                   ("xyz_mm", np.zeros((rows, 4)), "4 columns .3 columns are expected: x_mm, y_mm, z_mm"),
+                                   ("sigma_mm", np.zeros((3, rows)), "transposed"),
+                                   ("marker", (name for name in ["P1"] * rows), "generator .*one value per row"),
+                                   ("xyz_mm", np.zeros((rows, 3, 1)), "3 dimensions")):
+            columns = dict(frame.drop(columns=["x_mm", "y_mm", "z_mm"] if name == "xyz_mm" else []))
+            error = self.caught(sagitta.read, KR270 / "robot.yaml", {**columns, name: array})
+            self.assertRegex(str(error), words)
+            self.assertEqual(error.key, name)
+        self.assertIn("how many rows", str(self.caught(sagitta.read, KR270 / "robot.yaml", {"marker": "P1"})))
+
     def test_arguments_of_another_type(self):
+        for arguments in ((None,), (None, KR270 / "geometric.csv"), ([1], KR270 / "geometric.csv")):
+            with self.assertRaisesRegex(TypeError, "robot: a path, its text or a dictionary"):
+                sagitta.read(*arguments)
+        with self.assertRaisesRegex(TypeError, "cell: a path"):
+            sagitta.plan(sagitta.read(KR270 / "experiment.yaml"), poses=3, cell=17)
         experiment = sagitta.read(KR270 / "experiment.yaml")
         estimate = sagitta.calibrate(experiment)
         for call in (sagitta.calibrate, sagitta.diagnose, sagitta.inspect, sagitta.simulate):
