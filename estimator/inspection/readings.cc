@@ -179,7 +179,7 @@ void AddLinearUnits(const Chain& chain, Readings* readings) {
     const auto scale = [linear, factor = metres ? 1e3 : 1e-3](Eigen::VectorXd* q) {
       for (const int j : linear) (*q)[j] *= factor;
     };
-    Add("unit", LinearJointsIn(metres), OfJoints(scale), readings);
+    Add("unit", LinearJointsIn(metres, linear), OfJoints(scale), readings);
   }
 }
 

@@ -87,10 +87,12 @@ Advice JointInRadians(const std::string& joint) {
   return {"joint " + joint + " alone in radians", "convert the column of " + joint + " to degrees"};
 }
 
-Advice LinearJointsIn(bool metres) {
+Advice LinearJointsIn(bool metres, const std::vector<int>& joints) {
   const std::string unit = metres ? "metres" : "millimetres";
+  std::vector<std::string> names;
+  for (const int joint : joints) names.push_back("q" + std::to_string(joint + 1) + (metres ? "_m" : "_mm"));
   return {"the values of the linear joints as " + unit,
-          "their columns are in " + unit + ": name them so (q1_m, q1_mm)"};
+          "their columns are in " + unit + ": name them so (" + Enumerate(names, 4) + ")"};
 }
 
 Advice RowsShifted(bool is_after) {

@@ -36,7 +36,7 @@ enum class RobotNumbers { kMetres, kMillimetres, kInches, kRadians };
 Advice RobotReadIn(RobotNumbers unit);
 Advice PointsInInches();
 Advice JointInRadians(const std::string& joint);
-Advice LinearJointsIn(bool metres);  // or millimetres
+Advice LinearJointsIn(bool metres, const std::vector<int>& joints);  // or millimetres; joints: from 0
 
 // Every point read with the configuration after (else before) its own.
 Advice RowsShifted(bool is_after);

@@ -6,6 +6,7 @@
 namespace sagitta::test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -169,7 +170,33 @@ TEST_F(RefusalWords, LinearJointsInAnotherUnit) {
       "stations: {S1: {xyz_mm: [10, 20, 30], rotvec_mrad: [3, 4, 50]}}\n");
   ASSERT_EQ(Run({"simulate", truth, "--sigma_mm=0.02", "--out=" + Path("s.csv")}).status, 0);
   const std::string rows = Write("metres.csv", Replaced(Read("s.csv"), "q1_mm", "q1_m"));
-  EXPECT_THAT(Refusal({"calibrate", Path("r.yaml"), rows}), HasSubstr("linear joints as millimetres"));
+  EXPECT_THAT(Refusal({"calibrate", Path("r.yaml"), rows}),
+              AllOf(HasSubstr("linear joints as millimetres"), HasSubstr("name them so (q1_mm)")));
+}
+
+TEST_F(RefusalWords, TheColumnOfALinearJointIsNamed) {
+  Robot(R"(schema: sagitta/robot/1
+name: scara
+joints:
+  - {name: A1, type: revolute, min_deg: -130, max_deg: 130}
+  - {name: A2, type: revolute, min_deg: -140, max_deg: 140}
+  - {name: Z, type: prismatic, min_mm: 0, max_mm: 300}
+kinematics:
+  chain: [{Rz: A1}, {Tx_mm: 400, error: a1}, {Rz: A2}, {Tx_mm: 250}, {Tz: Z}]
+)");
+  std::string poses = "config,marker,q1_deg,q2_deg,q3_mm\n";
+  for (int i = 0; i < 12; ++i) {
+    const std::string joints = "," + std::to_string((53 * i) % 200 - 100) + "," + std::to_string((47 * i) % 160 - 80) +
+                               "," + std::to_string(25 * i) + "\n";
+    for (const char* marker : {"P", "Q"}) poses += "c" + std::to_string(i) + "," + marker + joints;
+  }
+  Rows(poses);
+  const std::string truth = Experiment(
+      "measurements: [m.csv]\nmarkers: {P: {xyz_mm: [100, 20, 30]}, Q: {xyz_mm: [90, -50, -40]}}\n"
+      "stations: {S1: {xyz_mm: [10, 20, 30], rotvec_mrad: [3, 4, 50]}}\n");
+  ASSERT_EQ(Run({"simulate", truth, "--sigma_mm=0.02", "--out=" + Path("s.csv")}).status, 0);
+  const std::string rows = Write("metres.csv", Replaced(Read("s.csv"), "q3_mm", "q3_m"));
+  EXPECT_THAT(Refusal({"calibrate", Path("r.yaml"), rows}), HasSubstr("name them so (q3_mm)"));
 }
 
 TEST_F(RefusalWords, LabelsThatDifferInLetterCaseAreDoubted) {
