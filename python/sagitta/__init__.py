@@ -62,6 +62,12 @@ class Parameter:
         return "<%s = %.6g%s %s%s>" % (self.name, self.value, interval, self.unit, allowing)
 
 
+def _read_only(array):
+    """Results are not written to: an array that is made anew at every access would lose it without a word."""
+    array.setflags(write=False)
+    return array
+
+
 class _Data:
     """What rows have, whoever made them."""
 
@@ -89,11 +95,11 @@ class _Data:
 
     @property
     def joint_values(self):
-        return self._core.joint_values
+        return _read_only(self._core.joint_values)
 
     @property
     def points_m(self):
-        return self._core.points_m
+        return _read_only(self._core.points_m)
 
     def to_csv(self, path):
         with open(path, "w", encoding="utf-8") as file:
@@ -216,7 +222,7 @@ class Estimate(_WithJson):
 
     @property
     def correlation(self):
-        return _np.array(self.to_dict()["correlation"]["matrix"], dtype=_np.float64)
+        return _read_only(_np.array(self.to_dict()["correlation"]["matrix"], dtype=_np.float64))
 
     @property
     def covariance_si(self):
@@ -224,23 +230,23 @@ class Estimate(_WithJson):
 
     @property
     def measured_m(self):
-        return self._core.rows.points_m
+        return _read_only(self._core.rows.points_m)
 
     @property
     def predicted_m(self):
-        return self._core.predicted_m
+        return _read_only(self._core.predicted_m)
 
     @property
     def residuals_m(self):
-        return self.measured_m - self.predicted_m
+        return _read_only(self.measured_m - self.predicted_m)
 
     @property
     def whitened(self):
-        return self._core.whitened
+        return _read_only(self._core.whitened)
 
     @property
     def leverage(self):
-        return self._core.leverage
+        return _read_only(self._core.leverage)
 
     @property
     def robot_yaml(self):
@@ -438,11 +444,11 @@ class Prediction:
 
     @property
     def points_m(self):
-        return self._core.points_m
+        return _read_only(self._core.points_m)
 
     @property
     def covariance_m2(self):
-        return self._core.covariance_m2
+        return _read_only(self._core.covariance_m2)
 
     @property
     def warnings(self):
@@ -480,7 +486,7 @@ class Validation(_WithJson):
 
     @property
     def predicted_m(self):
-        return self._core.predicted_m
+        return _read_only(self._core.predicted_m)
 
     def to_dataframe(self):
         return _tables.frame(self._core.csv())
@@ -503,7 +509,7 @@ class Compensation:
 
     @property
     def joint_values(self):
-        return self._core.joint_values
+        return _read_only(self._core.joint_values)
 
     def to_dataframe(self):
         """The file of `sagitta compensate`."""

@@ -8,6 +8,7 @@ import gc
 import json
 import os
 import pathlib
+import pickle
 import re
 import signal
 import subprocess
@@ -556,6 +557,28 @@ class Arrays(unittest.TestCase):
         gc.collect()
         for view, copy in zip(views, before):
             np.testing.assert_array_equal(view, copy)
+
+    def test_all_arrays_are_read_only(self):
+        experiment = sagitta.read(KR270 / "experiment.yaml")
+        estimate = sagitta.calibrate(experiment)
+        results = {experiment: ("points_m", "joint_values"),
+                   estimate: ("measured_m", "predicted_m", "residuals_m", "whitened", "leverage", "correlation",
+                              "covariance_si"),
+                   sagitta.predict(estimate, KR270 / "geometric.csv"): ("points_m", "covariance_m2"),
+                   sagitta.validate(estimate, KR270 / "geometric.csv"): ("predicted_m",),
+                   sagitta.compensate(estimate, {"target": ["a"], "q_deg": np.full((1, 6), 10.0)}): ("joint_values",),
+                   sagitta.simulate(experiment, estimate): ("points_m", "joint_values")}
+        for result, names in results.items():
+            for name in names:
+                with self.assertRaises(ValueError, msg=name):
+                    getattr(result, name)[0] = 1.0
+
+    def test_estimates_are_written_and_loaded_instead_of_pickled(self):
+        estimate = sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))
+        with self.assertRaises(TypeError):
+            pickle.dumps(estimate)
+        parameter = pickle.loads(pickle.dumps(estimate["geometry/p_x1"]))
+        self.assertEqual(repr(parameter), repr(estimate["geometry/p_x1"]))
 
     def test_numbers_go_in_by_their_bits(self):
         rows = {"config": ["c"], "marker": ["m"], "q1_deg": [0.1], "x_mm": [1 / 3], "y_mm": [np.nextafter(1.0, 2)],
