@@ -23,66 +23,6 @@ constexpr double kPriorMatters = 0.01;
 constexpr double kReplacesIt = 0.5;     // of what the effect explains
 constexpr size_t kRivalsOnHalves = 40;  // names that are asked on a half
 
-// What each explanation would do in the place of one member of a set, the others staying at their scales: one sweep of
-// the whole set serves all places.
-class Places {
- public:
-  // `normal` and `explanations` must outlive this.
-  Places(const ProjectedNormal& normal, const std::vector<Explanation>& explanations, const SetPrior& prior,
-         const ResidualLikelihood& likelihood, const WeightedSet& set)
-      : explanations_(explanations),
-        prior_(prior),
-        likelihood_(likelihood),
-        members_(set.members),
-        sweep_(normal, GroupsOf(explanations, set.members), set.scales) {
-    for (size_t k = 0; k < members_.size(); ++k) without_.push_back(sweep_.Without(k));
-  }
-
-  // Log weights of the set with the listed explanations in the place of its k-th member; -infinity where the others
-  // exclude one.
-  std::vector<double> Weights(size_t place, const std::vector<int>& of) const;
-  // A group, given all but the k-th member.
-  GivenOthers Given(const ColumnGroup& group, size_t place) const {
-    const Sweep::WithoutOne& without = without_[place];
-    const Eigen::MatrixXd solved = sweep_.Solved(group);
-    return {sweep_.Information(group) + without.Information(solved), sweep_.Gradient(group) + without.Gradient(solved),
-            without.residual, without.log_det, group.num_scales};
-  }
-
- private:
-  const std::vector<Explanation>& explanations_;
-  SetPrior prior_;
-  ResidualLikelihood likelihood_;
-  std::vector<int> members_;
-  Sweep sweep_;
-  std::vector<Sweep::WithoutOne> without_;  // each member
-};
-
-std::vector<double> Places::Weights(size_t place, const std::vector<int>& of) const {
-  std::vector<double> shares = {1.0};
-  for (size_t k = 0; k < members_.size(); ++k) {
-    if (k != place) shares.push_back(explanations_[members_[k]].share);
-  }
-  const double base = likelihood_.Log(without_[place].residual) - 0.5 * without_[place].log_det + prior_.Log(shares);
-  std::vector<double> weights;
-  for (const int k : of) {
-    const Explanation& own = explanations_[k];
-    bool is_excluded = !(own.share > 0.0);
-    for (size_t m = 0; m < members_.size(); ++m) {
-      is_excluded |= m != place && explanations_[members_[m]].excludes == own.excludes;
-    }
-    weights.push_back(is_excluded ? -kInfinity
-                                  : base + std::log(own.share) + AverageGain(likelihood_, Given(own.group, place)));
-  }
-  return weights;
-}
-
-// Of a model's set among all explanations.
-Places PlacesOf(const Evidence& evidence, const WeightedModel& model) {
-  return Places(evidence.NormalOf(model.view), evidence.list().math, evidence.prior(),
-                evidence.LikelihoodOf(model.view), model.set);
-}
-
 std::vector<NamedProbability> ByName(const Evidence& evidence, const std::vector<double>& weights) {
   const double sum = LogSumExp(weights);
   std::map<std::string, NamedProbability> names;
@@ -138,12 +78,14 @@ ColumnGroup Joined(const ColumnGroup& a, const ColumnGroup& b) {
 }
 
 // With c = A a the effect's contribution, a its values given the others:  |P_rival c|^2 / |c|^2.
-std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Posterior& posterior, const Places& places,
+std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Posterior& posterior,
                                           const WeightedModel& model, size_t place,
                                           const std::vector<NamedProbability>& in_place) {
   const int member = model.set.members[place];
   const ColumnGroup& own = evidence.list().math[member].group;
-  const GivenOthers given = places.Given(own, place);
+  Members others = evidence.MembersOf(model);
+  const GivenOthers given = others.Of(place);
+  others.Remove(place);
   const Eigen::VectorXd values = Solve(Determine(given.information), given.gradient);
   const double size = std::max(1e-300, values.dot(given.information * values));
   std::vector<Alternative> alternatives;
@@ -151,8 +93,10 @@ std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Poster
     if (posterior.Of(rival.name) < kWorthListing) continue;
     if (rival.name == evidence.list().name[member]) continue;
     if (evidence.list().IsUnnamed(rival.explanation)) continue;
-    const Eigen::MatrixXd both =
-        places.Given(Joined(own, evidence.list().math[rival.explanation].group), place).information;
+    const ColumnGroup joined = Joined(own, evidence.list().math[rival.explanation].group);
+    Members with = others;
+    with.Insert(0, joined, 1.0);
+    const Eigen::MatrixXd both = with.Of(0).information;
     const long n = own.size(), m = both.cols() - n;
     const Eigen::VectorXd across = both.bottomLeftCorner(m, n) * values;
     const double overlap = across.dot(Solve(Determine(both.bottomRightCorner(m, m)), across)) / size;
@@ -189,8 +133,10 @@ Asked AskedOf(const Evidence& evidence, const WeightedModel& model, const std::v
   return asked;
 }
 
-// weights: of what is asked in the k-th place.
-HalfResult OnHalf(const Evidence& evidence, const Asked& asked, size_t k, const std::vector<double>& weights) {
+// in_place: of all that is asked there, in the k-th place.
+HalfResult OnHalf(const Evidence& evidence, const Asked& asked, size_t k, const std::vector<double>& in_place) {
+  std::vector<double> weights;
+  for (const int i : asked.of[k]) weights.push_back(in_place[i]);
   HalfResult result;
   const auto best = std::max_element(weights.begin(), weights.end()) - weights.begin();
   const auto name = [&](size_t i) -> const std::string& { return evidence.list().name[asked.all[asked.of[k][i]]]; };
@@ -229,10 +175,10 @@ std::vector<Confirmation> ConfirmEach(const Evidence& evidence, const WeightedMo
   for (const RowSums& sums : columns.SumEach(evidence.views()[model.view].scatter, few.columns, half)) {
     if (sums.rows == 0) continue;
     const ProjectedNormal normal = columns.Project(sums).normal;
-    const Places there(normal, few.explanations, evidence.prior(), evidence.Likelihood(normal.dof), set);
+    const SetSearch search = evidence.SearchAmong(few.explanations, normal);
     const GroupValues values = ValuesOf(normal, groups, widest);
     for (size_t k = 0; k < places.size(); ++k) {
-      HalfResult result = OnHalf(evidence, asked, k, there.Weights(places[k], asked.of[k]));
+      HalfResult result = OnHalf(evidence, asked, k, search.Additions(Without(set, places[k])));
       const GroupValues own = values.Of(places[k], groups);
       result.values = own.values;
       result.covariance = own.covariance;
@@ -247,12 +193,9 @@ std::vector<Confirmation> ConfirmEach(const Evidence& evidence, const WeightedMo
 
 std::vector<std::vector<NamedProbability>> InPlaces(const Evidence& evidence, const WeightedModel& model) {
   std::vector<std::vector<NamedProbability>> in_places;
-  if (model.set.members.empty()) return in_places;
-  const Places places = PlacesOf(evidence, model);
-  std::vector<int> all(evidence.list().math.size());
-  std::iota(all.begin(), all.end(), 0);
+  const SetSearch search = evidence.SearchIn(model.view);
   for (size_t place = 0; place < model.set.members.size(); ++place) {
-    in_places.push_back(ByName(evidence, places.Weights(place, all)));
+    in_places.push_back(ByName(evidence, search.Additions(Without(model.set, place))));
   }
   return in_places;
 }
@@ -263,12 +206,11 @@ std::vector<CheckedEffect> CheckEffects(const Evidence& evidence, const Posterio
                                         const std::vector<int>& members) {
   std::vector<CheckedEffect> checked(members.size());
   if (members.empty()) return checked;
-  const Places places = PlacesOf(evidence, model);
   std::vector<size_t> own;
   for (const int member : members) own.push_back(model.PlaceOf(member));
   const std::vector<Confirmation> confirmations = ConfirmEach(evidence, model, own, in_places);
   for (size_t k = 0; k < members.size(); ++k) {
-    checked[k] = {FindAlternatives(evidence, posterior, places, model, own[k], in_places[own[k]]), confirmations[k]};
+    checked[k] = {FindAlternatives(evidence, posterior, model, own[k], in_places[own[k]]), confirmations[k]};
   }
   return checked;
 }
@@ -279,10 +221,9 @@ std::vector<int> OthersOfItsName(const Evidence& evidence, const WeightedModel& 
   for (size_t k = 0; k < name.size(); ++k) {
     if (name[k] == name[member] && static_cast<int>(k) != member) others.push_back(static_cast<int>(k));
   }
-  const std::vector<double> weights = PlacesOf(evidence, model).Weights(model.PlaceOf(member), others);
-  std::map<int, double> weight;
-  for (size_t k = 0; k < others.size(); ++k) weight[others[k]] = weights[k];
-  std::stable_sort(others.begin(), others.end(), [&](int a, int b) { return weight[a] > weight[b]; });
+  const WeightedSet set = Without(model.set, model.PlaceOf(member));
+  const std::vector<double> weights = evidence.SearchIn(model.view).Additions(set);
+  std::stable_sort(others.begin(), others.end(), [&](int a, int b) { return weights[a] > weights[b]; });
   return others;
 }
 

@@ -43,7 +43,7 @@ Difference DifferenceOf(const WeightedSet& one, const WeightedSet& other) {
   return difference;
 }
 
-// A set with one more, or one fewer; its weights are to be found.
+// A set with one more; its weights are to be found.
 WeightedSet Grown(WeightedSet set, int candidate, double scale) {
   const size_t at = PlaceIn(set.members, candidate);
   set.members.insert(set.members.begin() + at, candidate);
@@ -51,13 +51,13 @@ WeightedSet Grown(WeightedSet set, int candidate, double scale) {
   return set;
 }
 
-WeightedSet Shrunk(WeightedSet set, size_t at) {
-  set.members.erase(set.members.begin() + static_cast<long>(at));
-  set.scales.erase(set.scales.begin() + static_cast<long>(at));
+}  // namespace
+
+WeightedSet Without(WeightedSet set, size_t place) {
+  set.members.erase(set.members.begin() + static_cast<long>(place));
+  set.scales.erase(set.scales.begin() + static_cast<long>(place));
   return set;
 }
-
-}  // namespace
 
 void FoundSets::Put(WeightedSet set) {
   const std::vector<int> members = set.members;
@@ -132,7 +132,7 @@ WeightedSet SetSearch::Evaluate(const std::vector<int>& given_members, const std
                                              scales.size() == given_members.size() ? scales : ones));
 }
 
-const Sweep& SetSearch::SweepOf(const WeightedSet& set) {
+const Sweep& SetSearch::SweepOf(const WeightedSet& set) const {
   const Difference difference = place_ ? DifferenceOf(place_->set, set) : Difference();
   // A move costs a pass over the matrix, and so does a member of the first sweep.
   if (!place_ || difference.gone.size() + difference.come.size() > set.members.size() + 1) {
@@ -216,7 +216,7 @@ const Eigen::MatrixXd& SetSearch::OwnOf(size_t candidate) const {
 
 std::vector<double> SetSearch::Additions(const WeightedSet& given) const {
   std::vector<double> scales;
-  return AdditionsTo(given, Sweep(normal_, GroupsOf(explanations_, given.members), given.scales), &scales);
+  return AdditionsTo(given, SweepOf(given), &scales);
 }
 
 // log w(set + k) = log L(set) + log B_k + log P(set + k), B_k by what the sweep leaves of G_kk and g_k.
@@ -271,7 +271,7 @@ std::vector<WeightedSet> SetSearch::WithoutEach(const WeightedSet& set, const Me
   double averages = 0.0;  // of each member's scales, over its best
   std::vector<double> own_averages;
   for (size_t m = 0; m < set.members.size(); ++m) {
-    WeightedSet others = Shrunk(set, m);
+    WeightedSet others = Without(set, m);
     const GivenOthers given = all.Of(m);
     others.log_likelihood = likelihood_.Log(given.residual) - 0.5 * given.log_det;
     without.push_back(std::move(others));
@@ -302,7 +302,7 @@ std::vector<double> SetSearch::LossesOf(const WeightedSet& set) const {
   for (size_t m = 0; m < set.members.size(); ++m) {
     Members left = all;
     left.Remove(m);
-    losses.push_back(whole - EvaluateFrom(Shrunk(set, m).members, std::move(left)).log_weight);
+    losses.push_back(whole - EvaluateFrom(Without(set, m).members, std::move(left)).log_weight);
   }
   return losses;
 }
@@ -379,7 +379,7 @@ void SetSearch::SwapTogether(const WeightedSet& set, const Members& all, const s
     const int out = set.members[swap.member];
     if (!done.insert(out).second) continue;
     const size_t at = PlaceIn(now.members, out);
-    WeightedSet swapped = Shrunk(now, at);
+    WeightedSet swapped = Without(now, at);
     Members theirs = members;
     theirs.Remove(at);
     if (swap.candidate >= 0) {

@@ -46,6 +46,9 @@ struct WeightedSet {
   double log_weight = 0.0;      // prior included
 };
 
+// A set without the member at a place, the others at their scales; its weights are to be found.
+WeightedSet Without(WeightedSet set, size_t place);
+
 // Sets that were met: by members, and by weight.
 class FoundSets {
  public:
@@ -91,7 +94,8 @@ class SetSearch {
   // What the log weight of a set loses without each of its members.
   std::vector<double> LossesOf(const WeightedSet& set) const;
   // Log weights of this set with each further explanation, averaged over its scale given the best of the others;
-  // -infinity where it is excluded.
+  // -infinity where it is excluded. Of a set without one of its members: what else could stand in its place, but for a
+  // constant.
   std::vector<double> Additions(const WeightedSet& given) const;
 
  private:
@@ -107,7 +111,7 @@ class SetSearch {
   // scales: the best of each.
   std::vector<double> AdditionsTo(const WeightedSet& set, const Sweep& sweep, std::vector<double>* scales) const;
   // Given a set: by what comes to the set before, and goes from it.
-  const Sweep& SweepOf(const WeightedSet& set);
+  const Sweep& SweepOf(const WeightedSet& set) const;
   // Conditioned; by what comes to those of the sweep, and goes from them.
   Members MembersOf(const WeightedSet& set) const;
   void Expand(const WeightedSet& given);
@@ -143,7 +147,7 @@ class SetSearch {
     WeightedSet set;
     Sweep sweep;
   };
-  std::unique_ptr<Place> place_;  // where a climb is, and from where the sets next to it are explored
+  mutable std::unique_ptr<Place> place_;  // the set asked last, from where those next to it are reached
 };
 
 constexpr double kWorthKeeping = 12.0;  // log units: e^-12 = 6e-6 of the best
