@@ -46,16 +46,6 @@ Eigen::VectorXd Jump(const Eigen::VectorXd& x, const Gap& gap) {
   return ((x.array() - gap.first) / (gap.second - gap.first)).cwiseMax(0.0).cwiseMin(1.0);
 }
 
-Eigen::MatrixXd Products(const Eigen::MatrixXd& one, const Eigen::MatrixXd& other) {
-  Eigen::MatrixXd products(one.rows(), one.cols() * other.cols());
-  for (long i = 0; i < one.cols(); ++i) {
-    for (long k = 0; k < other.cols(); ++k) {
-      products.col(i * other.cols() + k) = one.col(i).cwiseProduct(other.col(k));
-    }
-  }
-  return products;
-}
-
 Eigen::MatrixXd Stretches(const Eigen::VectorXd& x, int most) {
   const std::vector<double> sorted = Distinct(x);
   const long count = std::min<long>(most, static_cast<long>(sorted.size()));

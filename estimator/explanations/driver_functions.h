@@ -23,8 +23,6 @@ std::vector<Gap> Gaps(const Eigen::VectorXd& x, int most);
 // A jump somewhere in a gap: 0 below, 1 above, within it the probability that it lies before x.
 Eigen::VectorXd Jump(const Eigen::VectorXd& x, const Gap& gap);
 
-// Every column of the one times every column of the other.
-Eigen::MatrixXd Products(const Eigen::MatrixXd& one, const Eigen::MatrixXd& other);
 // One in each of so many stretches of equally many distinct values, in ascending order; fewer where there are fewer.
 Eigen::MatrixXd Stretches(const Eigen::VectorXd& x, int most);
 

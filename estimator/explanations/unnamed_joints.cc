@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include "estimator/explanations/candidates.h"
@@ -121,13 +122,14 @@ class JointFunctions : public UnnamedList {
     AddFunctions(functions, what, "joints in time");
   }
 
-  // What the effect does to its joint, in typical sizes.
+  // What the effect does to its joint, in typical sizes; no column where its settings say nothing of these shots.
   Eigen::MatrixXd FunctionsOf(const EffectSpec& spec) const {
     const std::vector<ShotInput>& shots = problem_.shot_inputs();
     const auto motions = SingleMotionsOf(problem_.model().robot(), problem_.data().markers, spec, shots);
     if (!motions) return Eigen::MatrixXd(shots.size(), 0);
     Eigen::MatrixXd functions(static_cast<long>(shots.size()), motions->size());
     for (size_t k = 0; k < motions->size(); ++k) functions.col(k) = (*motions)[k].per_unit;
+    if (!functions.allFinite()) functions.resize(functions.rows(), 0);  // a range that rounds to nothing
     return functions;
   }
 
@@ -212,24 +214,24 @@ class JointFunctions : public UnnamedList {
       }
       const std::vector<int> best = scan.Best(kRipples);
       const double each = static_cast<double>(aliases.size() + best.size()) / orders;
-      for (const int n : best) AddWave(j, n, q, each);
-      for (const auto& [k, alias] : aliases) AddWave(j, alias.first, q, each * alias.second);
+      for (const int n : best) AddWave(j, n, each);
+      for (const auto& [k, alias] : aliases) AddWave(j, alias.first, each * alias.second);
     }
   }
 
-  void AddWave(int j, int order, const Eigen::ArrayXd& q, double listed) {
-    GroupedFunctions functions;
-    functions.Append(Wave(order * q), "periodic", {}, "", listed);
+  void AddWave(int j, int order, double listed) {
     const std::string& name = JointName(j);
     const EffectSpec effect{"joint_harmonic", name, {{"order", std::to_string(order)}}, {}};
+    GroupedFunctions functions;
+    functions.Append(FunctionsOf(effect), "periodic", {}, "", listed);
     AddFunctions(functions, UnnamedFunction(name, {name}, RepeatsPerTurn(name, order), {OfJoint(j)}, {effect}),
                  "ripple");
   }
 
-  // The effect; its knots go by the group of functions.
-  EffectSpec OverBoth(const std::string& name, int j, int a, int b) const {
-    const EffectSpec with = Over(AngleOf(problem_, b), name, JointName(j));
-    EffectSpec effect = Over(AngleOf(problem_, a), name, JointName(j));
+  // An effect over the ranges of two joints, on any joint.
+  EffectSpec OverBoth(const std::string& name, int a, int b) const {
+    const EffectSpec with = Over(AngleOf(problem_, b), name, "");
+    EffectSpec effect = Over(AngleOf(problem_, a), name, "");
     effect.settings.erase("by");
     effect.settings["with"] = JointName(b);
     effect.settings["from_with"] = with.settings.at("from");
@@ -237,57 +239,53 @@ class JointFunctions : public UnnamedList {
     return effect;
   }
 
-  // A joint deviates over its own angle and a neighbour's.
-  void AddSurfaces() {
-    for (int a = 0; a < joints(); ++a) {
-      for (int b = a + 1; b <= std::min(a + kNeighbours, joints() - 1); ++b) {
-        const Driver one = AngleOf(problem_, a), other = AngleOf(problem_, b);
-        GroupedFunctions along, across;
-        if (!Smooth(one.of_shot, "other", &along) || !Smooth(other.of_shot, "other", &across)) continue;
-        GroupedFunctions surface;
-        surface.Append(Products(along.columns.leftCols(kUnnamedBumps[0]), across.columns.leftCols(kUnnamedBumps[0])),
-                       "other", {{"knots", std::to_string(kUnnamedBumps[0])}});
-        for (const int j : {a, b}) {
-          AddFunctions(surface,
-                       UnnamedFunction(JointName(j), {JointName(a), JointName(b)},
-                                       DeviatesOver(JointName(j), JointName(a), JointName(b)), {OfJoint(j)},
-                                       {OverBoth("learnt_surface_deviation", j, a, b)}),
-                       "surface");
-        }
-      }
+  // Of joint, driver and the other.
+  using Words = std::string (*)(const std::string&, const std::string&, const std::string&);
+
+  // Each of some joints deviates by two joints' angles together, as the effect on it does: by the same functions.
+  void AddOfBoth(EffectSpec effect, const std::vector<int>& moved, Words words, const std::string& family) {
+    const std::string driver = effect.settings.at("driver"), with = effect.settings.at("with");
+    effect.target = JointName(moved[0]);
+    const Eigen::MatrixXd own = FunctionsOf(effect);
+    if (own.cols() == 0) return;
+    GroupedFunctions functions;
+    functions.Append(own, "other", {});
+    for (const int j : moved) {
+      effect.target = JointName(j);
+      const std::string sentence = words(effect.target, driver, with);
+      AddFunctions(functions, UnnamedFunction(effect.target, {driver, with}, sentence, {OfJoint(j)}, {effect}), family);
     }
   }
 
-  // -1 to 1 over the range of the fitted shots.
-  Eigen::VectorXd OverItsRange(const Eigen::VectorXd& x) const {
-    const auto [low, high] = RangeOf(x);
-    return (2.0 * x.array() - low - high) / (high - low);
+  // Of joints that move, the first one first.
+  std::vector<std::pair<int, int>> Pairs() const {
+    std::vector<std::pair<int, int>> pairs;
+    const auto moves = [this](int j) { return RangeOf(JointValues(problem_, j)).Varies(); };
+    for (int a = 0; a < joints(); ++a) {
+      for (int b = a + 1; b < joints(); ++b) {
+        if (moves(a) && moves(b)) pairs.emplace_back(a, b);
+      }
+    }
+    return pairs;
   }
 
   // A joint deviates with two joints' angles together.
   void AddPairs() {
-    for (int a = 0; a < joints(); ++a) {
-      for (int b = a + 1; b < joints(); ++b) {
-        const Eigen::VectorXd p = JointValues(problem_, a), q = JointValues(problem_, b);
-        if (!RangeOf(p).Varies() || !RangeOf(q).Varies()) continue;
-        const Eigen::VectorXd u = OverItsRange(p), v = OverItsRange(q);
-        GroupedFunctions product, waves;
-        Eigen::MatrixXd bilinear(p.size(), 3);
-        bilinear << u, v, u.cwiseProduct(v);
-        product.Append(bilinear, "other", {});
-        Eigen::MatrixXd turning(p.size(), 4);
-        turning << Wave(p + q), Wave(p - q);
-        waves.Append(turning, "other", {});
-        for (int j = 0; j < joints(); ++j) {
-          UnnamedFunction what(JointName(j), {JointName(a), JointName(b)},
-                               DeviatesWithBoth(JointName(j), JointName(a), JointName(b)), {OfJoint(j)},
-                               {OverBoth("learnt_product_deviation", j, a, b)});
-          AddFunctions(product, what, "two angles");
-          what.effects = {
-              {"learnt_pair_deviation", JointName(j), {{"driver", JointName(a)}, {"with", JointName(b)}}, {}}};
-          if (IsRevolute(problem_, a) && IsRevolute(problem_, b)) AddFunctions(waves, what, "two angles");
-        }
-      }
+    std::vector<int> all(joints());
+    std::iota(all.begin(), all.end(), 0);
+    for (const auto& [a, b] : Pairs()) {
+      AddOfBoth(OverBoth("learnt_product_deviation", a, b), all, DeviatesWithBoth, "two angles");
+      const EffectSpec waves{"learnt_pair_deviation", "", {{"driver", JointName(a)}, {"with", JointName(b)}}, {}};
+      if (IsRevolute(problem_, a) && IsRevolute(problem_, b)) AddOfBoth(waves, all, DeviatesWithBoth, "two angles");
+    }
+  }
+
+  // A joint deviates over its own angle and a neighbour's.
+  void AddSurfaces() {
+    for (const auto& [a, b] : Pairs()) {
+      EffectSpec surface = OverBoth("learnt_surface_deviation", a, b);
+      surface.settings["knots"] = std::to_string(kUnnamedBumps[0]);
+      if (b - a <= kNeighbours) AddOfBoth(surface, {a, b}, DeviatesOver, "surface");
     }
   }
 
