@@ -23,16 +23,12 @@ std::string Rounded(double value) { return Significant(value, 3); }
 int StrongestFunction(const Evidence& evidence, const WeightedModel& model, WeightedModel* with) {
   const ExplanationList& list = evidence.list();
   *with = model;
-  const SetSearch own = evidence.SearchIn(model.view);
+  const std::vector<double> losses = evidence.SearchIn(model.view).LossesOf(model.set);
   int strongest = -1;
   double most = -std::numeric_limits<double>::infinity();
-  for (size_t k = 0; k < model.set.members.size(); ++k) {
-    if (!list.IsUnnamed(model.set.members[k])) continue;
-    std::vector<int> others = model.set.members;
-    others.erase(others.begin() + static_cast<long>(k));
-    const double loss = -own.Evaluate(others).log_weight;
-    if (loss <= most) continue;
-    most = loss;
+  for (size_t k = 0; k < losses.size(); ++k) {
+    if (!list.IsUnnamed(model.set.members[k]) || losses[k] <= most) continue;
+    most = losses[k];
     strongest = model.set.members[k];
   }
   if (strongest >= 0) return strongest;
