@@ -29,7 +29,7 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
       any_loose ? TypicalSizes(problem, problem.parameters, SpecsOf(added)) : std::vector<double>();
   for (const Candidate& candidate : added) {
     if (IsGravityCompensator(candidate.spec) && !IsNewSpring(candidate.spec)) {
-      FreeSpring(candidate.keeps_shape, candidate.prior_scale, &problem.parameters);
+      FreeSpring(candidate.rate_alone, candidate.prior_scale, &problem.parameters);
       continue;
     }
     for (const std::string& name : candidate.loose) {

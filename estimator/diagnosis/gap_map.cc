@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "estimator/diagnosis/diagnosed_model.h"
+#include "estimator/explanations/compensator_shapes.h"
 #include "estimator/least_squares/linearization.h"
 #include "models/constants.h"
 #include "models/effects/catalogue.h"
@@ -171,15 +172,17 @@ Driver DriverOf(const CalibrationProblem& problem, const EffectSpec& spec) {
 }
 
 // The effect's contribution to the whitened rows: its columns times its values (neutral: 0). The torque of a
-// compensator is proportional to its rate.
+// compensator is proportional to its rate; of one that the robot states in another way, what differs counts.
 Eigen::VectorXd Contribution(const DiagnosedModel& with, const EffectSpec& spec, const Linearization& here) {
-  const bool spring = IsGravityCompensator(spec);
+  const bool spring = IsNewSpring(spec), is_correction = IsGravityCompensator(spec) && !spring;
   Eigen::VectorXd contribution = Eigen::VectorXd::Zero(here.num_rows());
   for (int c = 0; c < here.num_columns(); ++c) {
     const Coordinate& coordinate = with.estimate.parameters.coordinates()[here.columns[c]];
     if (!IsParameterOf(spec, coordinate.name)) continue;
     if (spring && coordinate.compensator_part != CompensatorPart::kKc) continue;
-    contribution += here.jacobian.col(c) * with.estimate.parameters.Value(here.columns[c]);
+    const double neutral = is_correction ? coordinate.prior_value : 0.0;
+    if (is_correction && !(coordinate.prior_sigma > 0.0)) continue;  // believed
+    contribution += here.jacobian.col(c) * (with.estimate.parameters.Value(here.columns[c]) - neutral);
   }
   return contribution;
 }

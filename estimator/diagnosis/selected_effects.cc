@@ -31,7 +31,7 @@ EffectSpec SeededSpring(const Evidence& evidence, const WeightedModel& model, in
   const Eigen::VectorXd angles = JointValues(problem, joint);
   std::vector<int> shots;
   for (const int i : problem.CalibrationObservations()) shots.push_back(problem.data().observations[i].shot);
-  SeedSpring(angles(shots), turned(shots) / ComplianceOf(lacking.estimate.parameters, spring.target), &spring);
+  SeedSpring(angles(shots), turned(shots) / ComplianceOf(evidence.parameters(), spring.target), &spring);
   return spring;
 }
 
@@ -46,6 +46,11 @@ std::vector<EffectSpec> OtherSprings(const Evidence& evidence, const WeightedMod
     springs.push_back(SeededSpring(evidence, with, shape, lacking));
   }
   return springs;
+}
+
+bool IsRateAlone(const Evidence& evidence, const std::vector<int>& columns) {
+  return columns.size() == 1 && evidence.columns().Has(columns[0]) &&
+         evidence.columns().Name(columns[0]) == NameOf(CompensatorPart::kKc);
 }
 
 // near: the believed model with a noise like that of this model.
@@ -93,7 +98,9 @@ double SquareOfPriors(const RefittedSet& refitted) {
   double sum = 0.0;
   for (int i = 0; i < parameters.num_coordinates(); ++i) {
     const Coordinate& coordinate = parameters.coordinates()[i];
-    const bool has_prior = coordinate.prior_sigma > 0.0 && coordinate.estimated();
+    const int believed = refitted.lacking.estimate.parameters.FindCoordinate(coordinate.name);
+    const bool is_new = believed < 0 || !refitted.lacking.estimate.parameters.coordinates()[believed].estimated();
+    const bool has_prior = coordinate.prior_sigma > 0.0 && coordinate.estimated() && is_new;
     if (has_prior && IsOfAny(refitted.effects, coordinate))
       sum += std::pow((parameters.Value(i) - coordinate.prior_value) / coordinate.prior_sigma, 2);
   }
@@ -171,7 +178,7 @@ std::vector<SelectedEffect> SelectedEffectsOf(const Evidence& evidence, const We
     if (IsNewSpring(list.start[member])) {
       effect.candidate.spec = SeededSpring(evidence, model, member, lacking);
     }
-    effect.candidate.keeps_shape = IsGravityCompensator(effect.candidate.spec) && list.math[member].group.size() == 1;
+    effect.candidate.rate_alone = IsRateAlone(evidence, list.math[member].group.columns);
     const GivenOthers given = members.Of(k);
     effect.fit = FitOf(given);
     MarkUndetermined(evidence, member, given, &effect.candidate);

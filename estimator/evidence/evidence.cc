@@ -237,9 +237,9 @@ void Evidence::AddModel(int view, const WeightedSet& set) {
 
 WeightedSet Evidence::BestOf(const Evidence& other) const {
   const auto key = [](const ExplanationList& list, size_t k) {
-    return std::make_tuple(list.name[k], list.start[k].Path(), list.math[k].group.size());
+    return std::make_tuple(list.name[k], list.start[k].Path(), list.start[k].values, list.math[k].group.size());
   };
-  std::map<std::tuple<std::string, std::string, int>, int> here;
+  std::map<std::tuple<std::string, std::string, std::vector<double>, int>, int> here;
   for (size_t k = 0; k < list_.math.size(); ++k) here.emplace(key(list_, k), static_cast<int>(k));
   WeightedSet set;
   for (const int m : other.models()[0].set.members) {

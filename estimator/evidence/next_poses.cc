@@ -125,13 +125,18 @@ class FewColumns {
   }
 
   // Of a member in this list. What has no name comes last in both lists, all of it in the same order; of the catalogue
-  // one start has one place.
+  // one start with so many columns has one place.
   int NumberOf(int member) const {
     const int here = static_cast<int>(list_.math.size());
     if (given_.IsUnnamed(member)) return here - static_cast<int>(given_.functions.size()) + given_.unnamed[member];
     const EffectSpec& start = given_.start[member];
     int k = 0;
-    while (k < here && (list_.start[k].Path() != start.Path() || list_.start[k].values != start.values)) ++k;
+    const int size = given_.math[member].group.size();
+    const auto is_it = [&](int other) {
+      return list_.start[other].Path() == start.Path() && list_.start[other].values == start.values &&
+             list_.math[other].group.size() == size;
+    };
+    while (k < here && !is_it(k)) ++k;
     CHECK_LT(k, here);
     return k;
   }

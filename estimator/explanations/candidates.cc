@@ -145,8 +145,12 @@ void AppendCompensators(const CalibrationProblem& problem, const std::set<std::s
                         CandidateList* list) {
   if (problem.robot().gravity_compensator) {
     const std::string& joint = problem.robot().chain.joints[problem.robot().gravity_compensator->joint].name;
-    if (!HeldSpring(problem.parameters).empty() && compliant.count(joint) > 0)
+    if (HeldSpring(problem.parameters).empty()) return;
+    if (compliant.count(joint) == 0) {
+      list->not_testable.push_back({kGravityCompensator, joint, ComplianceAboveZero()});
+    } else {
       list->candidates.push_back({{kGravityCompensator, joint, {}, {}}});
+    }
     return;
   }
   for (const Joint& joint : problem.robot().chain.joints) {

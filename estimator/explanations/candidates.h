@@ -16,7 +16,8 @@ struct Candidate {
   // Those, and what the data determine poorly: refitted with a prior.
   std::vector<std::string> loose = {};
   double prior_scale = 3.0;  // typical sizes, of that prior
-  bool keeps_shape = false;  // of a spring: its shape stays near the start's, or is what the robot states
+  bool keeps_shape = false;  // of a spring: the data hardly determine its shape, it stays near the start's
+  bool rate_alone = false;   // of a spring that the robot states: what else it states is believed
 };
 
 // An effect that these data cannot show, and what is missing.

@@ -129,6 +129,8 @@ class EvidenceColumns {
   const std::vector<int>& ColumnsOf(int candidate) const { return of_candidate_[candidate]; }
   // Name of the coordinate of a candidate's column.
   const std::string& Name(int column) const { return names_.at(column); }
+  // Whether it is a candidate's.
+  bool Has(int column) const { return names_.count(column) > 0; }
 
   // Functions behind columns that are not the linearization's, one row per shot of the data.
   Eigen::MatrixXd FunctionOf(const std::vector<int>& columns) const;

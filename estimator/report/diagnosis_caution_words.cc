@@ -50,8 +50,8 @@ std::string JointsStandStill(const std::vector<std::string>& joints, bool all) {
 std::string JointsFollowTheOrder(const std::vector<std::string>& joints) {
   return Enumerate(joints, kNamesListed) + (joints.size() == 1 ? " follows" : " follow") +
          " the order of the rows, and no time is stated: if they were measured in this order, a drift looks like an "
-         "error of "
-         "that joint, also on the configurations held out. State time_s, or measure in random order.";
+         "error "
+         "of a joint, also on the configurations held out. State time_s, or measure in random order.";
 }
 
 std::string PartlyStated(const std::string& column, long empty, size_t rows) {
@@ -88,8 +88,8 @@ std::string NothingHeldOut() {
 
 std::string LearntUnchecked() {
   return "Functions were learnt by what the fitted configurations say of each other; none is held out that could "
-         "refute "
-         "them. Measure some configurations more and give the learnt robot to sagitta validate before it is used.";
+         "refute them. Measure some configurations more and give the learnt robot to sagitta validate before it is "
+         "used.";
 }
 
 std::string FewHeldOut(int configurations) {

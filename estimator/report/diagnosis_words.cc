@@ -182,14 +182,15 @@ std::string UnknownInWords(const Diagnosis& d) {
     return there_is + (d.gap.before == 0.0 ? ", and no effect of the catalogue explains it well."
                                            : " that no effect of the catalogue explains well.");
   likely.push_back("what has no name " + Percent(d.posterior.unnamed));
+  if (d.posterior.noise >= kWorthSaying) likely.push_back("noise other than stated " + Percent(d.posterior.noise));
   return there_is + ", and these data do not decide what it is: " + Joined(likely, ", ") + ".";
 }
 
 // No pose, load or marker like these distinguishes them.
 std::string SeparateByKnowledge() {
   return "what is known from elsewhere (a part that is weighed, a length or a rate that is measured): in these rows "
-         "both do "
-         "the same, and at poses and loads like these both predict the same";
+         "the "
+         "two do the same, and at poses and loads like these they predict the same";
 }
 
 }  // namespace

@@ -135,9 +135,11 @@ TEST(ChangesTest, WhatNoChangeExplainsIsSaid) {
 
 // A column is the derivative of the exact move, to the second order. Joint 3
 // moves with joint 2 here, as on arms with a parallelogram: its own part of the column of joint 2 is as large as the
-// rest.
+// rest. The instrument stands metres away, so that its distance grows as well.
 TEST(ChangesTest, ColumnsAreTheDerivativesOfExactMoves) {
-  KnownRobot old_estimate = Estimated(Kr270Truth(), 10), new_estimate = Estimated(Kr270Truth(), 11);
+  Kr270Truth far;
+  far.base_xyz = {{2.0, -1.5, 0.3}, {1.0, 2.5, -0.4}};
+  KnownRobot old_estimate = Estimated(far, 10), new_estimate = Estimated(far, 11);
   for (KnownRobot* known : {&old_estimate, &new_estimate}) known->robot.chain.couplings.push_back({2, 1, 1.0});
   EstimateComparison comparison(old_estimate, new_estimate);
   const EstimateComparison::Linear here = comparison.Linearise();

@@ -140,7 +140,18 @@ TEST(Diagnosis, WhatLimitsTheVerdictIsSaid) {
   EXPECT_TRUE(AnyStartsWith(FindCautions(*believed.problem, believed), "Only 1 different configurations"));
 
   for (Shot& shot : sorted.mutable_data()->shots) shot.has_time = false;
-  EXPECT_FALSE(AnyStartsWith(FindCautions(sorted, believed), "A4"));
+  const auto is_said = [&] {
+    for (const std::string& caution : FindCautions(sorted, believed)) {
+      if (caution.find("the order of the rows") != std::string::npos) return true;
+    }
+    return false;
+  };
+  EXPECT_FALSE(is_said());
+  // A joint that moves once in the middle and once at the end follows no order.
+  for (Configuration& configuration : sorted.mutable_data()->configurations) configuration.q[5] = 0.0;
+  sorted.mutable_data()->configurations[sorted.data().configurations.size() / 2].q[5] = 1.0;
+  sorted.mutable_data()->configurations.back().q[5] = 1.0;
+  EXPECT_FALSE(is_said());
   std::vector<Configuration>& in_order = sorted.mutable_data()->configurations;
   for (size_t c = 0; c < in_order.size(); ++c)
     in_order[c].q[3] = -0.05 * static_cast<double>(c) + 0.2 * std::sin(1.0 * static_cast<double>(c * c));

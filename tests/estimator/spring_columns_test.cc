@@ -41,6 +41,35 @@ TEST(SpringColumns, ReachTheSpringsOfTheGridsCell) {
   }
 }
 
+// What of a stated spring may be off, and what is freed of it: never L, nor what is estimated anyway.
+TEST(StatedSpring, IsFreedWhereItIsHeld) {
+  Robot robot;
+  robot.chain = test::Kr270Chain();
+  robot.gravity_compensator = GravityCompensator{1, 0.2, 0.1, 0.7, 0.5, 1e4, true};
+  const ParameterSet all({"S1"}, {"P1"}, ForwardModel(robot, {"P1"}).parameters());
+  const std::vector<CompensatorPart> parts = {CompensatorPart::kAx, CompensatorPart::kAy, CompensatorPart::kS0,
+                                              CompensatorPart::kKc};
+  const double typical[] = {3e-3, 3e-3, 0.05, 1e3};
+  for (size_t free = 0; free <= parts.size(); ++free) {  // the first so many are estimated
+    ParameterSet parameters = all;
+    for (int i = 0; i < parameters.num_coordinates(); ++i) parameters.coordinate(i).free = false;
+    for (size_t k = 0; k < free; ++k) parameters.coordinate(parameters.FindCoordinate(parts[k])).free = true;
+    EXPECT_EQ(HeldSpring(parameters).size(), parts.size() - free);
+    for (const bool rate_alone : {false, true}) {
+      ParameterSet freed = parameters;
+      FreeSpring(rate_alone, 3.0, &freed);
+      EXPECT_FALSE(freed.coordinates()[freed.FindCoordinate(CompensatorPart::kL)].free);
+      for (size_t k = 0; k < parts.size(); ++k) {
+        const int i = freed.FindCoordinate(parts[k]);
+        const bool is_freed = k >= free && (!rate_alone || parts[k] == CompensatorPart::kKc);
+        EXPECT_EQ(freed.coordinates()[i].free, k < free || is_freed) << free << k << rate_alone;
+        if (is_freed) EXPECT_NEAR(freed.coordinates()[i].prior_sigma, 3.0 * typical[k], 1e-9 * typical[k]);
+        if (is_freed) EXPECT_EQ(freed.coordinates()[i].prior_value, freed.Value(i));
+      }
+    }
+  }
+}
+
 // Ratio of two densities of x = (s0 / longer - usual) / deviation, each of which integrates to 1: by quadrature the
 // mean of the ratio over the second one is 1. Lever and anchor are alike.
 TEST(SpringColumns, RestLengthsAreThoseOfRealSprings) {

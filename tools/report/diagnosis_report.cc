@@ -123,7 +123,7 @@ Section CandidateSection(const Diagnosis& d) {
                             Fixed(entry.log_evidence, 1)});
   }
   section.paragraphs = {std::to_string(d.screened) +
-                        " candidates, each alone with the believed model; p counts the whole search."};
+                        " effects with their settings, each alone with the believed model; p counts the whole search."};
   std::map<std::string, int> missing;
   for (const NotTestable& entry : d.not_testable) ++missing[entry.effect + " needs " + entry.needs];
   for (const auto& [what, count] : missing) section.paragraphs.push_back("Cannot be tested: " + what + ".");
