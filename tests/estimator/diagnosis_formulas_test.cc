@@ -299,16 +299,9 @@ Weighed Weigh(const CalibrationProblem& problem) {
 // Where a cause is certain, how probable "nothing" was decides nothing any more: neither between causes, nor whether a
 // deviation that follows the pose is one more.
 TEST(DiagnosisFormulas, WhatIsRefutedHasNoSay) {
-  test::Kr270Design design = test::CampaignOf(40, 1, 2e-5, 5);
+  const test::Kr270Design design = test::CampaignOf(40, 1, 2e-5, 5);
   Measurements data = test::DesignMeasurements(design);
-  for (int c = 0; c < design.configurations; ++c) {  // each pose twice
-    Configuration again = data.configurations[c];
-    again.id += "-again";
-    Shot shot = data.shots[c];
-    shot.configuration = static_cast<int>(data.configurations.size());
-    data.configurations.push_back(again);
-    test::AddShot(shot, 3, design.sigma, &data);
-  }
+  test::VisitAgain(design, &data);
   Measurements moved = data;
   std::mt19937_64 random(91);
   std::normal_distribution<double> off(0.0, 2e-5);

@@ -169,14 +169,7 @@ TEST(EvidenceColumns, RowsOfVisitsAndOfPosesScatterTogether) {
   design.stations = 1;
   design.sigma = 2e-5;
   Measurements data = test::DesignMeasurements(design);
-  for (int c = 0; c < design.configurations; ++c) {
-    Configuration again = data.configurations[c];
-    again.id += "-again";
-    Shot shot = data.shots[c];
-    shot.configuration = static_cast<int>(data.configurations.size());
-    data.configurations.push_back(again);
-    test::AddShot(shot, 3, design.sigma, &data);
-  }
+  test::VisitAgain(design, &data);
   test::MeasureKr270(test::Kr270Truth(), design.sigma, 303, &data);
   const CalibrationProblem problem = test::Kr270ProblemOf(data, Experiment());
   const ParameterSet parameters = EstimateJointly(problem).parameters;  // residuals of noise, not of decimetres

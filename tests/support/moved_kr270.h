@@ -22,6 +22,18 @@ inline Robot Kr270Robot() {
   return robot;
 }
 
+// Each configuration is shot once more, after all the others.
+inline void VisitAgain(const Kr270Design& design, Measurements* data) {
+  for (int c = 0; c < design.configurations; ++c) {
+    Configuration again = data->configurations[c];
+    again.id += "-again";
+    Shot shot = data->shots[c];
+    shot.configuration = static_cast<int>(data->configurations.size());
+    data->configurations.push_back(again);
+    AddShot(shot, 3, design.sigma, data);
+  }
+}
+
 // The rows of `design`; their points are measured once `move` has changed the joint values of each configuration.
 template <typename Move>
 Measurements MeasuredAfter(const Kr270Design& design, std::uint64_t noise_seed, const Move& move) {
