@@ -13,6 +13,7 @@
 namespace sagitta {
 namespace {
 
+constexpr double kItsFault = 0.1;
 constexpr int kMostAgain = 3;  // steps of Gauss-Newton, of which each squares what is off: from 60 % to 2 %
 
 LeadingSet WeighAndRefit(const SearchInput& input, const Evidence* before, const LinearizedAbout& about) {
@@ -60,9 +61,19 @@ RefittedSet WithoutFunctions(const SearchInput& input, const LeadingSet& found) 
   return RefitSet(*found.evidence, model, input.working, input.baseline, input.joint, &found.refitted);
 }
 
-bool Refutes(const RefittedSet& refitted, const Evidence& evidence) {
+// What the functions without a name of a set add to its log likelihood.
+double GainOfFunctions(const Evidence& evidence, const WeightedSet& all, const WeightedModel& without) {
+  if (all.members.size() == without.set.members.size()) return 0.0;
+  const SetSearch search = evidence.SearchIn(without.view);
+  return search.Evaluate(all.members, all.scales).log_likelihood -
+         search.Evaluate(without.set.members, without.set.scales).log_likelihood;
+}
+
+// refitted: without functions. Where these say ten times more than the linearization is off by, they are not its fault.
+bool Refutes(const RefittedSet& refitted, const LeadingSet& found) {
   if (refitted.effects.empty() || !refitted.IsUsable()) return false;
-  const double error = LinearizationError(evidence, refitted);
+  const double error = LinearizationError(*found.evidence, refitted);
+  if (error < kItsFault * GainOfFunctions(*found.evidence, found.refitted.model.set, refitted.model)) return false;
   VLOG(1) << "diagnosis: the linear model is off by " << error << " of the leading effects' log evidence";
   return error > kInDoubt;
 }
@@ -75,7 +86,7 @@ LeadingSet FindLeading(const SearchInput& input, const Evidence* before) {
   for (int again = 0; again < kMostAgain && found.is_named; ++again) {
     const RefittedSet effects = WithoutFunctions(input, found);
     const LinearizedAbout about{SpecsOf(CandidatesOf(effects.effects)), effects.with_effects.estimate.parameters};
-    if (!Refutes(effects, *found.evidence) || !known.insert(PathsOf(about)).second) break;
+    if (!Refutes(effects, found) || !known.insert(PathsOf(about)).second) break;
     if (input.progress) input.progress(WeighingAboutWhatWasFound());
     LeadingSet anew = WeighAndRefit(input, found.evidence.get(), about);
     if (!anew.is_named || !anew.refitted.IsUsable()) break;  // "nothing" is far from here: no linearization reaches it
