@@ -36,6 +36,15 @@ constexpr double kLeastGain = 1.92;
 // Where a thousand sets share the probability they differ in details: the rest would say the same of every effect.
 constexpr size_t kMostModels = 1000;
 
+// Of what has no name, of all that may be missing: of a family in addition to those of the list.
+double ShareOfOneMoreFamily(const ExplanationList& list, const PriorMasses& masses) {
+  std::set<std::string> families;
+  for (size_t k = 0; k < list.math.size(); ++k) {
+    if (list.IsUnnamed(static_cast<int>(k))) families.insert(list.place[k].family);
+  }
+  return masses.unnamed / (masses.catalogue + masses.unnamed) / (1.0 + static_cast<double>(families.size()));
+}
+
 // What is estimated stays as it is, and a spring that is held.
 ParameterSet WithValuesOf(const ParameterSet& own, const ParameterSet& other) {
   ParameterSet moved = own;
@@ -72,6 +81,7 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
       stated_(StatedScatter(problem)) {
   ViewedNormal stated = Viewed({});
   DropInvisible(stated.given_believed.normal, masses, &list_);
+  share_of_pose_ = ShareOfOneMoreFamily(list_, masses);
   if (progress) progress("weighing " + std::to_string(list_.math.size()) + " explanations");
   const bool is_done = Climb(std::move(stated), before == nullptr ? WeightedSet() : BestOf(*before), kFirstMoves);
   const auto& joints = problem.robot().chain.joints;
@@ -152,14 +162,9 @@ double Evidence::LogPriorOf(const NoiseView& view, const WeightedSet& set) const
     case NoiseView::Kind::kPose:
       break;
   }
-  std::set<std::string> families;
-  for (size_t k = 0; k < list_.math.size(); ++k) {
-    if (list_.IsUnnamed(static_cast<int>(k))) families.insert(list_.place[k].family);
-  }
-  const double share = masses_.unnamed / (masses_.catalogue + masses_.unnamed) / (1.0 + families.size());
   std::vector<double> shares(set.members.size(), 1.0);
   const double without = prior_.Log(shares);
-  shares.push_back(share);
+  shares.push_back(share_of_pose_);
   return prior_.Log(shares) - without + view.log_occam;
 }
 

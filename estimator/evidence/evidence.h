@@ -141,6 +141,7 @@ class Evidence {
   ExplanationList list_;
   PriorMasses masses_;
   SetPrior prior_;
+  double share_of_pose_ = 0.0;  // of the prior, of a deviation that follows the pose
   double sigma_dof_;
   JointScatter stated_;
   std::deque<ViewedNormal> views_;  // stay where they are

@@ -63,8 +63,9 @@ TEST(StatedSpring, IsFreedWhereItIsHeld) {
         const int i = freed.FindCoordinate(parts[k]);
         const bool is_freed = k >= free && (!rate_alone || parts[k] == CompensatorPart::kKc);
         EXPECT_EQ(freed.coordinates()[i].free, k < free || is_freed) << free << k << rate_alone;
-        if (is_freed) EXPECT_NEAR(freed.coordinates()[i].prior_sigma, 3.0 * typical[k], 1e-9 * typical[k]);
-        if (is_freed) EXPECT_EQ(freed.coordinates()[i].prior_value, freed.Value(i));
+        if (!is_freed) continue;
+        EXPECT_NEAR(freed.coordinates()[i].prior_sigma, 3.0 * typical[k], 1e-9 * typical[k]);
+        EXPECT_EQ(freed.coordinates()[i].prior_value, freed.Value(i));
       }
     }
   }
