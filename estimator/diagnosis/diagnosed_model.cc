@@ -61,12 +61,12 @@ DiagnosedModel RefitFully(const CalibrationProblem& problem, const Estimate& sta
   return JudgeFully(std::make_shared<CalibrationProblem>(problem), start.parameters, start.aligned, options);
 }
 
-// The step that is left is made without looking again: at a hundredth of a standard deviation its own chi-square, by
-// the quadratic model, is good to 1e-4 even where effects bend.
+// The step that is left is made without looking again: of a tenth of a standard deviation, what the quadratic model has
+// wrong is a share of 1e-2 even where effects bend by a tenth within one deviation.
 QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& start) {
   RefitOptions options;
   options.steps.max_steps = 40;  // most need two or three
-  options.steps.tolerance = 0.01;
+  options.steps.tolerance = 0.1;
   options.steps.least_noise = 1.0;  // as stated
   Refit found = RefitFrom(problem, start, options);
   QuickRefit refit;
