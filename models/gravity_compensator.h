@@ -43,23 +43,33 @@ struct CompensatorParameters {
   T Kc;               // N/m
 };
 
-// Length of the spring, m, at joint value q, rad (law of cosines).
+// Length of the spring, m, at joint value q (law of cosines), of which cosine and sine are given.
+template <typename T>
+T CompensatorSpringLength(const CompensatorParameters<T>& p, const T& cosine, const T& sine) {
+  using std::sqrt;
+  const T a_cos_gamma = p.a_y * cosine + p.a_x * sine;
+  return sqrt(p.a_x * p.a_x + p.a_y * p.a_y + p.L * p.L + T(2) * p.L * a_cos_gamma);
+}
+
+// Of the actual joint angle q, of which cosine and sine are given.
+template <typename T>
+T CompensatorTorque(const CompensatorParameters<T>& p, const T& cosine, const T& sine) {
+  const T a_sin_gamma = p.a_x * cosine - p.a_y * sine;
+  return -p.Kc * (T(1) - p.s0 / CompensatorSpringLength(p, cosine, sine)) * p.L * a_sin_gamma;
+}
+
+// q: rad.
 template <typename T>
 T CompensatorSpringLength(const CompensatorParameters<T>& p, const T& q) {
   using std::cos;
   using std::sin;
-  using std::sqrt;
-  const T a_cos_gamma = p.a_y * cos(q) + p.a_x * sin(q);
-  return sqrt(p.a_x * p.a_x + p.a_y * p.a_y + p.L * p.L + T(2) * p.L * a_cos_gamma);
+  return CompensatorSpringLength(p, T(cos(q)), T(sin(q)));
 }
-
-// q: actual joint angle, rad.
 template <typename T>
 T CompensatorTorque(const CompensatorParameters<T>& p, const T& q) {
   using std::cos;
   using std::sin;
-  const T a_sin_gamma = p.a_x * cos(q) - p.a_y * sin(q);
-  return -p.Kc * (T(1) - p.s0 / CompensatorSpringLength(p, q)) * p.L * a_sin_gamma;
+  return CompensatorTorque(p, T(cos(q)), T(sin(q)));
 }
 
 }  // namespace sagitta

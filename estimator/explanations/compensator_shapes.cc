@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "estimator/explanations/driver_functions.h"
 #include "models/constants.h"
 #include "models/gravity_compensator.h"
 
@@ -34,13 +35,13 @@ EffectSpec ShapeOf(const std::string& joint, double ratio, double alpha) {
   return {kGravityCompensator, joint, {}, {kLever, a_x, a_y, 0.0, 0.0}};
 }
 
-// Torque per unit of Kc and of Kc s0 for such a shape at each angle (rad).
-Eigen::MatrixX2d TorquesPerRate(const EffectSpec& shape, const Eigen::VectorXd& angles) {
+// Torque per unit of Kc and of Kc s0 for such a shape at each angle.
+Eigen::MatrixX2d TorquesPerRate(const EffectSpec& shape, const Eigen::MatrixX2d& wave) {
   const CompensatorParameters<double> unit{shape.values[0], shape.values[1], shape.values[2], 0.0, 1.0};
-  Eigen::MatrixX2d torques(angles.size(), 2);
-  for (long r = 0; r < angles.size(); ++r) {
-    torques(r, 0) = CompensatorTorque(unit, angles[r]);  // s0 = 0: -a L sin(gamma)
-    torques(r, 1) = -torques(r, 0) / CompensatorSpringLength(unit, angles[r]);
+  Eigen::MatrixX2d torques(wave.rows(), 2);
+  for (long r = 0; r < wave.rows(); ++r) {
+    torques(r, 0) = CompensatorTorque(unit, wave(r, 0), wave(r, 1));  // s0 = 0: -a L sin(gamma)
+    torques(r, 1) = -torques(r, 0) / CompensatorSpringLength(unit, wave(r, 0), wave(r, 1));
   }
   return torques;
 }
@@ -110,24 +111,24 @@ std::vector<EffectSpec> CompensatorShapes(const std::string& joint) {
 
 // tau(rho, ln(a / L), alpha) with s0 = rho a, to first order:  tau at rho = 0.65, then its derivative by each times the
 // prior standard deviation of it.
-Eigen::MatrixXd SpringColumns(const EffectSpec& shape, const Eigen::VectorXd& angles) {
+Eigen::MatrixXd SpringColumns(const EffectSpec& shape, const Eigen::MatrixX2d& wave) {
   const auto usual = [&](double ratio, double alpha) -> Eigen::VectorXd {
     const EffectSpec near = ShapeOf(shape.target, ratio, alpha);
-    const Eigen::MatrixX2d per_rate = TorquesPerRate(near, angles);
+    const Eigen::MatrixX2d per_rate = TorquesPerRate(near, wave);
     return per_rate.col(0) + kUsualRest * ratio * kLever * per_rate.col(1);
   };
   const double a_x = shape.values[1], a_y = shape.values[2];
   const double a = std::hypot(a_x, a_y), ratio = a / kLever, alpha = std::atan2(a_x, a_y);
   constexpr double kStep = 1e-4;
-  Eigen::MatrixXd columns(angles.size(), 4);
-  columns << usual(ratio, alpha), kRestDeviation * a * TorquesPerRate(shape, angles).col(1),
+  Eigen::MatrixXd columns(wave.rows(), 4);
+  columns << usual(ratio, alpha), kRestDeviation * a * TorquesPerRate(shape, wave).col(1),
       kDirectionDeviation / kStep * (usual(ratio, alpha + kStep) - usual(ratio, alpha)),
       kRatioDeviation / kStep * (usual(ratio * (1.0 + kStep), alpha) - usual(ratio, alpha));
   return columns;
 }
 
 void SeedSpring(const Eigen::VectorXd& angles, const Eigen::VectorXd& torques, EffectSpec* shape) {
-  const Eigen::Vector2d rates = TorquesPerRate(*shape, angles).colPivHouseholderQr().solve(torques);
+  const Eigen::Vector2d rates = TorquesPerRate(*shape, Wave(angles)).colPivHouseholderQr().solve(torques);
   std::vector<double>& p = shape->values;
   const double longest = 2.0 * std::hypot(p[1], p[2]) + 2.0 * p[0];
   const double s0 = rates[0] > 0.0 ? rates[1] / rates[0] : -1.0;

@@ -40,9 +40,9 @@ double ComplianceOf(const ParameterSet& parameters, const std::string& joint);
 // The grid: gravity_compensator with L, a_x, a_y; s0 and Kc zero.
 std::vector<EffectSpec> CompensatorShapes(const std::string& joint);
 
-// Joint torques of a spring of this shape at each angle, in an arbitrary unit: with the usual rest length; what another
-// rest length adds per standard deviation; and other directions and ratios within the grid's cell.
-Eigen::MatrixXd SpringColumns(const EffectSpec& shape, const Eigen::VectorXd& angles);
+// Joint torques of a spring of this shape at each angle (cosine and sine), in an arbitrary unit: with the usual rest
+// length; what another rest length adds per standard deviation; and other directions and ratios within the grid's cell.
+Eigen::MatrixXd SpringColumns(const EffectSpec& shape, const Eigen::MatrixX2d& wave);
 
 // Sets s0 and Kc of a shape so that its torques are nearest to those wanted; of a spring that no machine has (negative
 // rate or rest length) the nearest that one has.

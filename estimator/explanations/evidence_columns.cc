@@ -245,9 +245,6 @@ void EvidenceColumns::SetLinearized() {
 
 void EvidenceColumns::SetBlocks() {
   const Measurements& data = extended_.data();
-  fitted_shots_ = FittedShots(extended_);
-  place_of_shot_.assign(data.shots.size(), -1);
-  for (size_t k = 0; k < fitted_shots_.size(); ++k) place_of_shot_[fitted_shots_[k]] = static_cast<int>(k);
   std::vector<int> pose_of_configuration(data.configurations.size(), -1);
   int next = 0;
   for (const std::vector<int>& group : GroupsOfEqualJointValues(data)) {
@@ -301,8 +298,6 @@ std::vector<int> EvidenceColumns::Add(const FunctionFamily& family) {
     own.push_back(num_columns_++);
   }
   families_.push_back(family);
-  const auto [fitted, is_new] = fitted_functions_.try_emplace(family.functions.get());
-  if (is_new) fitted->second = (*family.functions)(fitted_shots_, Eigen::all);
   return own;
 }
 

@@ -258,10 +258,6 @@ class EvidenceColumns {
   std::vector<double> units_;         // of the columns of catalogue_
   std::map<int, std::string> names_;  // of all candidates' columns
   std::vector<FunctionFamily> families_;
-  std::vector<int> fitted_shots_;
-  std::vector<int> place_of_shot_;  // among those
-  // Functions of families with the rows of fitted shots alone, which all sums are over.
-  std::map<const Eigen::MatrixXd*, Eigen::MatrixXd> fitted_functions_;
   std::vector<Source> sources_;  // of the families, each once
   std::vector<size_t> source_of_family_;
   std::vector<int> family_of_column_, function_of_column_;  // of columns beyond the catalogue

@@ -245,17 +245,17 @@ GivenBelieved EvidenceColumns::ProjectAll(const JointScatter& scatter, const std
           out.log_constant};
 }
 
-// (u's)(shot) of one source, a column for each fitted shot; of some rows of u', zeros below.
+// (u's)(shot) of one source, a column for each shot, zero where it is held out; of some rows of u', zeros below.
 Eigen::MatrixXd EvidenceColumns::SumsOfShots(size_t source, const std::vector<Eigen::MatrixXd>& along, long first,
                                              long rows) const {
   const Measurements& data = extended_.data();
   const long own = std::min(rows, along[0].rows() - first);
-  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(rows, fitted_shots_.size());
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(rows, static_cast<long>(data.shots.size()));
   for (size_t b = 0; b < stored_.size(); ++b) {
     const Block& block = stored_[b];
     for (size_t o = 0; o < block.observations.size(); ++o) {
       const long top = static_cast<long>(3 * o);
-      sums.col(place_of_shot_[data.observations[block.observations[o]].shot]).head(own) +=
+      sums.col(data.observations[block.observations[o]].shot).head(own) +=
           along[b].block(first, top, own, 3) * block.sources[source].segment<3>(top);
     }
   }
@@ -277,10 +277,9 @@ Eigen::MatrixXd EvidenceColumns::AlongFamilies(const std::vector<Eigen::MatrixXd
     const long wide = (own + kBatchLanes - 1) / kBatchLanes * kBatchLanes;
     std::vector<Eigen::MatrixXd> of_shots;
     for (size_t s = 0; s < sources_.size(); ++s) of_shots.push_back(SumsOfShots(s, along, row, wide));
-    for (const auto& [whole, sources] : followers) {
-      const Eigen::MatrixXd& functions = fitted_functions_.at(whole);
+    for (const auto& [functions, sources] : followers) {
       for (const auto& [source, first] : sources) {
-        products.block(row, first, own, functions.cols()) = TallProduct(of_shots[source], functions).topRows(own);
+        products.block(row, first, own, functions->cols()) = TallProduct(of_shots[source], *functions).topRows(own);
       }
     }
   }

@@ -125,11 +125,11 @@ class ListBuilder {
     const int joint = problem_.robot().chain.FindJoint(spec.target);
     const Source source{Source::Kind::kJoint, joint, 0};
     const std::vector<EffectSpec> shapes = CompensatorShapes(spec.target);
-    const Eigen::VectorXd angles = JointValues(problem_, joint);
-    Eigen::MatrixXd torques(angles.size(), kPerShape * static_cast<long>(shapes.size()));
+    const Eigen::MatrixX2d wave = Wave(JointValues(problem_, joint));
+    Eigen::MatrixXd torques(wave.rows(), kPerShape * static_cast<long>(shapes.size()));
     const double turn = kTypicalSpringTurn / kTypicalTurn * std::sqrt(static_cast<double>(fitted_.size()));
     for (size_t s = 0; s < shapes.size(); ++s) {
-      const Eigen::MatrixXd own = SpringColumns(shapes[s], angles);
+      const Eigen::MatrixXd own = SpringColumns(shapes[s], wave);
       torques.middleCols(kPerShape * static_cast<long>(s), kPerShape) = turn / OnFitted(own.col(0)).norm() * own;
     }
     const Eigen::VectorXd weights = SpringWeights(joint, OnFitted(torques));

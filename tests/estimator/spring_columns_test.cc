@@ -27,7 +27,7 @@ TEST(SpringColumns, ReachTheSpringsOfTheGridsCell) {
     const double lever = shape.values[0], a = std::hypot(shape.values[1], shape.values[2]);
     const double alpha = std::atan2(shape.values[1], shape.values[2]);
     if (a / lever < 1.5) continue;  // nearly slack where the lever points at the anchor: no Taylor series
-    const Eigen::MatrixXd columns = SpringColumns(shape, angles);
+    const Eigen::MatrixXd columns = SpringColumns(shape, Wave(angles));
     const double rest = kUsualRest * a;
     EXPECT_LT((columns.col(0) - Torques(lever, a, alpha, rest, angles)).norm(), 1e-9 * columns.col(0).norm());
     // One standard deviation of each, and what the other columns leave of it.
