@@ -52,31 +52,43 @@ std::vector<FramedObservation> EvaluateFrames(const CalibrationProblem& problem,
   return framed;
 }
 
+std::vector<Vector3<double>> MarkersOf(const ParameterSet& parameters) {
+  std::vector<Vector3<double>> markers;
+  for (int m = 0; m < parameters.num_markers(); ++m) markers.push_back(parameters.MarkerPoint(m));
+  return markers;
+}
+
+std::vector<Pose<double>> BasesOf(const ParameterSet& parameters) {
+  std::vector<Pose<double>> bases;
+  for (int s = 0; s < parameters.num_stations(); ++s) bases.push_back(parameters.BaseInStation(s));
+  return bases;
+}
+
 void RegisterStations(const std::vector<FramedObservation>& framed, ParameterSet* parameters) {
+  const std::vector<Vector3<double>> markers = MarkersOf(*parameters);
+  Eigen::Matrix3Xd points(3, framed.size()), targets(3, framed.size());
   for (int s = 0; s < parameters->num_stations(); ++s) {
     if (!AllFree(*parameters, parameters->station_translation(s)) ||
         !AllFree(*parameters, parameters->station_rotation(s))) {
       continue;
     }
-    std::vector<const FramedObservation*> seen;
+    Eigen::Index seen = 0;
     for (const FramedObservation& f : framed) {
-      if (f.station == s && f.reading.kind == ReadingKind::kPoint) seen.push_back(&f);
+      if (f.station != s || f.reading.kind != ReadingKind::kPoint) continue;
+      points.col(seen) = f.base_from_frame * markers[f.marker];
+      targets.col(seen++) = f.reading.point;
     }
-    Eigen::Matrix3Xd points(3, seen.size()), targets(3, seen.size());
-    for (size_t k = 0; k < seen.size(); ++k) {
-      points.col(k) = seen[k]->base_from_frame * parameters->MarkerPoint(seen[k]->marker);
-      targets.col(k) = seen[k]->reading.point;
-    }
-    parameters->SetBaseInStation(s, RegisterRigid(points, targets));
+    parameters->SetBaseInStation(s, RegisterRigid(points.leftCols(seen), targets.leftCols(seen)));
   }
 }
 
 void AverageMarkers(const std::vector<FramedObservation>& framed, ParameterSet* parameters) {
   std::vector<Vector3<double>> sum(parameters->num_markers(), Vector3<double>::Zero());
   std::vector<int> count(parameters->num_markers(), 0);
+  const std::vector<Pose<double>> bases = BasesOf(*parameters);
   for (const FramedObservation& f : framed) {
     if (f.reading.kind != ReadingKind::kPoint) continue;
-    const Pose<double> base_in_station = parameters->BaseInStation(f.station);
+    const Pose<double>& base_in_station = bases[f.station];
     const Vector3<double> in_base =
         base_in_station.rotation.transpose() * (f.reading.point - base_in_station.translation);
     // m = R_frame' (R_base' (p - t_base) - t_frame), averaged over the readings: least squares for equal noise.
@@ -109,10 +121,11 @@ void AverageRotations(const std::vector<FramedObservation>& framed, ParameterSet
 double DistanceRms(const std::vector<FramedObservation>& framed, const ParameterSet& parameters) {
   double sum = 0.0;
   int count = 0;
+  const std::vector<Pose<double>> bases = BasesOf(parameters);
+  const std::vector<Vector3<double>> markers = MarkersOf(parameters);
   for (const FramedObservation& f : framed) {
     if (f.reading.kind != ReadingKind::kPoint) continue;
-    const Vector3<double> predicted =
-        parameters.BaseInStation(f.station) * (f.base_from_frame * parameters.MarkerPoint(f.marker));
+    const Vector3<double> predicted = bases[f.station] * (f.base_from_frame * markers[f.marker]);
     sum += (predicted - f.reading.point).squaredNorm();
     ++count;
   }
