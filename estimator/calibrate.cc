@@ -76,20 +76,24 @@ void JudgeCalibration(const CalibrateOptions& options, std::shared_ptr<const Row
   AddIntervals(result->problem, {options.num_threads, options.progress}, &estimate);
   BetweenParts between;
   const FittedStream fitted(result->problem, std::move(rows));
+  FoldPlan folds = PlanFolds(result->problem, fitted, options.seed);
   if (options.method == Method::kJoint) {
     say("comparing parts of the data");
-    between = CheckAgreement(result->problem, fitted, {options.seed, RandomHalves(result->problem)}, &estimate);
+    between =
+        CheckAgreement(result->problem, fitted, {options.seed, RandomHalves(result->problem)}, &folds.rows, &estimate);
   }
-  const std::string misfit = WarningOfMisfit(result->problem, estimate.fit.distance_rms);
-  if (!misfit.empty()) estimate.warnings.push_back(misfit);
-  const std::optional<Finding> across = LintLoadDirection(result->problem);
-  if (across) estimate.warnings.push_back(across->words + "; " + across->remedy);
-  const std::string large = WarningOfLargeCorrections(result->problem, estimate.table);
-  if (!large.empty()) estimate.warnings.push_back(large);
   const bool is_held_for_noise = LeftOpen(estimate).size() < estimate.identifiability.unidentifiable.size();
   if (is_held_for_noise) estimate.message = HeldAtStatedNoise(estimate.identifiability.unidentifiable.size());
   say("cross-validating");
-  result->trust = JudgeTrust(result->problem, fitted, options.seed, &estimate, between);
+  result->trust = JudgeTrust(result->problem, fitted, folds, &estimate, between);
+  const std::string misfit = WarningOfMisfit(result->problem, estimate.fit.distance_rms);
+  if (!misfit.empty()) estimate.warnings.push_back(misfit);
+  if (result->trust.across) {
+    const Finding across = LoadDirectionInWords(*result->trust.across);
+    estimate.warnings.push_back(across.words + "; " + across.remedy);
+  }
+  const std::string large = WarningOfLargeCorrections(result->problem, estimate.table);
+  if (!large.empty()) estimate.warnings.push_back(large);
 }
 
 }  // namespace
@@ -125,10 +129,11 @@ Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& option
 Calibration ExtendedCalibration(const Diagnosis& diagnosis, std::uint64_t seed) {
   Calibration extended{*diagnosis.final.problem, diagnosis.final.estimate, {}};
   const FittedStream fitted(extended.problem);
+  FoldPlan folds = PlanFolds(extended.problem, fitted, seed);
   BetweenParts between =
-      CheckAgreement(extended.problem, fitted, {seed, RandomHalves(extended.problem)}, &extended.estimate);
+      CheckAgreement(extended.problem, fitted, {seed, RandomHalves(extended.problem)}, &folds.rows, &extended.estimate);
   AddTo(diagnosis.choice, &between);
-  extended.trust = JudgeTrust(extended.problem, fitted, seed, &extended.estimate, between);
+  extended.trust = JudgeTrust(extended.problem, fitted, folds, &extended.estimate, between);
   return extended;
 }
 

@@ -141,12 +141,12 @@ BetweenParts ModelErrorOf(const std::vector<PartComparison>& kinds, const std::m
 }
 
 // Returns the sandwich of the whole.
-RobustCovariance CompareSplits(const std::vector<Split>& splits, Whole* given, AgreementReport* report,
-                               BetweenParts* between) {
+RobustCovariance CompareSplits(const std::vector<Split>& splits, Whole* given, AlsoSummed* also,
+                               AgreementReport* report, BetweenParts* between) {
   std::map<SplitBy, Pool> kinds;
   std::map<SplitBy, PartMoments> moments;
   Pool random[2];  // by the model's covariance, by the sandwich
-  const SumsOfParts sums = SumParts(splits, given);
+  const SumsOfParts sums = SumParts(splits, given, also);
   if (!given->valid) return {};
   const Whole& whole = *given;
   std::vector<std::array<PartFit, 2>> fits;
@@ -235,9 +235,9 @@ bool SandwichIsLarger(const Whole& whole, const RobustCovariance& robust, double
   return robust.dof.size() > 0 && IsLarger(*ratio, Median({robust.dof.begin(), robust.dof.end()}));
 }
 
-// fitted: or null.
+// fitted, also: or null.
 BetweenParts CompareParts(const CalibrationProblem& problem, const FittedStream* fitted,
-                          const AgreementOptions& options, Estimate* estimate) {
+                          const AgreementOptions& options, AlsoSummed* also, Estimate* estimate) {
   Whole whole(problem, *estimate, fitted);
   AgreementReport& report = estimate->agreement;
   report = AgreementReport();
@@ -246,7 +246,7 @@ BetweenParts CompareParts(const CalibrationProblem& problem, const FittedStream*
   if (!whole.valid || whole.num_columns() == 0) return {};
   const std::vector<Split> splits = MakeSplits(problem, *estimate, whole.clusters, options.seed, options.random_halves);
   BetweenParts between;
-  const RobustCovariance robust = CompareSplits(splits, &whole, &report, &between);
+  const RobustCovariance robust = CompareSplits(splits, &whole, also, &report, &between);
   report.repeats = TestRepeats(whole);
   const bool larger = SandwichIsLarger(whole, robust, &report.sandwich_ratio);
   report.known = !report.kinds.empty();
@@ -264,12 +264,12 @@ BetweenParts CompareParts(const CalibrationProblem& problem, const FittedStream*
 }  // namespace
 
 BetweenParts CheckAgreement(const CalibrationProblem& problem, const AgreementOptions& options, Estimate* estimate) {
-  return CompareParts(problem, nullptr, options, estimate);
+  return CompareParts(problem, nullptr, options, nullptr, estimate);
 }
 
 BetweenParts CheckAgreement(const CalibrationProblem& problem, const FittedStream& fitted,
-                            const AgreementOptions& options, Estimate* estimate) {
-  return CompareParts(problem, &fitted, options, estimate);
+                            const AgreementOptions& options, AlsoSummed* also, Estimate* estimate) {
+  return CompareParts(problem, &fitted, options, also, estimate);
 }
 
 }  // namespace sagitta

@@ -15,6 +15,7 @@
 #include "estimator/agreement/between_parts.h"
 #include "estimator/estimate/agreement_report.h"
 #include "estimator/estimate/estimate.h"
+#include "estimator/least_squares/part_sums.h"
 #include "estimator/least_squares/row_stream.h"
 #include "problems/calibration_problem.h"
 
@@ -28,8 +29,8 @@ struct AgreementOptions {
 // Fills estimate->agreement of a judged estimate (with its intervals), words included. Returns the model error where
 // parts contradict each other.
 BetweenParts CheckAgreement(const CalibrationProblem& problem, const AgreementOptions& options, Estimate* estimate);
-// The same where the rows that were fitted are at hand.
+// The same where the rows that were fitted are at hand. also: summed in the same pass where there is one.
 BetweenParts CheckAgreement(const CalibrationProblem& problem, const FittedStream& fitted,
-                            const AgreementOptions& options, Estimate* estimate);
+                            const AgreementOptions& options, AlsoSummed* also, Estimate* estimate);
 
 }  // namespace sagitta

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <optional>
 #include <utility>
 
 #include "estimator/least_squares/cluster_sandwich.h"
@@ -127,55 +126,12 @@ bool ForEachRow(const Whole& whole, const std::function<void(int, const double*)
   return true;
 }
 
-// Sums of a few splits: observations that go together in all of them are summed once.
-class Cells {
- public:
-  static constexpr size_t kMost = 7;  // splits: at most 3^7 cells, 2^7 where every observation has its side
-
-  Cells(const std::vector<Split>& splits, size_t first, size_t last, size_t observations, int numbers)
-      : first_(first), last_(last), numbers_(numbers), cell_of_(observations, 0) {
-    size_t place = 1;
-    for (size_t s = first; s < last; ++s, place *= 3) {
-      for (const int k : splits[s].first) cell_of_[k] += static_cast<int>(place);
-      for (const int k : splits[s].second) cell_of_[k] += static_cast<int>(2 * place);
-    }
-    sums_.resize(place);
-  }
-  void Add(int position, const double* rows) {
-    std::optional<Cell>& own = sums_[static_cast<size_t>(cell_of_[position])];
-    if (!own) own.emplace(numbers_);
-    for (int axis = 0; axis < 3; ++axis) own->sum.Add(rows + axis * numbers_);
-    own->rows += 3;
-  }
-  // Of all rows.
-  Eigen::MatrixXd AddTo(SumsOfParts* parts) {
-    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(numbers_, numbers_);
-    for (size_t cell = 0; cell < sums_.size(); ++cell) {
-      if (!sums_[cell]) continue;
-      const Eigen::MatrixXd total = sums_[cell]->sum.Total();
-      all += total;
-      size_t sides = cell;
-      for (size_t s = first_; s < last_; ++s, sides /= 3) {
-        if (sides % 3 == 0) continue;
-        NormalSums& part = (*parts)[s][sides % 3 - 1];
-        part.matrix += total;
-        part.rows += sums_[cell]->rows;
-      }
-    }
-    return all;
-  }
-
- private:
-  struct Cell {
-    explicit Cell(int numbers) : sum(numbers) {}
-    SumOfRows sum;
-    int rows = 0;
-  };
-  size_t first_, last_;
-  int numbers_;
-  std::vector<int> cell_of_;
-  std::vector<std::optional<Cell>> sums_;  // by cell; none where no observation is
-};
+Partition PartitionOf(const Split& split, size_t observations) {
+  Partition partition{2, std::vector<int>(observations, -1)};
+  for (const int k : split.first) partition.part_of[k] = 0;
+  for (const int k : split.second) partition.part_of[k] = 1;
+  return partition;
+}
 
 }  // namespace
 
@@ -209,7 +165,7 @@ Whole::Whole(const CalibrationProblem& given, const Estimate& at, const FittedSt
   squared_residual = rows.residual.squaredNorm();
 }
 
-std::array<PartFit, 2> FitParts(const Whole& whole, const Split& split, const std::array<NormalSums, 2>* sums) {
+std::array<PartFit, 2> FitParts(const Whole& whole, const Split& split, const std::vector<NormalSums>* sums) {
   const Part parts[2] = {{whole, split.first, sums != nullptr ? &(*sums)[0] : nullptr},
                          {whole, split.second, sums != nullptr ? &(*sums)[1] : nullptr}};
   std::vector<int> columns[2];
@@ -228,29 +184,25 @@ std::array<PartFit, 2> FitParts(const Whole& whole, const Split& split, const st
   return fits;
 }
 
-SumsOfParts SumParts(const std::vector<Split>& splits, Whole* whole) {
+SumsOfParts SumParts(const std::vector<Split>& splits, Whole* whole, AlsoSummed* also) {
   if (whole->are_held && !AreMany(whole->rows)) return {};
-  const int numbers = whole->num_columns() + 1;
-  const NormalSums none{true, whole->columns, Eigen::MatrixXd::Zero(numbers, numbers), 0};
-  SumsOfParts sums(splits.size(), {none, none});
-  std::vector<Cells> cells;
-  for (size_t first = 0; first == 0 || first < splits.size(); first += Cells::kMost) {
-    cells.emplace_back(splits, first, std::min(splits.size(), first + Cells::kMost), whole->observations.size(),
-                       numbers);
-  }
-  whole->valid = ForEachRow(*whole, [&](int position, const double* rows) {
-    for (Cells& own : cells) own.Add(position, rows);
-  });
-  whole->sums = none;
-  for (Cells& own : cells) whole->sums.matrix = own.AddTo(&sums);
+  PartSums summed(whole->observations.size(), whole->columns);
+  for (const Split& split : splits) summed.Divide(PartitionOf(split, whole->observations.size()));
+  const bool are_shared = also != nullptr && !whole->own_stream && !whole->are_held;
+  if (are_shared) summed.Divide(also->partition);
+  whole->valid = ForEachRow(*whole, [&](int position, const double* rows) { summed.Add(position, rows); });
+  SummedParts totals = summed.Totals();
+  if (are_shared && whole->valid) also->sums = std::move(totals.parts.back());
+  totals.parts.resize(splits.size());
+  whole->sums = std::move(totals.all);
   if (!whole->are_held) {
     whole->turns.TurnSums(&whole->sums.matrix);
-    for (std::array<NormalSums, 2>& parts : sums) {
+    for (std::vector<NormalSums>& parts : totals.parts) {
       for (NormalSums& part : parts) whole->turns.TurnSums(&part.matrix);
     }
   }
   whole->squared_residual = whole->sums.squared_residual();
-  return sums;
+  return std::move(totals.parts);
 }
 
 bool IsLarger(double ratio, double dof) {

@@ -9,6 +9,7 @@
 #include "estimator/agreement/splits.h"
 #include "estimator/estimate/estimate.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/part_sums.h"
 #include "estimator/least_squares/row_stream.h"
 #include "estimator/least_squares/row_sums.h"
 #include "estimator/least_squares/sandwich.h"
@@ -57,11 +58,12 @@ struct PartFit {
 
 // Sums of both parts of every split from one pass, and those of the whole; empty where rows are few: then
 // they are used as they are.
-using SumsOfParts = std::vector<std::array<NormalSums, 2>>;
-SumsOfParts SumParts(const std::vector<Split>& splits, Whole* whole);
+using SumsOfParts = std::vector<std::vector<NormalSums>>;
+// also: or null.
+SumsOfParts SumParts(const std::vector<Split>& splits, Whole* whole, AlsoSummed* also);
 
 // Both with what either does not determine held. sums: of this split, or null.
-std::array<PartFit, 2> FitParts(const Whole& whole, const Split& split, const std::array<NormalSums, 2>* sums);
+std::array<PartFit, 2> FitParts(const Whole& whole, const Split& split, const std::vector<NormalSums>* sums);
 
 // True where a sandwich that is `ratio` times the model's, standard deviations, is larger than chance makes it: a
 // variance with nu degrees of freedom scatters by sqrt(1 / (2 nu)) of its root.

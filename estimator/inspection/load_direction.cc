@@ -209,12 +209,16 @@ std::optional<LoadDirection> FindLoadDirection(const CalibrationProblem& problem
   return std::nullopt;
 }
 
+Finding LoadDirectionInWords(const LoadDirection& found) {
+  return Found(Severity::kSerious, "load_direction",
+               LoadsPullAcross(found.angle, found.fitted, found.stated, found.fitted_in_frame, found.stated_in_base,
+                               found.left_stated, found.left));
+}
+
 std::optional<Finding> LintLoadDirection(const CalibrationProblem& problem) {
   const std::optional<LoadDirection> found = FindLoadDirection(problem);
   if (!found) return std::nullopt;
-  return Found(Severity::kSerious, "load_direction",
-               LoadsPullAcross(found->angle, found->fitted, found->stated, found->fitted_in_frame,
-                               found->stated_in_base, found->left_stated, found->left));
+  return LoadDirectionInWords(*found);
 }
 
 }  // namespace sagitta

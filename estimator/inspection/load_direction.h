@@ -29,6 +29,8 @@ struct LoadDirection {
 // stated, or where the deflections do not say otherwise beyond doubt.
 std::optional<LoadDirection> FindLoadDirection(const CalibrationProblem& problem);
 
+// The finding that says so.
+Finding LoadDirectionInWords(const LoadDirection& found);
 std::optional<Finding> LintLoadDirection(const CalibrationProblem& problem);
 
 }  // namespace sagitta

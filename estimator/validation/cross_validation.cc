@@ -17,7 +17,6 @@
 #include "estimator/least_squares/identifiability.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/normal_equations.h"
-#include "estimator/least_squares/row_sums.h"
 #include "problems/io/files.h"
 #include "problems/split.h"
 
@@ -35,28 +34,13 @@ std::vector<int> MovingColumns(const Estimate& estimate) {
 
 // What is summed of the observations of one fold.
 struct Fold {
-  explicit Fold(int columns) : rows(columns + 1), predicted(columns) {}
-  SumOfRows rows;           // [J r] as fitted, without priors
+  Fold(int columns, Eigen::MatrixXd summed) : predicted(columns), total(std::move(summed)) {}
   PredictedSums predicted;  // of its points
-  Eigen::MatrixXd total;    // of `rows`
+  Eigen::MatrixXd total;    // [J r]'[J r] of its rows as fitted, without priors
   Eigen::VectorXd step;     // of the fit without it, SI
   Eigen::MatrixXd root;     // R of that fit: R R' = (J'J)^-1
   bool loses = false;       // the fit without it holds more than the whole
 };
-
-// Which configurations go together.
-struct FoldPlan {
-  int count = 0;
-  std::vector<int> fold_of;  // of each configuration; -1: it is not fitted
-};
-
-FoldPlan PlanFolds(const CalibrationProblem& problem, const FittedStream& fitted, std::uint64_t seed) {
-  FoldPlan plan;
-  if (fitted.observations().empty()) return plan;
-  plan.fold_of = FoldsOf(problem, seed);
-  plan.count = 1 + *std::max_element(plan.fold_of.begin(), plan.fold_of.end());
-  return plan;
-}
 
 size_t FoldAt(const CalibrationProblem& problem, const FoldPlan& plan, int observation) {
   return static_cast<size_t>(
@@ -213,23 +197,40 @@ std::vector<int> AlignedColumns(const ParameterSet& aligned) {
   return columns;
 }
 
-// Every fold's sums, and the step of the fit without it. Nothing: an equilibrium diverges.
-std::optional<DividedFit> Divide(const CalibrationProblem& problem, const FittedStream& fitted,
-                                 const Estimate& estimate, const FoldPlan& plan, const Division& whole) {
+// Nothing: an equilibrium diverges, or there is nothing to sum.
+std::vector<NormalSums> SumFolds(const FittedStream& fitted, const Partition& folds, const Division& whole) {
+  if (whole.columns.empty()) return {};
+  PartSums sums(fitted.observations().size(), whole.columns);
+  sums.Divide(folds);
+  const bool valid = fitted.ForEach(whole.parameters, whole.columns, [&](const RowPiece& piece) {
+    for (int i = 0; i < piece.num_observations(); ++i) sums.Add(piece.positions[i], &piece.rows(3 * i, 0));
+  });
+  return valid ? std::move(sums.Totals().parts.front()) : std::vector<NormalSums>();
+}
+
+// Of sums that have all of the listed coordinates.
+Eigen::MatrixXd SumsOfColumns(const NormalSums& sums, const std::vector<int>& columns) {
+  if (sums.columns == columns) return sums.matrix;
+  std::vector<int> places;
+  for (const int i : columns) {
+    places.push_back(static_cast<int>(std::find(sums.columns.begin(), sums.columns.end(), i) - sums.columns.begin()));
+  }
+  return SelectColumns(sums, places).matrix;
+}
+
+// Every fold's sums, and the step of the fit without it. summed: of the folds, with all columns and maybe more; empty
+// where an equilibrium diverges, and nothing comes out.
+std::optional<DividedFit> Divide(const CalibrationProblem& problem, const Estimate& estimate, const Division& whole,
+                                 const std::vector<NormalSums>& summed) {
   DividedFit fit;
   fit.columns = whole.columns;
-  const auto n = static_cast<Eigen::Index>(whole.columns.size());
-  for (int f = 0; f < plan.count; ++f) fit.folds.emplace_back(static_cast<int>(n));
   if (whole.columns.empty()) return fit;
-  const bool valid = fitted.ForEach(whole.parameters, whole.columns, [&](const RowPiece& piece) {
-    for (int k = 0; k < 3 * piece.num_observations(); ++k) {
-      const int i = fitted.observations()[piece.positions[k / 3]];
-      fit.folds[FoldAt(problem, plan, i)].rows.Add(&piece.rows(k, 0));
-    }
-  });
-  if (!valid) return std::nullopt;
+  if (summed.empty()) return std::nullopt;
+  const auto n = static_cast<Eigen::Index>(whole.columns.size());
   Eigen::MatrixXd sums = SumRows(PriorsOf(whole.parameters, whole.columns)).matrix;
-  for (Fold& fold : fit.folds) sums += fold.total = fold.rows.Total();
+  for (const NormalSums& own : summed) {
+    sums += fit.folds.emplace_back(static_cast<int>(n), SumsOfColumns(own, whole.columns)).total;
+  }
   const Eigen::VectorXd scale = sums.diagonal().head(n).cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
   for (Fold& fold : fit.folds) {
     Eigen::MatrixXd left = sums - fold.total;
@@ -264,7 +265,7 @@ class WithoutFold {
   bool AreDetermined(const Blocks& blocks) const {
     // Of a column's square: a difference of sums that is less is round-off. Of the eigenvalues where columns have unit
     // norm: two points at a station leave 0, three that are 1 mm off one line at 10 m 1e-8.
-    constexpr double kRoundOff = 1e-7, kRank = 1e-9;
+    constexpr double kLeast = 1e-7, kRank = 1e-9;
     std::vector<int> places;
     for (size_t c = 0; c < columns_.size(); ++c) {
       const int block = estimate_.parameters.coordinates()[columns_[c]].block;
@@ -273,7 +274,7 @@ class WithoutFold {
     }
     if (places.empty()) return true;
     const Eigen::MatrixXd all = sums_(places, places), left = all - fold_.total(places, places);
-    if ((left.diagonal().array() <= kRoundOff * all.diagonal().array()).any()) return false;
+    if ((left.diagonal().array() <= kLeast * all.diagonal().array()).any()) return false;
     const Eigen::VectorXd scale = left.diagonal().cwiseSqrt().cwiseInverse();
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * left * scale.asDiagonal(),
                                                                Eigen::EigenvaluesOnly);
@@ -396,18 +397,29 @@ std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed) 
   return folds;
 }
 
+FoldPlan PlanFolds(const CalibrationProblem& problem, const FittedStream& fitted, std::uint64_t seed) {
+  FoldPlan plan;
+  if (fitted.observations().empty()) return plan;
+  plan.fold_of = FoldsOf(problem, seed);
+  Partition& partition = plan.rows.partition;
+  partition.parts = 1 + *std::max_element(plan.fold_of.begin(), plan.fold_of.end());
+  for (const int i : fitted.observations()) partition.part_of.push_back(static_cast<int>(FoldAt(problem, plan, i)));
+  return plan;
+}
+
 CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate& estimate, std::uint64_t seed) {
-  return CrossValidate(problem, FittedStream(problem), estimate, seed);
+  const FittedStream fitted(problem);
+  return CrossValidate(problem, fitted, estimate, PlanFolds(problem, fitted, seed));
 }
 
 CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStream& fitted, const Estimate& estimate,
-                              std::uint64_t seed) {
+                              const FoldPlan& plan) {
   CrossValidation result;
   const Division calibrated{estimate.parameters, MovingColumns(estimate), estimate.predicted};
-  if (calibrated.columns.empty()) return result;
-  const FoldPlan plan = PlanFolds(problem, fitted, seed);
-  if (plan.count < 2) return result;
-  std::optional<DividedFit> fit = Divide(problem, fitted, estimate, plan, calibrated);
+  if (calibrated.columns.empty() || plan.count() < 2) return result;
+  const auto sums_of = [&](const Division& whole) { return SumFolds(fitted, plan.rows.partition, whole); };
+  std::optional<DividedFit> fit =
+      Divide(problem, estimate, calibrated, plan.rows.sums.empty() ? sums_of(calibrated) : plan.rows.sums);
   if (!fit) return result;
   const std::vector<int> points = problem.data().PointsAmong(fitted.observations());
   const std::vector<int> quoted = Predictable(problem, estimate, plan, *fit, points, &result.unpredictable);
@@ -420,12 +432,12 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStr
     predicted.of_noise += own.of_noise;
     predicted.trace_of_square += own.trace_of_square;
   }
-  result.folds = plan.count;
+  result.folds = plan.count();
   result.unseen = MeasureUnseen(problem, quoted, errors);
   ComparePrediction(predicted, estimate, &result.unseen);
   if (estimate.predicted_aligned.cols() == 0) return result;
   const Division aligned{estimate.aligned, AlignedColumns(estimate.aligned), estimate.predicted_aligned};
-  std::optional<DividedFit> alignment = Divide(problem, fitted, estimate, plan, aligned);
+  std::optional<DividedFit> alignment = Divide(problem, estimate, aligned, sums_of(aligned));
   if (!alignment) return result;
   errors = ErrorsOfFolds(problem, fitted, estimate, plan, aligned, quoted, false, &*alignment);
   result.nominal = MeasureUnseen(problem, quoted, errors);

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "estimator/least_squares/part_sums.h"
 #include "estimator/least_squares/row_stream.h"
 #include "estimator/validation/unseen.h"
 
@@ -39,10 +40,20 @@ constexpr int kFolds = 10;
 // (FORMATS section 3), dealt in turn.
 std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed);
 
+// Which configurations go together, and what was fitted of them.
+struct FoldPlan {
+  std::vector<int> fold_of;  // of each configuration; -1: it is not fitted
+  AlsoSummed rows;           // at the estimate: summed before, or in a pass of its own
+
+  int count() const { return rows.partition.parts; }
+};
+// Nothing is summed yet.
+FoldPlan PlanFolds(const CalibrationProblem& problem, const FittedStream& fitted, std::uint64_t seed);
+
 // Of a judged estimate.
 CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate& estimate, std::uint64_t seed);
 // The same where the rows that were fitted are at hand.
 CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStream& fitted, const Estimate& estimate,
-                              std::uint64_t seed);
+                              const FoldPlan& plan);
 
 }  // namespace sagitta

@@ -11,7 +11,6 @@
 #include "estimator/estimate/parameter_table.h"
 #include "estimator/inspection/data_lint.h"
 #include "estimator/inspection/explained_errors.h"
-#include "estimator/inspection/load_direction.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/normal_equations.h"
@@ -246,8 +245,7 @@ std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const
   if (estimate.fit.distance_rms > SuspiciousMisfit(problem)) {
     reasons.push_back(RobotStillMisses(estimate.fit.distance_rms, !trust.suspects.empty()));
   }
-  if (const std::optional<LoadDirection> across = FindLoadDirection(problem))
-    reasons.push_back(WeightsPullAcross(across->angle));
+  if (trust.across) reasons.push_back(WeightsPullAcross(trust.across->angle));
   return reasons;
 }
 
@@ -277,15 +275,16 @@ std::vector<std::string> LimitsOf(const CalibrationProblem& problem, const Estim
 
 Trust JudgeTrust(const CalibrationProblem& problem, std::uint64_t seed, Estimate* estimate,
                  const BetweenParts& between) {
-  return JudgeTrust(problem, FittedStream(problem), seed, estimate, between);
+  const FittedStream fitted(problem);
+  return JudgeTrust(problem, fitted, PlanFolds(problem, fitted, seed), estimate, between);
 }
 
-Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, std::uint64_t seed, Estimate* estimate,
-                 const BetweenParts& between) {
+Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, const FoldPlan& folds,
+                 Estimate* estimate, const BetweenParts& between) {
   Trust trust;
   trust.between = between;
   trust.suspects = FindSuspects(problem, fitted, *estimate);
-  trust.cross_validation = CrossValidate(problem, fitted, *estimate, seed);
+  trust.cross_validation = CrossValidate(problem, fitted, *estimate, folds);
   trust.holdout = JudgeHoldout(problem, *estimate);
   const std::vector<int> quoted =
       trust.holdout.points > 0 ? problem.ValidationObservations() : problem.CalibrationObservations();
@@ -294,6 +293,7 @@ Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, 
   trust.nominal = trust.holdout.points > 0 ? NominalOnHoldout(problem, *estimate) : trust.cross_validation.nominal;
   trust.gain = CompareRms(trust.nominal, trust.Quoted(), problem.experiment().significance, kBetter);
   AddModelError(problem.experiment().significance, &trust, estimate);
+  trust.across = FindLoadDirection(problem);
   trust.verdict.reasons = ReasonsAgainst(problem, *estimate, trust);
   trust.verdict.trusted = trust.verdict.reasons.empty();
   trust.limits = LimitsOf(problem, *estimate);

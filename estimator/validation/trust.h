@@ -4,10 +4,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "estimator/agreement/between_parts.h"
+#include "estimator/inspection/load_direction.h"
 #include "estimator/validation/cross_validation.h"
 #include "estimator/validation/noise_share.h"
 #include "estimator/validation/suspects.h"
@@ -29,6 +31,7 @@ struct Trust {
   NoiseShare noise;                  // of the errors that are quoted
   PoseRepeatability repeatability;   // RP of ISO 9283, of all points
   std::vector<Suspect> suspects;
+  std::optional<LoadDirection> across;  // where weights do not pull as stated
   // Model error: what it is between parts of the data, at least the excess where points that were not fitted are off by
   // more than predicted.
   BetweenParts between;                   // not known: the parts agree
@@ -50,7 +53,7 @@ struct Trust {
 Trust JudgeTrust(const CalibrationProblem& problem, std::uint64_t seed, Estimate* estimate,
                  const BetweenParts& between = {});
 // The same where the rows that were fitted are at hand.
-Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, std::uint64_t seed, Estimate* estimate,
-                 const BetweenParts& between);
+Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, const FoldPlan& folds,
+                 Estimate* estimate, const BetweenParts& between);
 
 }  // namespace sagitta
