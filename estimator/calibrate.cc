@@ -31,13 +31,14 @@ CalibrationProblem ReadExperiment(const std::vector<std::string>& paths) {
   ExperimentInputs inputs = ReadExperimentInputs(paths);
   CalibrationProblem problem =
       MakeCalibrationProblem(std::move(inputs.robot), std::move(inputs.data), std::move(inputs.experiment));
-  CheckUnits(problem);
+  CheckUnits(problem, AlignedSample(problem));
   return problem;
 }
 
 void CheckReadings(const CalibrationProblem& problem, const std::string& remedy) {
-  CheckUnits(problem);
-  const Plausibility found = CheckPlausible(problem);
+  const AlignedSample aligned(problem);
+  CheckUnits(problem, aligned);
+  const Plausibility found = CheckPlausible(problem, aligned);
   if (found.plausible) return;
   throw InputError({}, "the nominal robot cannot have made these readings: " + found.finding.words,
                    found.finding.remedy + "; " + remedy);

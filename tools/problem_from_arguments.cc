@@ -104,7 +104,7 @@ CalibrationProblem ProblemAsStated(ExperimentInputs inputs) {
 
 CalibrationProblem ProblemFromInputs(ExperimentInputs inputs) {
   CalibrationProblem problem = ProblemAsStated(std::move(inputs));
-  CheckUnits(problem);
+  CheckUnits(problem, AlignedSample(problem));
   return problem;
 }
 

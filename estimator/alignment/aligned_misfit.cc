@@ -59,17 +59,16 @@ std::vector<int> SampleOfRows(const CalibrationProblem& problem) {
   return sample;
 }
 
-double AlignedMisfit(const CalibrationProblem& problem, const std::vector<int>& rows) {
-  ParameterSet parameters = problem.parameters;
-  const double rigid = FindStartingValues(problem, rows, StartingValueOptions(), &parameters);
+namespace {
+
+double AlignTo(const CalibrationProblem& problem, const std::vector<int>& rows, ParameterSet* parameters) {
+  const double rigid = FindStartingValues(problem, rows, StartingValueOptions(), parameters);
   const std::vector<int> points = problem.data().PointsAmong(rows);
   if (points.empty()) return rigid;
-  const Eigen::Matrix3Xd errors = ResidualsOf(problem.data(), points, PredictPoints(problem, parameters, points));
+  const Eigen::Matrix3Xd errors = ResidualsOf(problem.data(), points, PredictPoints(problem, *parameters, points));
   const double deflected = std::sqrt(errors.squaredNorm() / static_cast<double>(points.size()));
   return std::isfinite(deflected) ? std::min(rigid, deflected) : rigid;
 }
-
-namespace {
 
 // Where the unloaded arm has the points, shot by shot.
 Eigen::Matrix3Xd RigidPoints(const CalibrationProblem& problem, const ParameterSet& parameters,
@@ -94,9 +93,15 @@ Eigen::Matrix3Xd RigidPoints(const CalibrationProblem& problem, const ParameterS
 
 }  // namespace
 
-bool MissesAllRows(const CalibrationProblem& problem, double limit) {
+double AlignedMisfit(const CalibrationProblem& problem, const std::vector<int>& rows) {
   ParameterSet parameters = problem.parameters;
-  FindStartingValues(problem, SampleOfRows(problem), StartingValueOptions(), &parameters);
+  return AlignTo(problem, rows, &parameters);
+}
+
+AlignedSample::AlignedSample(const CalibrationProblem& problem)
+    : rows(SampleOfRows(problem)), parameters(problem.parameters), misfit(AlignTo(problem, rows, &parameters)) {}
+
+bool MissesAllRows(const CalibrationProblem& problem, const AlignedSample& aligned, double limit) {
   const std::vector<int> points = problem.data().PointsAmong(problem.CalibrationObservations());
   const auto misfit_of = [&](const Eigen::Matrix3Xd& predicted) {
     double squares = 0.0;
@@ -107,8 +112,8 @@ bool MissesAllRows(const CalibrationProblem& problem, double limit) {
     return std::sqrt(squares / static_cast<double>(std::max<size_t>(1, points.size())));
   };
   // Rows that are far off are so from the unloaded arm too, and that costs a third.
-  return misfit_of(RigidPoints(problem, parameters, points)) > 0.5 * limit &&
-         misfit_of(PredictPoints(problem, parameters, points)) > limit;
+  return misfit_of(RigidPoints(problem, aligned.parameters, points)) > 0.5 * limit &&
+         misfit_of(PredictPoints(problem, aligned.parameters, points)) > limit;
 }
 
 std::vector<Matrix3<double>> AlignedOrientations(const CalibrationProblem& problem) {

@@ -23,9 +23,18 @@ std::vector<int> SampleOfRows(const CalibrationProblem& problem);
 // that is stated wrongly is no reason to doubt robot or instrument.
 double AlignedMisfit(const CalibrationProblem& problem, const std::vector<int>& rows);
 
-// Whether that of all calibration rows of points, aligned to a sample of them, is more than `limit`: what a sample may
-// have missed.
-bool MissesAllRows(const CalibrationProblem& problem, double limit);
+// The nominal robot aligned to SampleOfRows: what every check of readings begins with.
+struct AlignedSample {
+  explicit AlignedSample(const CalibrationProblem& problem);
+
+  std::vector<int> rows;
+  ParameterSet parameters;
+  double misfit = 0.0;  // AlignedMisfit, m
+};
+
+// Whether the misfit of all calibration rows of points, aligned to a sample of them, is more than `limit`: what a
+// sample may have missed.
+bool MissesAllRows(const CalibrationProblem& problem, const AlignedSample& aligned, double limit);
 
 // Where the nominal robot has the frame of each observation of a point, base poses fitted to a sample of the points:
 // station_from_frame.

@@ -6,7 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "estimator/alignment/aligned_misfit.h"
 #include "estimator/report/calibration_words.h"
 #include "models/constants.h"
 #include "problems/input_error.h"
@@ -116,9 +115,9 @@ UnitFinding DescribeUnits(const CalibrationProblem& problem, const UnitReading& 
 
 }  // namespace
 
-std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem, const std::string& point_prefix) {
-  const std::vector<int> sample = SampleOfRows(problem);
-  const double before = AlignedMisfit(problem, sample);
+std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem, const AlignedSample& aligned,
+                                          const std::string& point_prefix) {
+  const double before = aligned.misfit;
   const double tolerance = kSuspiciousUnit * Reach(problem.robot().chain);
   if (!(before > tolerance)) return std::nullopt;
   for (const UnitReading& reading : kReadings) {
@@ -126,15 +125,19 @@ std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem, con
     const std::vector<bool> concerned = FilesConcerned(reading, point_prefix, problem);
     const auto first = std::find(concerned.begin(), concerned.end(), true);
     if (first == concerned.end()) continue;
-    const double after = AlignedMisfit(RereadInUnits(problem, reading, concerned), sample);
+    const double after = AlignedMisfit(RereadInUnits(problem, reading, concerned), aligned.rows);
     if (after * kUnitImprovement > before || after > tolerance) continue;
     return DescribeUnits(problem, reading, point_prefix, static_cast<int>(first - concerned.begin()), before, after);
   }
   return std::nullopt;
 }
 
-void CheckUnits(const CalibrationProblem& problem) {
-  if (const std::optional<UnitFinding> finding = GuessWrongUnit(problem)) {
+std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem, const std::string& point_prefix) {
+  return GuessWrongUnit(problem, AlignedSample(problem), point_prefix);
+}
+
+void CheckUnits(const CalibrationProblem& problem, const AlignedSample& aligned) {
+  if (const std::optional<UnitFinding> finding = GuessWrongUnit(problem, aligned)) {
     throw InputError({finding->file, finding->line, finding->column}, finding->words, finding->hint);
   }
 }

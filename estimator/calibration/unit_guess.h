@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "estimator/alignment/aligned_misfit.h"
 #include "estimator/estimate/estimate.h"
 #include "problems/calibration_problem.h"
 
@@ -24,10 +25,13 @@ struct UnitFinding {
 // other reading is at least ten times better. Points of other columns than
 // x_mm, y_mm, z_mm say which: `point_prefix`, as in sim_x_mm, which knows no
 // other unit; joints are then assumed to be right.
+std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem, const AlignedSample& aligned,
+                                          const std::string& point_prefix = "");
+// The same of what is not aligned yet.
 std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem, const std::string& point_prefix = "");
 
 // Throws InputError where GuessWrongUnit finds one.
-void CheckUnits(const CalibrationProblem& problem);
+void CheckUnits(const CalibrationProblem& problem, const AlignedSample& aligned);
 
 // A warning where a link's length is corrected by more than a tenth and 5 mm. "": none.
 std::string WarningOfLargeCorrections(const CalibrationProblem& problem, const std::vector<ParameterEstimate>& table);

@@ -76,17 +76,17 @@ Finding ExplainKnown(const CalibrationProblem& known, const KnownMisfit& misfit)
                                       misfit.median));
   }
   const CalibrationProblem free = WithFreePlaces(known);
-  const std::vector<int> sample = SampleOfRows(free);
-  if (3 * sample.size() < kEquationsPerPlaceNumber * free.parameters.EstimatedCoordinates().size())
+  if (3 * SampleOfRows(free).size() < kEquationsPerPlaceNumber * free.parameters.EstimatedCoordinates().size())
     return Found(Severity::kSerious, "not_these_readings", NotTheseReadings(misfit.median));
-  const double fitted = AlignedMisfit(free, sample);
+  const AlignedSample aligned(free);
+  const double fitted = aligned.misfit;
   if (fitted <= SuspiciousMisfit(free))
     return Found(Severity::kSerious, "stands_elsewhere", StandsElsewhere(misfit.median, fitted));
-  if (const std::optional<UnitFinding> unit = GuessWrongUnit(free)) {
+  if (const std::optional<UnitFinding> unit = GuessWrongUnit(free, aligned)) {
     const std::string why = unit->column + ": " + unit->words;
     return {Severity::kSerious, "unit", MissesAndWhy(misfit.median, why), unit->hint, {}};
   }
-  const ReadingLint lint = LintReadingsOfGoodRows(free);
+  const ReadingLint lint = LintReadingsOfGoodRows(free, aligned);
   if (!lint.is_explained) return Found(Severity::kSerious, "not_this_robot", NotThisRobot(misfit.median, fitted));
   Finding finding = lint.findings.front();
   finding.words = MissesAndWhy(misfit.median, finding.words);

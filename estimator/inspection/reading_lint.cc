@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/alignment/aligned_misfit.h"
 #include "estimator/calibration/unit_guess.h"
 #include "estimator/inspection/data_lint.h"
 #include "estimator/inspection/explained_errors.h"
@@ -49,13 +48,13 @@ Finding Unexplained(const CalibrationProblem& problem, double misfit, double sus
 
 // Next to a robot whose lengths are 1000 times too large any points are nearly one: then the robot in millimetres fits
 // them, and far better than their own mean does.
-std::optional<Finding> LongRobot(const CalibrationProblem& problem, const std::vector<int>& sample, double spread) {
+std::optional<Finding> LongRobot(const CalibrationProblem& problem, const AlignedSample& aligned, double spread) {
   if (Reach(problem.robot().chain) < kLongestArm) return std::nullopt;  // rather the points are in another unit
   Reading reading = RobotInMillimetres(problem);
-  reading.misfit = AlignedMisfit(Reread(problem, reading), sample);
+  reading.misfit = AlignedMisfit(Reread(problem, reading), aligned.rows);
   const bool fits = reading.misfit <= SuspiciousMisfit(reading.robot->chain);
   if (!fits || !(reading.misfit * kReadingImprovement < spread)) return std::nullopt;
-  return DescribeReading(reading, AlignedMisfit(problem, sample), {});
+  return DescribeReading(reading, aligned.misfit, {});
 }
 
 }  // namespace
@@ -63,21 +62,20 @@ std::optional<Finding> LongRobot(const CalibrationProblem& problem, const std::v
 double SuspiciousMisfit(const Chain& chain) { return kSuspiciousReading * Reach(chain); }
 double SuspiciousMisfit(const CalibrationProblem& problem) { return kSuspiciousReading * Reach(problem); }
 
-ReadingLint LintReadings(const CalibrationProblem& problem) {
+ReadingLint LintReadings(const CalibrationProblem& problem, const AlignedSample& aligned) {
   ReadingLint lint;
-  const std::vector<int> sample = SampleOfRows(problem);
   const double suspicious = SuspiciousMisfit(problem);
-  lint.misfit = AlignedMisfit(problem, sample);
+  lint.misfit = aligned.misfit;
   lint.readings.push_back({"as stated", lint.misfit});
   if (lint.misfit <= suspicious) return lint;
-  const ExplainedErrors errors = ExplainByErrors(problem, sample);
+  const ExplainedErrors errors = ExplainByErrors(problem, aligned.rows);
   lint.is_suspicious = !(errors.left <= suspicious && errors.relative <= kLargestError);
   if (!lint.is_suspicious) return lint;
   double spread = 0.0;
   const bool is_one_point = AreAllOnePoint(problem, &spread);
-  const std::optional<Finding> robot = is_one_point ? LongRobot(problem, sample, spread) : std::nullopt;
+  const std::optional<Finding> robot = is_one_point ? LongRobot(problem, aligned, spread) : std::nullopt;
   // Metres that are called mm lie within millimetres of each other, too.
-  const auto unit = robot ? std::nullopt : GuessWrongUnit(problem);
+  const auto unit = robot ? std::nullopt : GuessWrongUnit(problem, aligned);
   if (robot) {
     lint.findings.push_back(*robot);
   } else if (unit) {
@@ -126,8 +124,8 @@ ReadingLint LintReadings(const CalibrationProblem& problem) {
   return lint;
 }
 
-ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem) {
-  ReadingLint lint = LintReadings(problem);
+ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem, const AlignedSample& aligned) {
+  ReadingLint lint = LintReadings(problem, aligned);
   if (lint.is_explained) return lint;
   if (const std::optional<Finding> rotations = LintRotations(problem)) {
     lint.findings = {*rotations};
@@ -135,7 +133,7 @@ ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem) {
     return lint;
   }
   const double suspicious = SuspiciousMisfit(problem);
-  const bool is_missed = lint.misfit <= suspicious && MissesAllRows(problem, suspicious);  // by the sample
+  const bool is_missed = lint.misfit <= suspicious && MissesAllRows(problem, aligned, suspicious);  // by the sample
   if (!lint.is_suspicious && !is_missed) return lint;
   std::optional<OtherLabel> other = FindOtherFrame(problem);
   std::optional<FarRows> far_rows;
@@ -164,10 +162,20 @@ ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem) {
   return lint;
 }
 
-Plausibility CheckPlausible(const CalibrationProblem& problem) {
-  const ReadingLint lint = LintReadingsOfGoodRows(problem);
+Plausibility CheckPlausible(const CalibrationProblem& problem, const AlignedSample& aligned) {
+  const ReadingLint lint = LintReadingsOfGoodRows(problem, aligned);
   if (!lint.is_suspicious) return {};
   return {false, lint.findings.front()};
+}
+
+ReadingLint LintReadings(const CalibrationProblem& problem) { return LintReadings(problem, AlignedSample(problem)); }
+
+ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem) {
+  return LintReadingsOfGoodRows(problem, AlignedSample(problem));
+}
+
+Plausibility CheckPlausible(const CalibrationProblem& problem) {
+  return CheckPlausible(problem, AlignedSample(problem));
 }
 
 }  // namespace sagitta

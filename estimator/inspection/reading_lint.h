@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "estimator/alignment/aligned_misfit.h"
 #include "estimator/inspection/finding.h"
 #include "problems/calibration_problem.h"
 
@@ -29,10 +30,13 @@ struct ReadingLint {
 double SuspiciousMisfit(const Chain& chain);
 double SuspiciousMisfit(const CalibrationProblem& problem);
 
+// Each of these begins with the aligned robot; without, it is aligned here.
+ReadingLint LintReadings(const CalibrationProblem& problem, const AlignedSample& aligned);
 ReadingLint LintReadings(const CalibrationProblem& problem);
 
 // The same without the rows that are far off, where all rows together cannot be explained: a misfit of a few rows is
 // theirs alone (row_lint.h names them).
+ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem, const AlignedSample& aligned);
 ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem);
 
 // What every estimating command asks first: can the nominal robot have made these readings?
@@ -40,6 +44,7 @@ struct Plausibility {
   bool plausible = true;
   Finding finding;  // why not, and the cure
 };
+Plausibility CheckPlausible(const CalibrationProblem& problem, const AlignedSample& aligned);
 Plausibility CheckPlausible(const CalibrationProblem& problem);
 
 }  // namespace sagitta
