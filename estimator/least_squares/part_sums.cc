@@ -5,7 +5,7 @@
 
 namespace sagitta {
 
-// Of a few divisions: observations that go together in all of them are summed once.
+// Of a few partitions: observations that go together in all of them are summed once.
 class PartSums::Cells {
  public:
   explicit Cells(std::size_t observations) : cell_of_(observations, 0) { cells_.emplace_back(); }
@@ -41,7 +41,7 @@ class PartSums::Cells {
     own.rows += 3;
   }
 
-  // Appends the parts of its divisions.
+  // Appends the parts of its partitions.
   void AddTo(const NormalSums& none, SummedParts* sums) {
     const std::size_t first = sums->parts.size();
     for (const int count : parts_) sums->parts.emplace_back(static_cast<std::size_t>(count), none);
@@ -59,11 +59,11 @@ class PartSums::Cells {
 
  private:
   struct Cell {
-    std::vector<int> parts;  // of each division, the one that has it
+    std::vector<int> parts;  // of each partition, the one that has it
     std::optional<SumOfRows> sum;
     int rows = 0;
   };
-  std::vector<int> parts_;    // of each division, how many
+  std::vector<int> parts_;    // of each partition, how many
   std::vector<int> cell_of_;  // of each observation
   std::vector<Cell> cells_;
 };

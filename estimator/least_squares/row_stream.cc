@@ -100,6 +100,34 @@ class PieceWriter {
   PieceMemory& memory_;
 };
 
+// Steps of a register's units, next to the columns of their rows.
+class StepLanes {
+ public:
+  StepLanes(const BatchColumns& columns, int rows_of_unit)
+      : columns_(columns), steps_(static_cast<size_t>(rows_of_unit / 3 * columns.columns) * kBatchLanes, 0.0) {}
+
+  void Set(size_t lane, const Eigen::VectorXd& step) {
+    for (size_t at = lane, c = 0; at < steps_.size(); at += kBatchLanes, ++c) {
+      const auto column = static_cast<int>(c) % columns_.columns, marker = static_cast<int>(c) / columns_.columns;
+      const int own = columns_.Of(3 * marker, column);
+      if (own >= 0) steps_[at] = step[own];
+    }
+  }
+  // J d of a row of each lane.
+  std::array<double, kBatchLanes> Moved(int row, const double* numbers) const {
+    std::array<double, kBatchLanes> moved{};
+    const double* step = steps_.data() + static_cast<size_t>(row / 3 * columns_.columns) * kBatchLanes;
+    for (int c = 0; c < columns_.columns; ++c, numbers += kBatchLanes, step += kBatchLanes) {
+      for (size_t lane = 0; lane < moved.size(); ++lane) moved[lane] += numbers[lane] * step[lane];
+    }
+    return moved;
+  }
+
+ private:
+  const BatchColumns& columns_;
+  std::vector<double> steps_;
+};
+
 // The group of each observation where none is asked for.
 std::vector<int> OwnGroups(const CalibrationProblem& problem, const std::vector<int>& observations,
                            LatentTreatment treatment) {
@@ -218,6 +246,36 @@ FittedStream::FittedStream(const CalibrationProblem& problem, std::shared_ptr<co
 bool FittedStream::ForEach(const ParameterSet& parameters, const std::vector<int>& columns,
                            const std::function<void(const RowPiece& piece)>& visit) const {
   return ForEachPiece(*batches_, parameters, columns, visit);
+}
+
+bool FittedStream::ForEachMoved(const ParameterSet& parameters, const std::vector<int>& columns,
+                                const std::function<const Eigen::VectorXd&(int position)>& step_of,
+                                const std::function<void(int position, const Vector3<double>& moved)>& visit) const {
+  PieceMemory memory;
+  const RowBatches::Request request(*batches_, parameters, columns);
+  for (int g = 0; g < batches_->num_groups(); ++g) {
+    const BatchColumns& layout = request.columns(g);
+    const int rows_of_unit = batches_->rows_of_unit(g);
+    const size_t stride = static_cast<size_t>(layout.columns) * kBatchLanes;
+    StepLanes steps(layout, rows_of_unit);
+    double* const rows = memory.buffer.Reserve(static_cast<size_t>(rows_of_unit) * stride);
+    for (int b = 0; b < batches_->num_batches(g); ++b) {
+      if (!batches_->Evaluate(request, g, b, &memory.scratch, rows)) return false;
+      for (int lane = 0; lane < kBatchLanes; ++lane) {
+        const RowBatches::Unit unit = batches_->UnitOf(g, b, lane);
+        if (!unit.empty()) steps.Set(static_cast<size_t>(lane), step_of(unit[0]));
+      }
+      for (int r = 0; r < rows_of_unit; r += 3) {
+        std::array<std::array<double, kBatchLanes>, 3> moved;
+        for (int axis = 0; axis < 3; ++axis) moved[axis] = steps.Moved(r + axis, rows + (r + axis) * stride);
+        for (int lane = 0; lane < kBatchLanes; ++lane) {
+          const RowBatches::Unit unit = batches_->UnitOf(g, b, lane);
+          if (!unit.empty()) visit(unit[r / 3], {moved[0][lane], moved[1][lane], moved[2][lane]});
+        }
+      }
+    }
+  }
+  return true;
 }
 
 bool FittedStream::ForEachOfClusters(const ParameterSet& parameters, const std::vector<int>& columns,

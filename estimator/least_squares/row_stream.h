@@ -80,6 +80,12 @@ class FittedStream {
   bool ForEachOfClusters(const ParameterSet& parameters, const std::vector<int>& columns,
                          const std::function<void(const RowPiece& piece)>& visit) const;
 
+  // Calls visit(position, J d) for every observation: what a step d, SI, of these columns moves its rows by. step_of:
+  // of an observation, the same for all of one shot (of one visit, where its deviations are marginalised).
+  bool ForEachMoved(const ParameterSet& parameters, const std::vector<int>& columns,
+                    const std::function<const Eigen::VectorXd&(int position)>& step_of,
+                    const std::function<void(int position, const Vector3<double>& moved)>& visit) const;
+
   // PredictPoints (linearization.h) of the problem at other values, of listed observations in ascending order; of what
   // was fitted from the rows at hand.
   Eigen::Matrix3Xd Predict(const CalibrationProblem& problem, const ParameterSet& parameters,

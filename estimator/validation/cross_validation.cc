@@ -128,6 +128,15 @@ Eigen::MatrixXd Leave(const Eigen::MatrixXd& left, const Eigen::VectorXd& scale,
 using PointRows = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;  // m/SI
 using RowsOfPoint = Eigen::Ref<const PointRows, 0, Eigen::OuterStride<>>;
 
+// Of what was fitted, its place among the points that are quoted; their number: it is none of them.
+size_t PlaceAmong(const std::vector<int>& quoted, const FittedStream& fitted, int position) {
+  const int k = fitted.observations()[position];
+  const bool are_all = quoted.size() == fitted.observations().size();  // then they are the same
+  const auto place =
+      static_cast<size_t>(are_all ? position : std::lower_bound(quoted.begin(), quoted.end(), k) - quoted.begin());
+  return place < quoted.size() && quoted[place] == k ? place : quoted.size();
+}
+
 // Calls visit(place among `quoted`, S, rows) for every fitted point of these: S times its rows are in m. Joints that
 // deviate have no part in what a step moves.
 void ForEachPoint(
@@ -146,15 +155,10 @@ void ForEachPoint(
         });
     return;
   }
-  const bool are_all = quoted.size() == fitted.observations().size();  // then they are the same
   fitted.ForEach(parameters, columns, [&](const RowPiece& piece) {
     for (int i = 0; i < piece.num_observations(); ++i) {
-      const int k = fitted.observations()[piece.positions[i]];
-      if (!problem.data().observations[k].is_point()) continue;
-      const auto place = static_cast<size_t>(
-          are_all ? piece.positions[i] : std::lower_bound(quoted.begin(), quoted.end(), k) - quoted.begin());
-      if (place == quoted.size() || quoted[place] != k) continue;  // a point that no fold predicts
-      visit(place, weighed[place], piece.rows.block(3 * i, 0, 3, n));
+      const size_t place = PlaceAmong(quoted, fitted, piece.positions[i]);
+      if (place < quoted.size()) visit(place, weighed[place], piece.rows.block(3 * i, 0, 3, n));
     }
   });
 }
@@ -310,18 +314,28 @@ std::vector<int> Predictable(const CalibrationProblem& problem, const Estimate& 
   return predictable;
 }
 
-// Measured - predicted of the points, each by the fit without its fold. is_compared: whether what such fits predict is
-// summed as well.
+// Measured - predicted of the points, each by the fit without its fold. weighed: roots that the points are fitted by.
+// is_compared: whether what such fits predict is summed as well.
 Eigen::Matrix3Xd ErrorsOfFolds(const CalibrationProblem& problem, const FittedStream& fitted, const Estimate& estimate,
                                const FoldPlan& plan, const Division& whole, const std::vector<int>& quoted,
-                               bool is_compared, DividedFit* fit) {
+                               const NoiseRoots& weighed, bool is_compared, DividedFit* fit) {
   Eigen::Matrix3Xd errors = ResidualsOf(problem.data(), quoted, whole.predicted(Eigen::all, quoted));
   if (whole.columns.empty() || quoted.empty()) return errors;
-  const NoiseRoots scatter = ScatterOf(estimate, quoted), weighed = FitRoots(problem, quoted, kFallbackSigma);
+  const NoiseRoots scatter = is_compared ? ScatterOf(estimate, quoted) : NoiseRoots();
   std::vector<int> points_of_fold(fit->folds.size(), 0);
   for (const int i : quoted) ++points_of_fold[FoldAt(problem, plan, i)];
   const bool are_summed =
       is_compared && PredictFromTotals(problem, weighed, scatter, quoted, points_of_fold, &fit->folds);
+  if (problem.latent.empty() && (are_summed || !is_compared)) {
+    fitted.ForEachMoved(
+        whole.parameters, whole.columns,
+        [&](int position) -> const Eigen::VectorXd& { return fit->folds[plan.rows.partition.part_of[position]].step; },
+        [&](int position, const Vector3<double>& moved) {
+          const size_t place = PlaceAmong(quoted, fitted, position);
+          if (place < quoted.size()) errors.col(static_cast<Eigen::Index>(place)) -= weighed[place] * moved;
+        });
+    return errors;
+  }
   ForEachPoint(problem, whole.parameters, whole.columns, fitted, quoted, weighed,
                [&](size_t place, const Matrix3<double>& root, const RowsOfPoint& rows) {
                  Fold& fold = fit->folds[FoldAt(problem, plan, quoted[place])];
@@ -423,7 +437,8 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStr
   if (!fit) return result;
   const std::vector<int> points = problem.data().PointsAmong(fitted.observations());
   const std::vector<int> quoted = Predictable(problem, estimate, plan, *fit, points, &result.unpredictable);
-  Eigen::Matrix3Xd errors = ErrorsOfFolds(problem, fitted, estimate, plan, calibrated, quoted, true, &*fit);
+  const NoiseRoots weighed = FitRoots(problem, quoted, kFallbackSigma);
+  Eigen::Matrix3Xd errors = ErrorsOfFolds(problem, fitted, estimate, plan, calibrated, quoted, weighed, true, &*fit);
   RecalibrateWhereLost(problem, fitted, plan, *fit, quoted, &errors);
   PredictedSquares predicted;
   for (Fold& fold : fit->folds) {
@@ -439,7 +454,7 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStr
   const Division aligned{estimate.aligned, AlignedColumns(estimate.aligned), estimate.predicted_aligned};
   std::optional<DividedFit> alignment = Divide(problem, estimate, aligned, sums_of(aligned));
   if (!alignment) return result;
-  errors = ErrorsOfFolds(problem, fitted, estimate, plan, aligned, quoted, false, &*alignment);
+  errors = ErrorsOfFolds(problem, fitted, estimate, plan, aligned, quoted, weighed, false, &*alignment);
   result.nominal = MeasureUnseen(problem, quoted, errors);
   return result;
 }

@@ -127,6 +127,7 @@ void ComparePrediction(const PredictedSquares& predicted, const Estimate& estima
 NoiseRoots ScatterOf(const Estimate& estimate, const std::vector<int>& observations) {
   const double scale = estimate.sigma.stated && estimate.sigma.scaled ? estimate.sigma.a_posteriori : 1.0;
   NoiseRoots roots;
+  roots.reserve(observations.size());
   for (const int i : observations) roots.push_back(scale * estimate.scatter[i]);
   return roots;
 }

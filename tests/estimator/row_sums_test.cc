@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "estimator/least_squares/part_sums.h"
 #include "problems/simulation.h"
 #include "tests/support/instruction_sets.h"
 
@@ -42,6 +43,39 @@ TEST(SumOfRows, BeginsAnewAndMovesWithItsMemory) {
   moved.Add(first.data());
   const Eigen::MatrixXd expected = first * first.transpose() + second * second.transpose();
   EXPECT_LT((moved.Total() - expected).cwiseAbs().maxCoeff(), 1e-14);
+}
+
+// Ten halves make more cells than are kept; what is in no part counts in the whole alone.
+TEST(PartSums, AreThoseOfTheRowsOfEachPart) {
+  constexpr int kObservations = 300, kColumns = 4;
+  NormalNumbers normal(4);
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows(3 * kObservations, kColumns + 1);
+  for (double& value : rows.reshaped()) value = normal();
+  std::vector<Partition> partitions(11, {2, std::vector<int>(kObservations)});
+  partitions[10].parts = 7;
+  PartSums sums(kObservations, std::vector<int>(kColumns, 0));
+  for (size_t p = 0; p < partitions.size(); ++p) {
+    for (int k = 0; k < kObservations; ++k) partitions[p].part_of[k] = p < 10 ? normal() > 0.0 : k % 8 - 1;
+    sums.Divide(partitions[p]);
+  }
+  for (int k = 0; k < kObservations; ++k) sums.Add(k, rows.row(3 * k).data());
+  const SummedParts found = sums.Totals();
+  EXPECT_LT((found.all.matrix - rows.transpose() * rows).cwiseAbs().maxCoeff(), 1e-10);
+  ASSERT_EQ(found.parts.size(), partitions.size());
+  for (size_t p = 0; p < partitions.size(); ++p) {
+    ASSERT_EQ(found.parts[p].size(), static_cast<size_t>(partitions[p].parts));
+    for (int part = 0; part < partitions[p].parts; ++part) {
+      Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(kColumns + 1, kColumns + 1);
+      int count = 0;
+      for (int k = 0; k < kObservations; ++k) {
+        if (partitions[p].part_of[k] != part) continue;
+        expected += rows.middleRows<3>(3 * k).transpose() * rows.middleRows<3>(3 * k);
+        count += 3;
+      }
+      EXPECT_LT((found.parts[p][part].matrix - expected).cwiseAbs().maxCoeff(), 1e-10) << p << " " << part;
+      EXPECT_EQ(found.parts[p][part].rows, count);
+    }
+  }
 }
 
 // Rows that fill strips and vectors or not, and of as many columns as are summed together, of fewer and of more.
