@@ -27,12 +27,23 @@ constexpr double kOtherPose = 0.1 * kDegree;     // copies: the joints moved at 
 constexpr double kEquationsPerUnknown = 2.0;
 constexpr double kManyCopies = 0.05;  // of the rows
 
-// Configurations of the calibration rows, each with its first row.
-std::map<int, int> CalibrationConfigurations(const CalibrationProblem& problem) {
-  std::map<int, int> first;
-  for (const int i : problem.CalibrationObservations())
-    first.try_emplace(problem.data().shots[problem.data().observations[i].shot].configuration, i);
-  return first;
+// A configuration of the calibration rows and the first of these.
+struct FirstRow {
+  int configuration = 0, row = 0;
+};
+
+std::vector<FirstRow> CalibrationConfigurations(const CalibrationProblem& problem) {
+  constexpr int kNone = -1;
+  std::vector<int> first(problem.data().configurations.size(), kNone);
+  for (const int i : problem.CalibrationObservations()) {
+    int& own = first[problem.data().shots[problem.data().observations[i].shot].configuration];
+    if (own == kNone) own = i;
+  }
+  std::vector<FirstRow> found;
+  for (size_t c = 0; c < first.size(); ++c) {
+    if (first[c] != kNone) found.push_back({static_cast<int>(c), first[c]});
+  }
+  return found;
 }
 
 bool IsStill(const CalibrationProblem& problem, const MeasuredRange& range) {
@@ -203,7 +214,7 @@ const char* SeverityName(Severity severity) {
 
 std::vector<MeasuredRange> MeasuredRangesOf(const CalibrationProblem& problem) {
   std::vector<MeasuredRange> ranges;
-  const std::map<int, int> configurations = CalibrationConfigurations(problem);
+  const std::vector<FirstRow> configurations = CalibrationConfigurations(problem);
   for (int j = 0; j < problem.robot().num_joints(); ++j) {
     MeasuredRange range;
     range.joint = j;

@@ -89,7 +89,7 @@ TEST(ResidualsOverDrivers, OfManyRowsTheFarthestStayAndThePageStaysSmall) {
   Estimate estimate = Missing(problem);
   ASSERT_GT(problem.data().observations.size(), kMostDrawn);
   for (const int far : {1, 7778, 11999}) estimate.predicted.col(far).array() += 0.05;
-  const std::vector<ResidualRow> rows = RowsToDraw({problem, estimate});
+  const std::vector<ResidualRow> rows = DrawnReadings(problem, estimate).rows;
   EXPECT_LE(rows.size(), kDrawnOfMany);
   EXPECT_GT(rows.size(), kDrawnOfMany - 2 * kFarthestKept);
   for (const int far : {1, 7778, 11999}) {

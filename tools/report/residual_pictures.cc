@@ -105,7 +105,7 @@ void AddColours(const CalibrationProblem& problem, const std::vector<ResidualRow
 
 Picture ResidualsOverDrivers(const DrawnReadings& readings) {
   const CalibrationProblem& problem = readings.problem;
-  const std::vector<ResidualRow> rows = RowsToDraw(readings);
+  const std::vector<ResidualRow>& rows = readings.rows;
   Picture picture;
   picture.kind = "scatter";
   picture.title =
@@ -148,7 +148,7 @@ Picture ResidualsOverDrivers(const DrawnReadings& readings) {
 
 Picture ResidualsInWorkspace(const DrawnReadings& readings) {
   const CalibrationProblem& problem = readings.problem;
-  std::vector<ResidualRow> rows = RowsToDraw(readings);
+  std::vector<ResidualRow> rows = readings.rows;
   Picture picture;
   Workspace workspace(problem.model(), readings.parameters.ModelValues(), problem.data().configurations);
   Json x[3], d[3], poses = Json::array(), held_out = Json::array();

@@ -18,8 +18,6 @@ std::vector<Pose<double>> BasesOf(const DrawnReadings& readings) {
   return bases;
 }
 
-}  // namespace
-
 std::vector<ResidualRow> RowsToDraw(const DrawnReadings& readings) {
   const CalibrationProblem& problem = readings.problem;
   std::vector<int> rows;
@@ -50,6 +48,11 @@ std::vector<ResidualRow> RowsToDraw(const DrawnReadings& readings) {
   }
   return drawn;
 }
+
+}  // namespace
+
+DrawnReadings::DrawnReadings(const CalibrationProblem& of, const ParameterSet& values, const Eigen::Matrix3Xd& points)
+    : problem(of), parameters(values), predicted(points), rows(RowsToDraw(*this)) {}
 
 std::string NameOfRow(const Measurements& data, const Observation& row) {
   const std::string name = data.ConfigurationOf(row).id + " " + data.markers[row.marker];
