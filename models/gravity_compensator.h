@@ -65,6 +65,8 @@ T CompensatorSpringLength(const CompensatorParameters<T>& p, const T& q) {
   using std::sin;
   return CompensatorSpringLength(p, T(cos(q)), T(sin(q)));
 }
+
+// q: actual joint angle, rad.
 template <typename T>
 T CompensatorTorque(const CompensatorParameters<T>& p, const T& q) {
   using std::cos;

@@ -16,12 +16,14 @@ namespace {
 constexpr double kItsFault = 0.1;
 constexpr int kMostAgain = 3;  // steps of Gauss-Newton, of which each squares what is off: from 60 % to 2 %
 
-LeadingSet WeighAndRefit(const SearchInput& input, const Evidence* before, const LinearizedAbout& about) {
+// moments: between those of the list.
+LeadingSet WeighAndRefit(const SearchInput& input, const std::vector<Candidate>& moments, const Evidence* before,
+                         const LinearizedAbout& about) {
   const ParameterSet& believed = input.baseline.estimate.parameters;
   ParameterSet here = believed;
   here.CopyByName(about.parameters);
   CandidateList candidates = ListCandidates(input.working, here);
-  RefineMoments(input.working, believed, &candidates);  // the same moments about any point
+  candidates.candidates.insert(candidates.candidates.end(), moments.begin(), moments.end());
   LeadingSet found;
   found.evidence = std::make_unique<Evidence>(input.working, believed, candidates, input.prior, input.sigma_dof,
                                               input.progress, before, about);
@@ -81,14 +83,17 @@ bool Refutes(const RefittedSet& refitted, const LeadingSet& found) {
 }  // namespace
 
 LeadingSet FindLeading(const SearchInput& input, const Evidence* before) {
-  LeadingSet found = WeighAndRefit(input, before, {});
+  const ParameterSet& believed = input.baseline.estimate.parameters;
+  const std::vector<Candidate> moments =
+      RefinedMoments(input.working, believed, ListCandidates(input.working, believed));
+  LeadingSet found = WeighAndRefit(input, moments, before, {});
   std::set<std::set<std::string>> known;  // effects about which the model was linearized
   for (int again = 0; again < kMostAgain && found.is_named; ++again) {
     const RefittedSet effects = WithoutFunctions(input, found);
     const LinearizedAbout about{SpecsOf(CandidatesOf(effects.effects)), effects.with_effects.estimate.parameters};
     if (!Refutes(effects, found) || !known.insert(PathsOf(about)).second) break;
     if (input.progress) input.progress(WeighingAboutWhatWasFound());
-    LeadingSet anew = WeighAndRefit(input, found.evidence.get(), about);
+    LeadingSet anew = WeighAndRefit(input, moments, found.evidence.get(), about);
     if (!anew.is_named || !anew.refitted.IsUsable()) break;  // "nothing" is far from here: no linearization reaches it
     found = std::move(anew);
   }

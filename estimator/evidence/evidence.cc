@@ -73,7 +73,7 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
     : problem_(problem),
       about_(about),
       parameters_(WithValuesOf(parameters, about.parameters)),
-      columns_(problem, parameters_, candidates.candidates, about_),
+      columns_(problem, parameters_, candidates.candidates, about_, before == nullptr ? nullptr : &before->columns_),
       list_(ListExplanations(problem, parameters_, candidates, masses, &columns_)),
       masses_(masses),
       prior_{masses.nothing, masses.further},

@@ -175,10 +175,13 @@ bool SlidesInstead(const CalibrationProblem& problem, const EffectDefinition& de
 }
 
 // "" or what the data or the model lack. Sag with unknown compliance (kNoCompliances) stands for link weights where no
-// load determines them; where loads do it is no candidate.
+// load determines them.
 std::string UnmetNeed(EffectNeeds needs, const Knowledge& known) {
   if (needs == EffectNeeds::kLoads && !known.loads) return "loaded rows";
   if (needs == EffectNeeds::kCompliances && !known.compliances) return "joint compliances above 0 (loaded rows)";
+  if (needs == EffectNeeds::kNoCompliances && known.compliances) {
+    return "joint compliances of 0 (with others the weight of a link is link_gravity)";
+  }
   return "";
 }
 
@@ -254,7 +257,6 @@ CandidateList ListCandidates(const CalibrationProblem& problem, const ParameterS
   for (const EffectDefinition* definition : EffectsOf(problem.robot())) {
     if (definition->is_learnt) continue;
     if (definition == &LinkGravity()) AppendCompensators(problem, compliant, &list);
-    if (definition->needs == EffectNeeds::kNoCompliances && known.compliances) continue;
     const std::string unmet = UnmetNeed(definition->needs, known);
     for (const std::string& target : TargetsOf(*definition, problem)) {
       const std::string need = SlidesInstead(problem, *definition, target) ? "a revolute joint" : unmet;

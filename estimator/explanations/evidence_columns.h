@@ -118,9 +118,11 @@ struct LinearizedAbout {
 class EvidenceColumns {
  public:
   // Candidates without columns of their own (the gravity compensator) are left out. about: none, with no effects, and
-  // the model is linearized about what is believed.
+  // the model is linearized about what is believed. before: functions that are equal to its are shared with it; it
+  // lives as long as families are added here.
   EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
-                  const std::vector<Candidate>& candidates, const LinearizedAbout& about = {});
+                  const std::vector<Candidate>& candidates, const LinearizedAbout& about = {},
+                  const EvidenceColumns* before = nullptr);
 
   // Adds a family; returns its columns.
   std::vector<int> Add(const FunctionFamily& family);
@@ -210,6 +212,8 @@ class EvidenceColumns {
   void SetLinearized();
   // Poses and blocks of them; the first blocks are linearized.
   void SetBlocks();
+  // The family with functions that are shared where there are equal ones.
+  FunctionFamily Shared(FunctionFamily family) const;
   // One family of each source.
   void AddMotions(const std::vector<Candidate>& candidates, const SplitCandidates& split);
   Block LinearizeBlock(const std::vector<int>& observations) const;
@@ -257,6 +261,7 @@ class EvidenceColumns {
   std::vector<std::vector<int>> of_candidate_;
   std::vector<double> units_;         // of the columns of catalogue_
   std::map<int, std::string> names_;  // of all candidates' columns
+  const EvidenceColumns* before_;
   std::vector<FunctionFamily> families_;
   std::vector<Source> sources_;  // of the families, each once
   std::vector<size_t> source_of_family_;

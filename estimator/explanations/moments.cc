@@ -79,10 +79,11 @@ std::vector<std::string> ChangePoints(const CalibrationProblem& problem) {
   return points;
 }
 
-void RefineMoments(const CalibrationProblem& problem, const ParameterSet& parameters, CandidateList* list) {
+std::vector<Candidate> RefinedMoments(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                      const CandidateList& list) {
   const std::vector<double> times = FittedTimes(problem);
-  std::vector<Candidate> tried;
-  for (const Candidate& candidate : list->candidates) {
+  std::vector<Candidate> tried, refined;
+  for (const Candidate& candidate : list.candidates) {
     if (!MomentOf(problem.robot(), candidate.spec).empty()) tried.push_back(candidate);
   }
   for (size_t stride = StrideOf(times); stride > 1 && !tried.empty();) {
@@ -102,11 +103,12 @@ void RefineMoments(const CalibrationProblem& problem, const ParameterSet& parame
         }
       }
     }
-    list->candidates.insert(list->candidates.end(), around.begin(), around.end());
+    refined.insert(refined.end(), around.begin(), around.end());
     tried = std::move(centres);
     tried.insert(tried.end(), around.begin(), around.end());
     stride = finer;
   }
+  return refined;
 }
 
 }  // namespace sagitta

@@ -265,7 +265,8 @@ class PlaceFunctions : public UnnamedList {
   }
 
   // The same along an axis of the flange by gravity's component along it alone, as in a guide or a tank; along all
-  // three, each by its own.
+  // three, each by its own. Their means over the shots are load_com's: a centre of gravity that is off along one axis
+  // would be a slide that hardly slides, of which one axis is asked and not three.
   void AddSlides(int owner) {
     const std::string& load = columns_->loads()[owner];
     UnnamedFunction each(load, {"gravity"}, LoadSlides(load, "each axis"), {}, {});
@@ -281,6 +282,8 @@ class PlaceFunctions : public UnnamedList {
       slide.settings["to"] = AsSetting(high);
       of_axes.emplace_back();
       AppendBumps(along, "other", kUnnamedBumps[0], &of_axes.back());
+      Eigen::MatrixXd& functions = of_axes.back().columns;
+      functions.rowwise() -= functions(fitted_, Eigen::all).colwise().mean().eval();
       AddFunctions(of_axes.back(), UnnamedFunction(load, {"gravity"}, LoadSlides(load, name), {axis}, {slide}),
                    "load shift");
       each.sources.push_back(axis);

@@ -9,6 +9,7 @@
 #include "estimator/explanations/compensator_shapes.h"
 #include "estimator/report/explanations_words.h"
 #include "models/effects/catalogue.h"
+#include "models/gravity_compensator.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -229,6 +230,13 @@ bool IsDetermined(const FoundEffect& effect, const ParameterEstimate& row) {
   return std::find(poorly_determined.begin(), poorly_determined.end(), row.name) == poorly_determined.end();
 }
 
+// Of a spring that the robot file does not state: only ratios of its lengths are determined.
+std::string GaugeInWords(const EffectSpec& spec) {
+  if (spec.effect != kGravityCompensator || spec.values.empty()) return "";
+  return " All for L = " + Significant(1e3 * spec.values[0], 3) +
+         " mm: c times as long in every length, with Kc / c^2, it has the same torque.";
+}
+
 std::string EffectInWords(const Robot& robot, const FoundEffect& effect) {
   std::string words = Title(robot, effect.candidate.spec) + ", " + Percent(effect.probability) + ":";
   const std::vector<std::string>& poorly_determined = effect.candidate.poorly_determined;
@@ -248,6 +256,7 @@ std::string EffectInWords(const Robot& robot, const FoundEffect& effect) {
   }
   const EffectDefinition* definition = FindEffect(robot, effect.candidate.spec.effect);
   if (definition != nullptr && !definition->note.empty()) words += " " + definition->note;
+  words += GaugeInWords(effect.candidate.spec);
   if (effect.lag) words += " " + LagInWords(*effect.lag);
   return words;
 }

@@ -98,6 +98,7 @@ TEST(Candidates, WhatCannotBeTestedIsListedWithItsReason) {
   EXPECT_EQ(need_of("joint_slip", "A1"), "time_s that varies");
   EXPECT_EQ(need_of("thermal_growth", "robot"), "temperature_degC");
   EXPECT_EQ(need_of("link_gravity", "A2"), "joint compliances above 0 (loaded rows)");
+  EXPECT_TRUE(is_candidate("self_weight_sag", "A2"));
 }
 
 // What weighs cannot be asked where nobody knows which way is down; stated in the base frame it is known.

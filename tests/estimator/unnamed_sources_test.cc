@@ -208,6 +208,22 @@ TEST(UnnamedFunctions, AreEffectsOfTheModel) {
   }
 }
 
+// A centre of gravity that is off along one axis is load_com's: a slide of one axis that holds it, too, would say the
+// same by fewer directions, and a tool whose length is misstated would have no name.
+TEST(UnnamedFunctions, SlidesOfALoadHaveNoMean) {
+  const CalibrationProblem problem = Campaign();
+  EvidenceColumns columns(problem, problem.parameters, {{{"load_com", "heavy", {}, {}}}});
+  const std::vector<int> fitted = FittedShots(problem);
+  int slides = 0;
+  for (const UnnamedGroup& group : ListUnnamed(problem, problem.parameters, &columns)) {
+    if (group.function.effects.empty() || group.function.effects[0].effect != "learnt_load_slide") continue;
+    const Eigen::MatrixXd functions = columns.FunctionOf(group.group.columns)(fitted, Eigen::all) * group.group.mixing;
+    EXPECT_LT(functions.colwise().mean().norm(), 1e-6 * functions.norm()) << group.function.words;
+    ++slides;
+  }
+  EXPECT_GE(slides, 3);
+}
+
 // On a lattice of 15 degrees waves of 23, 25, 47, ... per turn are those of 1 per turn: ten orders up to 130, which one
 // stands for with the mass of all. On other angles none is.
 TEST(UnnamedFunctions, OrdersThatALatticeDoesNotTellShareTheProbability) {
