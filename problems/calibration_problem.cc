@@ -43,15 +43,52 @@ std::vector<int> ResolveMarkerFrames(const Chain& chain, const Measurements& dat
   return frames;
 }
 
+[[noreturn]] void FailNoPose(const CalibrationProblem& problem, const std::string& key, const std::string& station) {
+  FailProblem(problem, key, "the base is held but station '" + station + "' has no pose",
+              "state stations: {" + station + ": {xyz_mm: …, rotvec_mrad: …}}");
+}
+
+[[noreturn]] void FailNoPoint(const CalibrationProblem& problem, const std::string& key, const std::string& marker) {
+  FailProblem(problem, key, "the markers are held but marker '" + marker + "' has no point",
+              "state markers: {" + marker + ": {xyz_mm: …}}");
+}
+
+[[noreturn]] void FailNoRotation(const CalibrationProblem& problem, const std::string& key, const std::string& marker) {
+  FailProblem(problem, key, "the markers are held but marker '" + marker + "', read as a pose, has no rotation",
+              "state markers: {" + marker + ": {xyz_mm: …, rotvec_mrad: …}}");
+}
+
+// What --fixed holds needs a value to be held at: bases and markers have no nominal one.
+void CheckHeldIsStated(const CalibrationProblem& problem) {
+  const Experiment& experiment = problem.experiment();
+  if (experiment.estimate.fixed.empty()) return;
+  for (const Coordinate& coordinate : problem.parameters.coordinates()) {
+    const ParameterBlock& block = problem.parameters.blocks()[coordinate.block];
+    if (coordinate.free || block.kind == BlockKind::kModelParameter) continue;
+    if (block.kind == BlockKind::kStationTranslation || block.kind == BlockKind::kStationRotation) {
+      const std::string& station = problem.data().stations[block.owner];
+      const auto spec = experiment.stations.find(station);
+      const bool given = spec != experiment.stations.end() && (spec->second.base_xyz || spec->second.base_rotvec);
+      if (!given) FailNoPose(problem, "--fixed", station);
+      continue;
+    }
+    const std::string& marker = problem.data().markers[block.owner];
+    const auto spec = experiment.markers.find(marker);
+    const bool is_known = spec != experiment.markers.end();
+    if (block.kind == BlockKind::kMarker && !(is_known && spec->second.point)) FailNoPoint(problem, "--fixed", marker);
+    if (block.kind == BlockKind::kMarkerRotation && !(is_known && spec->second.rotvec)) {
+      FailNoRotation(problem, "--fixed", marker);
+    }
+  }
+}
+
 void SetStartValues(CalibrationProblem* problem) {
   const Experiment& experiment = problem->experiment();
   for (size_t s = 0; s < problem->data().stations.size(); ++s) {
     const auto spec = experiment.stations.find(problem->data().stations[s]);
     const bool given = spec != experiment.stations.end() && (spec->second.base_xyz || spec->second.base_rotvec);
     if (!given && !experiment.estimate.base) {
-      FailProblem(*problem, "estimate.base",
-                  "the base is held but station '" + problem->data().stations[s] + "' has no pose",
-                  "state stations: {" + problem->data().stations[s] + ": {xyz_mm: …, rotvec_mrad: …}}");
+      FailNoPose(*problem, "estimate.base", problem->data().stations[s]);
     }
     if (!given) continue;
     Pose<double> pose;
@@ -63,18 +100,13 @@ void SetStartValues(CalibrationProblem* problem) {
     const auto spec = experiment.markers.find(problem->data().markers[m]);
     const bool given = spec != experiment.markers.end() && spec->second.point;
     if (!given && !experiment.estimate.markers) {
-      FailProblem(*problem, "estimate.markers",
-                  "the markers are held but marker '" + problem->data().markers[m] + "' has no point",
-                  "state markers: {" + problem->data().markers[m] + ": {xyz_mm: …}}");
+      FailNoPoint(*problem, "estimate.markers", problem->data().markers[m]);
     }
     if (given) problem->parameters.SetMarkerPoint(m, *spec->second.point);
     if (!problem->parameters.is_oriented(static_cast<int>(m))) continue;
     const bool is_turned = spec != experiment.markers.end() && spec->second.rotvec;
     if (!is_turned && !experiment.estimate.markers) {
-      FailProblem(
-          *problem, "estimate.markers",
-          "the markers are held but marker '" + problem->data().markers[m] + "', read as a pose, has no rotation",
-          "state markers: {" + problem->data().markers[m] + ": {xyz_mm: …, rotvec_mrad: …}}");
+      FailNoRotation(*problem, "estimate.markers", problem->data().markers[m]);
     }
     if (is_turned) problem->parameters.SetMarkerRotation(static_cast<int>(m), RotationFromVector(*spec->second.rotvec));
   }
@@ -228,6 +260,7 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
   CheckLevelled(problem);
   SetStartValues(&problem);
   SetFree(&problem);
+  CheckHeldIsStated(problem);
   CheckNoise(&problem);
   ResolveRepeats(&problem);
   CheckSigmas(problem);

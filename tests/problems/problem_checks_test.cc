@@ -40,6 +40,20 @@ TEST_F(ProblemChecksTest, WhatIsNamedHasRows) {
   EXPECT_TRUE(SaysInOrder(Refusal(), {"experiment.yaml", "stations.S2", "no row is measured from", "S1"}));
 }
 
+// Bases and markers have no nominal value: what holds one says where.
+TEST_F(ProblemChecksTest, WhatIsHeldByNameIsStated) {
+  for (const char* held : {"base/S1", "base/S1/rz"}) {
+    experiment_.estimate.fixed = {held};
+    EXPECT_TRUE(SaysInOrder(Refusal(), {"--fixed", "the base is held but station 'S1' has no pose", "stations: {S1"}));
+  }
+  experiment_.stations["S1"].base_xyz = Vector3<double>(1.0, 2.0, 3.0);
+  EXPECT_EQ(Refusal(), "");
+  experiment_.estimate.fixed = {"marker/P1"};
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"--fixed", "the markers are held but marker 'P1' has no point", "markers: {P1"}));
+  experiment_.markers["P1"].point = Vector3<double>(0.1, 0.2, 0.3);
+  EXPECT_EQ(Refusal(), "");
+}
+
 // Whoever may change the data, at once or later, gets what is fitted as they are then; copies are not.
 TEST_F(ProblemChecksTest, WhatIsFittedFollowsTheData) {
   CalibrationProblem problem = MakeCalibrationProblem(robot_, data_, experiment_);
