@@ -86,8 +86,8 @@ struct RepeatabilitySpec {
   bool IsZero() const { return angle.IsZero() && length.IsZero(); }
 };
 
-// What time and temperature count from: the first row of all, each station's first row in the files, whenever that was,
-// and the mean of the data.
+// What time and temperature count from: the earliest row of all, each station's earliest row, wherever it stands in the
+// files, and the mean of the data.
 struct ConditionOrigins {
   std::optional<double> campaign_time;       // s; absent: no row states a time
   std::map<std::string, double> first_time;  // s, by station

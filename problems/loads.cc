@@ -90,31 +90,37 @@ std::set<int> MarkersOf(const Measurements& data, const Shot& shot) {
   return markers;
 }
 
-// Of the first row that states one; the shot's own time is the mean of its rows.
+// Of its earliest row; the shot's own time is the mean of its rows.
 double FirstTime(const Measurements& data, const Shot& shot) {
+  std::optional<double> first;
   for (const int i : shot.observations) {
     const std::optional<double> time = ParseNumber(data.Cell(data.observations[i], "time_s"));
-    if (time) return *time;
+    if (time) first = std::min(first.value_or(*time), *time);
   }
-  return shot.time;
+  return first.value_or(shot.time);
 }
 
 }  // namespace
 
 ConditionOrigins OriginsOf(const Measurements& data, const Experiment& experiment) {
   ConditionOrigins origins = experiment.origins.value_or(ConditionOrigins());
+  std::optional<double> campaign_time;         // of these rows
+  std::map<std::string, double> station_time;  // of these rows
   double sum = 0.0;
   int count = 0;
   for (const Shot& shot : data.shots) {
     if (shot.has_time) {
       const double time = FirstTime(data, shot);
-      origins.first_time.emplace(data.stations[shot.station], time);
-      if (!origins.campaign_time) origins.campaign_time = time;
+      double& earliest = station_time.emplace(data.stations[shot.station], time).first->second;
+      earliest = std::min(earliest, time);
+      campaign_time = std::min(campaign_time.value_or(time), time);
     }
     if (!shot.has_temperature) continue;
     sum += shot.temperature;
     ++count;
   }
+  origins.first_time.insert(station_time.begin(), station_time.end());
+  if (!origins.campaign_time) origins.campaign_time = campaign_time;
   if (!experiment.origins && count > 0) origins.mean_temperature = sum / count;
   return origins;
 }

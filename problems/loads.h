@@ -21,7 +21,7 @@ void CheckLoadStates(Measurements* data);
 // that weighs something else than the wrench columns say (they count).
 void CheckStatedLoads(const Experiment& experiment, Measurements* data);
 
-// Those of the experiment where it states them; a station that it does not know counts from its own first row.
+// Those of the experiment where it states them; a station that it does not know counts from its own earliest row.
 ConditionOrigins OriginsOf(const Measurements& data, const Experiment& experiment);
 
 // One input per shot, prepared for the model: joint values, conditions, the

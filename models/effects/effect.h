@@ -153,8 +153,8 @@ struct ShotConditions {
   std::string station;
   std::string load = kNoLoad;
   bool has_time = false;
-  double time = 0.0;          // s since the first row of all: one clock for the whole campaign
-  double station_time = 0.0;  // s since the station's first row
+  double time = 0.0;          // s since the earliest row of all: one clock for the whole campaign
+  double station_time = 0.0;  // s since the station's earliest row
   int campaign = 0;           // shots of another one are not remembered
   bool has_temperature = false;
   double temperature = 0.0;   // K above the mean of the data

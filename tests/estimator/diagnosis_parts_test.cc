@@ -34,7 +34,7 @@ DiagnosedModel Healthy(std::uint64_t seed, bool parked = false) {
   return FitFully(MakeCalibrationProblem(robot, data, experiment), JointOptions());
 }
 
-// Rows need not be in the order of time.
+// Rows need not be in the order of time: the first of a station is its earliest.
 TEST(Conditions, TimeCountsFromTheFirstRowOfAStation) {
   const CalibrationProblem problem = *Healthy(1).problem;
   Measurements data = problem.data();
@@ -43,7 +43,9 @@ TEST(Conditions, TimeCountsFromTheFirstRowOfAStation) {
     data.shots[s].time = 100.0 - 5.0 * static_cast<double>(s);
   }
   const std::vector<ShotInput> inputs = MakeShotInputs(problem.model(), data, problem.experiment());
-  for (size_t s = 0; s < inputs.size(); ++s) EXPECT_EQ(inputs[s].conditions.time, -5.0 * static_cast<double>(s));
+  for (size_t s = 0; s < inputs.size(); ++s) {
+    EXPECT_EQ(inputs[s].conditions.time, 5.0 * static_cast<double>(inputs.size() - 1 - s));
+  }
 }
 
 // A shot counts at the mean of its rows, the clock of the station starts with its first row.

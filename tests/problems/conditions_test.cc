@@ -41,6 +41,23 @@ TEST_F(ConditionsTest, OneClockForTheCampaignAndOneForEachStation) {
   }
 }
 
+// Rows need not stand in the order in which they were measured: time begins with the earliest.
+TEST_F(ConditionsTest, TimeCountsFromTheEarliestRow) {
+  const std::vector<ShotConditions> shots = Conditions(R"(config,marker,q1_deg,q2_deg,x_mm,y_mm,z_mm,station,time_s
+C1,M1,0,0,1400,0,500,S1,5000
+C2,M1,10,0,1400,0,500,S1,1000
+C3,M1,20,0,1400,0,500,S2,9000
+C4,M1,30,0,1400,0,500,S2,6000
+C4,M2,30,0,1400,0,600,S2,5990
+)");
+  ASSERT_EQ(shots.size(), 4u);
+  const double campaign[4] = {4000.0, 0.0, 8000.0, 4995.0}, station[4] = {4000.0, 0.0, 3010.0, 5.0};
+  for (int s = 0; s < 4; ++s) {
+    EXPECT_EQ(shots[s].time, campaign[s]);
+    EXPECT_EQ(shots[s].station_time, station[s]);
+  }
+}
+
 // Rows that are predicted with an estimate count from where its own data began.
 TEST_F(ConditionsTest, OriginsOfAnotherCampaignCount) {
   Experiment experiment;
