@@ -6,6 +6,7 @@
 #include <random>
 
 #include "estimator/baselines/two_step.h"
+#include "estimator/calibration/bounds.h"
 #include "estimator/estimate/parameter_table.h"
 #include "estimator/intervals/redraw.h"
 #include "estimator/least_squares/linearization.h"
@@ -29,6 +30,7 @@ struct Replicate {
   bool used = false;
   Eigen::VectorXd shift;  // theta* - theta_hat, SI, per estimated coordinate
   Eigen::VectorXd sigma;
+  std::vector<bool> on_bound;  // of each estimated coordinate: the refit ended at its physical bound
 };
 
 struct Setup {
@@ -98,6 +100,7 @@ Replicate MakeReplicate(const Setup& setup, const CalibrationProblem& problem, c
   const Eigen::VectorXd shift = TangentDifference(refit.parameters, truth);
   replicate.shift = shift(setup.estimate.estimated);
   replicate.sigma = Sigmas(setup, refit, weights);
+  for (const int c : setup.estimate.estimated) replicate.on_bound.push_back(RestsOnBound(refit.parameters, c));
   replicate.used = replicate.sigma.allFinite() && replicate.shift.allFinite();
   return replicate;
 }
@@ -150,8 +153,11 @@ double WideningOf(const Setup& setup, double dof) {
   return loss * StudentQuantile(0.975, dof) / NormalQuantile(0.975);
 }
 
+// model: the table before the draws. Refits that end at a physical bound all have the same value, whatever their data
+// would have had beyond it: quantiles of theirs are none, and an interval may have no length. There the interval holds
+// what the model's holds too.
 void Studentise(const Setup& setup, const std::vector<Replicate>& used, const Eigen::VectorXd& plain_sigma,
-                Estimate* estimate) {
+                const std::vector<ParameterEstimate>& model, Estimate* estimate) {
   for (size_t c = 0; c < estimate->estimated.size(); ++c) {
     const double sigma = WideningOf(setup, estimate->interval_dof[c]) * plain_sigma[c];
     // t* = (theta* - theta_hat) / sigma*; interval [theta_hat - q_0.975 sigma, theta_hat - q_0.025 sigma], q quantiles
@@ -167,6 +173,12 @@ void Studentise(const Setup& setup, const std::vector<Replicate>& used, const Ei
     row.at_bound = low < lower;
     row.ci95 = {std::max(lower, low), std::max(lower, row.value - InterpolatedQuantile(t, 0.025) * sigma)};
     row.dof = std::numeric_limits<double>::infinity();
+    const bool any_on_bound =
+        std::any_of(used.begin(), used.end(), [c](const Replicate& replicate) { return replicate.on_bound[c]; });
+    if (!any_on_bound) continue;
+    const ParameterEstimate& by_model = model[estimate->estimated[c]];
+    row.ci95 = {std::min(row.ci95.low, by_model.ci95.low), std::max(row.ci95.high, by_model.ci95.high)};
+    row.at_bound |= by_model.at_bound;
   }
 }
 
@@ -215,6 +227,7 @@ void BootstrapIntervals(const CalibrationProblem& problem, const BootstrapOption
     estimate->warnings.push_back(report.words);
     return;
   }
+  const std::vector<ParameterEstimate> model = estimate->table;
   const auto n = static_cast<int>(estimate->estimated.size());
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(n);
   for (const Replicate& replicate : used) mean += replicate.shift / used.size();
@@ -224,7 +237,7 @@ void BootstrapIntervals(const CalibrationProblem& problem, const BootstrapOption
   }
   estimate->covariance *= setup.estimate.noise_report.loss_inflation;
   FillTable(problem, estimate);
-  Studentise(setup, used, Sigmas(setup, here, {}), estimate);
+  Studentise(setup, used, Sigmas(setup, here, {}), model, estimate);
 }
 
 }  // namespace sagitta

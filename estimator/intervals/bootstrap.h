@@ -9,6 +9,7 @@
 // (Efron and Tibshirani 1993, ch. 12). Percentile intervals of few configurations
 // cover too little. sigma is the model's for the parametric kind, the sandwich's
 // without small-sample factor for the other (the same in refits and original).
+// Where refits end at a physical bound the interval holds the model's too.
 #pragma once
 
 #include <functional>

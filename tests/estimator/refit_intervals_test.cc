@@ -89,6 +89,25 @@ TEST(Bootstrap, ParametricAgreesWithTheModelWhereTheModelHolds) {
   }
 }
 
+// Where refits pile up at a bound their quantiles say nothing of what the data leave possible: [0, 0] at worst.
+TEST(Bootstrap, AtABoundItHoldsWhatTheModelHolds) {
+  CalibrationProblem problem = test::Kr270Problem(test::Kr270Design(), test::Kr270Truth(), 5);
+  const Estimate free = EstimateJointly(problem);
+  const int i = free.parameters.FindCoordinate("geometry/p_x1");
+  ASSERT_GE(i, 0);
+  problem.parameters.coordinate(i).lower = free.parameters.Value(i) + 1.5 * free.table[i].sigma;
+  const Estimate model = EstimateJointly(problem);
+  ASSERT_EQ(model.parameters.Value(i), problem.parameters.coordinate(i).lower);
+  Estimate drawn = model;
+  BootstrapOptions options;
+  options.replicates = 199;
+  options.num_threads = 2;
+  BootstrapIntervals(problem, options, &drawn);
+  EXPECT_GE(drawn.table[i].ci95.high, model.table[i].ci95.high);
+  EXPECT_GT(drawn.table[i].ci95.high - drawn.table[i].ci95.low, free.table[i].sigma);
+  EXPECT_TRUE(drawn.table[i].at_bound);
+}
+
 TEST(Bootstrap, DoesNotDependOnTheNumberOfThreads) {
   const test::Kr270Truth truth;
   const CalibrationProblem problem = test::Kr270Problem(test::Kr270Design(), truth, 5);
