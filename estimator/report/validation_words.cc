@@ -238,4 +238,15 @@ std::string MeasureAgain() { return "measure it again or leave it out"; }
 
 std::string ReadingIsLost() { return "x, y and z are one number, as of a lost reading: leave the three cells empty"; }
 
+std::string RepeatabilityIsLimited(const PoseRepeatability& repeatability) {
+  constexpr int kFew = 10;
+  if (repeatability.most < 2) return "no pose was visited again";
+  if (repeatability.poses == 0) {
+    return "no pose was visited more than twice; two arrivals are equally far from their mean, so that their distances "
+           "have no scatter and RP would come out far too small";
+  }
+  if (repeatability.fewest < kFew) return "so few arrivals make RP too small on average";
+  return "";
+}
+
 }  // namespace sagitta

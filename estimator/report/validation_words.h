@@ -63,4 +63,7 @@ std::string RowIsOff(double distance, double times);
 std::string MeasureAgain();
 std::string ReadingIsLost();  // x, y and z are one number
 
+// Why there is no pose repeatability, or why the one there is comes out small; "": neither.
+std::string RepeatabilityIsLimited(const PoseRepeatability& repeatability);
+
 }  // namespace sagitta

@@ -54,7 +54,7 @@ Json CrossValidationToJson(const CrossValidation& cross_validation) {
 Json Iso9283ToJson(const Trust& trust) {
   const PoseAccuracy& accuracy = trust.Quoted().pose_accuracy;
   const PoseRepeatability& repeatability = trust.repeatability;
-  Json json = {{"ap_mm", nullptr}, {"rp_mm", nullptr}};
+  Json json = {{"ap_mm", nullptr}, {"rp_mm", nullptr}, {"rp_words", RepeatabilityIsLimited(repeatability)}};
   if (accuracy.poses > 0) {
     json["ap_mm"] = {{"poses", accuracy.poses},
                      {"positions", accuracy.positions},

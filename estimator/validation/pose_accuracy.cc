@@ -63,7 +63,7 @@ Vector3<double> Barycentre(const Arrivals& arrivals) {
   return mean.value();
 }
 
-// RP_l of two arrivals or more.
+// RP_l of kFewestArrivals or more.
 double Repeatability(const Arrivals& arrivals) {
   const Vector3<double> barycentre = Barycentre(arrivals);
   const auto n = static_cast<double>(arrivals.size());
@@ -115,10 +115,10 @@ PoseRepeatability MeasurePoseRepeatability(const CalibrationProblem& problem) {
   int last = -1;
   ForEachPosition(problem, observations, positions, [&](int configuration, const Arrivals& arrivals) {
     const auto n = static_cast<int>(arrivals.size());
-    if (n < 2) return;
+    repeatability.most = std::max(repeatability.most, n);
+    if (n < kFewestArrivals) return;
     const double own = Repeatability(arrivals);
     repeatability.fewest = repeatability.positions == 0 ? n : std::min(repeatability.fewest, n);
-    repeatability.most = std::max(repeatability.most, n);
     repeatability.largest = std::max(repeatability.largest, own);
     repeatability.mean += own;
     ++repeatability.positions;

@@ -8,7 +8,8 @@
 //
 // As restated by Slamani, Nubiola and Bonev (Industrial Robot 39(1), 2012) and in J. Leland's ISO9283TestAnalyzer (MIT
 // Media Lab, 2016: mean of l plus three corrected sample standard deviations). The standard asks for n = 30 arrivals;
-// how many there were is stated next to the figures.
+// how many there were is stated next to the figures, and
+// of fewer than kFewestArrivals there are none.
 #pragma once
 
 #include <vector>
@@ -16,6 +17,10 @@
 #include "problems/calibration_problem.h"
 
 namespace sagitta {
+
+// Two arrivals are equally far from their barycentre: S_l is 0 whatever the robot does, and RP a fraction of what it
+// is.
+constexpr int kFewestArrivals = 3;
 
 struct PoseAccuracy {
   int poses = 0;
@@ -26,9 +31,10 @@ struct PoseAccuracy {
 
 // RP of ISO 9283, as far as repeated arrivals show it.
 struct PoseRepeatability {
-  int poses = 0;                     // with two arrivals or more
+  int poses = 0;                     // with kFewestArrivals or more
   int positions = 0;                 // commanded ones among them
-  int fewest = 0, most = 0;          // arrivals at one of them
+  int fewest = 0;                    // arrivals at one of them
+  int most = 0;                      // arrivals at one position, be they too few
   double mean = 0.0, largest = 0.0;  // RP_l over the positions, m
 };
 

@@ -39,15 +39,26 @@ TEST(PoseAccuracy, RepeatabilityIsTheMeanDistanceAndThreeOfItsStandardDeviations
   const Vector3<double> b(1, 2, 3);
   const CalibrationProblem problem = Arrivals({{b + Vector3<double>(1e-3, 0, 0), b - Vector3<double>(1e-3, 0, 0),
                                                 b + Vector3<double>(0, 2e-3, 0), b - Vector3<double>(0, 2e-3, 0)},
+                                               {b, b, b + Vector3<double>(0, 0, 3e-4)},
                                                {b, b + Vector3<double>(0, 0, 4e-4)},
                                                {b}});
   const PoseRepeatability repeatability = MeasurePoseRepeatability(problem);
-  const double first = 1.5e-3 + 3.0 * std::sqrt(1.0 / 3.0) * 1e-3, second = 2e-4;
+  // Of three 0, 0 and 0.3 mm: distances 0.1, 0.1, 0.2, S = sqrt(0.02 / 3 / 2) mm. Two show no scatter: not counted.
+  const double first = 1.5e-3 + 3.0 * std::sqrt(1.0 / 3.0) * 1e-3;
+  const double second = 4e-4 / 3.0 + 3.0 * std::sqrt(0.01 / 3.0) * 1e-3;
   EXPECT_EQ(repeatability.poses, 2);
-  EXPECT_EQ(repeatability.fewest, 2);
+  EXPECT_EQ(repeatability.fewest, 3);
   EXPECT_EQ(repeatability.most, 4);
   EXPECT_NEAR(repeatability.largest, first, 1e-12);
   EXPECT_NEAR(repeatability.mean, 0.5 * (first + second), 1e-12);
+}
+
+TEST(PoseAccuracy, TwoArrivalsShowNoRepeatability) {
+  const Vector3<double> b(1, 2, 3);
+  const PoseRepeatability twice = MeasurePoseRepeatability(Arrivals({{b, b + Vector3<double>(0, 0, 4e-4)}, {b}}));
+  EXPECT_EQ(twice.poses, 0);
+  EXPECT_EQ(twice.most, 2);
+  EXPECT_EQ(twice.largest, 0.0);
 }
 
 TEST(PoseAccuracy, AccuracyIsTheDistanceOfTheBarycentreNotTheMeanDistance) {

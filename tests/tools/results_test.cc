@@ -86,25 +86,36 @@ TEST_F(ResultsTest, AccuracyAndRepeatabilityHaveTheNamesOfIso9283) {
   const size_t n = rows.size();
   rows[0].push_back("visit");
   for (size_t i = 1; i < n; ++i) rows[i].push_back("1");
-  for (size_t i = 1; i < n; ++i) {
-    std::vector<std::string> again = rows[i];
-    again.back() = "2";
-    again[Column(rows, "z_mm")] = std::to_string(std::stod(again[Column(rows, "z_mm")]) + 0.2);
-    rows.push_back(again);
-  }
+  const auto arrive = [&](const char* visit, double off) {
+    for (size_t i = 1; i < n; ++i) {
+      std::vector<std::string> again = rows[i];
+      again.back() = visit;
+      again[Column(rows, "z_mm")] = std::to_string(std::stod(again[Column(rows, "z_mm")]) + off);
+      rows.push_back(again);
+    }
+  };
+  arrive("2", 0.2);
+  const Outcome twice =
+      Run({"calibrate", robot_, Write("twice.csv", Csv(rows)), "--sigma_mm=0.1", "--out=" + Path("twice")});
+  ASSERT_EQ(twice.status, 0) << twice.err;
+  const auto none = ReadJson("twice/estimate.json")["iso9283"];
+  EXPECT_TRUE(none["rp_mm"].is_null()) << "two arrivals are equally far from their mean";
+  EXPECT_THAT(none["rp_words"].get<std::string>(), ::testing::HasSubstr("visited more than twice"));
+  EXPECT_THAT(twice.out, ::testing::HasSubstr("no pose was visited more than twice"));
+  arrive("3", 0.1);
   const Outcome outcome =
-      Run({"calibrate", robot_, Write("twice.csv", Csv(rows)), "--sigma_mm=0.1", "--out=" + Path("out")});
+      Run({"calibrate", robot_, Write("thrice.csv", Csv(rows)), "--sigma_mm=0.1", "--out=" + Path("out")});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const auto iso = ReadJson("out/estimate.json")["iso9283"];
-  // Two arrivals 0.2 mm apart: both 0.1 mm from their barycentre, no spread of that.
+  // Arrivals at 0, 0.1 and 0.2 mm: 0.1, 0 and 0.1 mm from their barycentre; mean 0.0667, S = sqrt(0.01 / 3) mm.
   EXPECT_EQ(iso["rp_mm"]["poses"], 18);
   EXPECT_EQ(iso["rp_mm"]["positions"], n - 1);  // three markers
-  EXPECT_NEAR(iso["rp_mm"]["max"].get<double>(), 0.1, 1e-5);
-  EXPECT_NEAR(iso["rp_mm"]["mean"].get<double>(), 0.1, 1e-5);
+  EXPECT_NEAR(iso["rp_mm"]["max"].get<double>(), 0.2 / 3.0 + 3.0 * std::sqrt(0.01 / 3.0), 2e-5);
+  EXPECT_NEAR(iso["rp_mm"]["mean"].get<double>(), 0.2 / 3.0 + 3.0 * std::sqrt(0.01 / 3.0), 2e-5);
   EXPECT_EQ(iso["ap_mm"]["poses"], 18);
   EXPECT_EQ(iso["ap_mm"]["positions"], n - 1);
   EXPECT_GT(iso["ap_mm"]["max"].get<double>(), iso["ap_mm"]["mean"].get<double>());
-  EXPECT_THAT(outcome.out, ::testing::HasSubstr("repeatability RP 0.100 mm in the mean"));
+  EXPECT_THAT(outcome.out, ::testing::HasSubstr("repeatability RP 0.240 mm in the mean"));
   ASSERT_EQ(Run({"calibrate", experiment_, "--out=" + Path("once")}).status, 0);
   EXPECT_TRUE(ReadJson("once/estimate.json")["iso9283"]["rp_mm"].is_null());
 }

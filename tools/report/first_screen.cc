@@ -38,13 +38,14 @@ std::string IsoInWords(const Trust& trust) {
     words += "the readings of one arrival, of which it goes by the mean, scatter by " +
              Millimetres(accuracy.scatter, decimals) + " mm (RMS); ";
   }
-  if (repeatability.poses == 0) return words + "pose repeatability RP: no pose was visited again.";
+  const std::string limited = RepeatabilityIsLimited(repeatability);
+  if (repeatability.poses == 0) return words + "pose repeatability RP: " + limited + ".";
   const std::string fewest = std::to_string(repeatability.fewest), most = std::to_string(repeatability.most);
   return words + "pose repeatability RP " + Millimetres(repeatability.mean, decimals) + " mm in the mean, " +
          Millimetres(repeatability.largest, decimals) + " mm at most, of " +
          PosesInWords(repeatability.poses, repeatability.positions) + " with " + fewest +
-         (fewest == most ? "" : " to " + most) +
-         " arrivals (the standard asks for 30), the instrument's noise included.";
+         (fewest == most ? "" : " to " + most) + " arrivals (the standard asks for 30" +
+         (limited.empty() ? "" : "; " + limited) + "), the instrument's noise included.";
 }
 
 bool HasUnseen(const Trust& trust) { return trust.Quoted().points > 0; }
