@@ -2,6 +2,7 @@
 #include "estimator/sagitta.h"
 #include "problems/experiment_checks.h"
 #include "problems/failure.h"
+#include "problems/io/measurement_writer.h"
 #include "problems/latent_model.h"
 #include "problems/problem_checks.h"
 #include "problems/range.h"
@@ -78,6 +79,7 @@ Measurements Simulate(const KnownRobot& known, const Measurements& given, const 
   if (!simulator.Draw(options.seed, &simulated)) {
     throw Failure("nothing simulated: equilibrium_diverged: a joint's deviation folds the loaded arm");
   }
+  if (options.sigma) StateSigma(*options.sigma, &simulated);
   return simulated;
 }
 

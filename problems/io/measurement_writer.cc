@@ -99,7 +99,36 @@ std::vector<Source> SourcesIn(const MeasurementFile& file, const std::vector<Col
   return sources;
 }
 
+// 0, 1, 2 for the standard deviations of the point's coordinates, else -1.
+int SigmaAxis(const Column& column) {
+  if (column.unit.empty() || column.quantity.size() != 7 || column.quantity.rfind("sigma_", 0) != 0) return -1;
+  const int axis = column.quantity.back() - 'x';
+  return axis >= 0 && axis < 3 ? axis : -1;
+}
+
 }  // namespace
+
+void StateSigma(double sigma, Measurements* data) {
+  for (Observation& observation : data->observations) {
+    if (observation.is_point()) observation.sigma.setConstant(sigma);
+  }
+  for (MeasurementFile& file : data->files) {
+    std::vector<std::string> stated(file.header.size());  // the cell of each column of standard deviations
+    std::vector<bool> is_sigma(file.header.size(), false);
+    for (size_t c = 0; c < file.header.size(); ++c) {
+      const Column column = ColumnNamed(file.header[c]);
+      is_sigma[c] = SigmaAxis(column) >= 0;
+      if (is_sigma[c] && sigma > 0.0) stated[c] = FormatNumber(ToUnit(sigma, UnitNamed(column.unit)));
+    }
+    if (std::find(is_sigma.begin(), is_sigma.end(), true) == is_sigma.end()) continue;
+    MeasurementRows rows;
+    for (const MeasurementRows::Row row : file.rows) {
+      rows.BeginRow(row.line);
+      for (size_t c = 0; c < row.cells.size(); ++c) rows.AddCell(is_sigma[c] ? stated[c] : row.cells[c]);
+    }
+    file.rows = rows;
+  }
+}
 
 std::string MeasurementsToCsv(const Measurements& data) {
   const std::vector<bool> oriented = data.OrientedMarkers();

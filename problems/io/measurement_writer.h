@@ -15,4 +15,8 @@ namespace sagitta {
 // A missing point (NaN) is an empty cell.
 std::string MeasurementsToCsv(const Measurements& data);
 
+// The points have this standard deviation on every axis, m, whatever the rows said; 0: they are exact, and their
+// columns of standard deviations are empty.
+void StateSigma(double sigma, Measurements* data);
+
 }  // namespace sagitta

@@ -194,6 +194,29 @@ TEST_F(ResultsTest, SimulatedMeasurementsGiveTheTruthBack) {
   }
 }
 
+// Whoever calibrates the file weighs its rows by the noise that they were given, not by the one of the design.
+TEST_F(ResultsTest, SimulatedRowsStateTheNoiseThatTheyWereGiven) {
+  ASSERT_EQ(Run({"calibrate", experiment_, "--out=" + Path("out")}).status, 0);
+  auto rows = Cells(ReadAll(data_));
+  for (const char* axis : {"x", "y", "z"}) {
+    for (size_t r = 0; r < rows.size(); ++r) rows[r].push_back(r == 0 ? std::string("sigma_") + axis + "_mm" : "0.01");
+  }
+  const std::string design = Write("design.csv", Csv(rows)), truth = "--truth=" + Path("out/estimate.json");
+  const auto simulated = [&](const std::string& sigma) {
+    const Outcome outcome =
+        Run({"simulate", robot_, design, truth, "--sigma_mm=" + sigma, "--out=" + Path(sigma + ".csv")});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return Cells(Read(sigma + ".csv"));
+  };
+  for (const auto& [sigma, cell] : std::map<std::string, std::string>{{"0.25", "0.25"}, {"0", ""}}) {
+    const auto noisy = simulated(sigma);
+    ASSERT_EQ(noisy.size(), rows.size());
+    for (size_t r = 1; r < noisy.size(); ++r) EXPECT_EQ(noisy[r][Column(noisy, "sigma_y_mm")], cell);
+  }
+  ASSERT_EQ(Run({"calibrate", robot_, Path("0.25.csv"), "--out=" + Path("again")}).status, 0);
+  EXPECT_LT(ReadJson("again/estimate.json")["fit"]["reduced_chi2"].get<double>(), 2.0);
+}
+
 TEST_F(ResultsTest, SimulationIsReproducible) {
   ASSERT_EQ(Run({"calibrate", experiment_, "--out=" + Path("truth")}).status, 0);
   const std::string truth = "--truth=" + Path("truth/estimate.json");
