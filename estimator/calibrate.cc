@@ -9,6 +9,7 @@
 #include "estimator/inspection/load_direction.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/intervals/intervals.h"
+#include "estimator/report/baselines_words.h"
 #include "estimator/report/calibration_words.h"
 #include "estimator/report/validation_words.h"
 #include "estimator/results/residuals_csv.h"
@@ -68,6 +69,15 @@ void NameSuspects(Calibration* failed) {
   estimate.identifiability.unidentifiable.clear();
 }
 
+// What a method that knows no bounds put below one: "" where nothing is. No robot file may hold it.
+std::string NameBelowItsBound(const ParameterSet& parameters) {
+  for (int i = 0; i < parameters.num_coordinates(); ++i) {
+    const Coordinate& coordinate = parameters.coordinates()[i];
+    if (parameters.Value(i) < coordinate.lower) return coordinate.name;
+  }
+  return "";
+}
+
 // All that judges a usable estimate. rows: that were fitted, or null.
 void JudgeCalibration(const CalibrateOptions& options, std::shared_ptr<const RowBatches> rows, Calibration* result) {
   const auto say = [&](const std::string& what) {
@@ -118,6 +128,13 @@ Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& option
   if (options.method != Method::kJoint && IsUsable(estimate.status)) {
     say("running " + WordOf(options.method));
     estimate = RunMethod(result.problem, options.method, estimate, options.progress).estimate;
+    const std::string below = IsUsable(estimate.status) ? NameBelowItsBound(estimate.parameters) : "";
+    if (!below.empty()) {
+      estimate.status = Status::kNotRun;
+      estimate.message = NoRobotHasThis(WordOf(options.method), below);
+      estimate.identifiability.unidentifiable.clear();
+      return result;
+    }
   }
   if (!IsUsable(estimate.status)) {
     NameSuspects(&result);

@@ -46,6 +46,11 @@ std::string HeldInFirstStage(const std::string& parameter) {
          "marker; use two-step";
 }
 
+std::string NoRobotHasThis(const std::string& method, const std::string& parameter) {
+  return method + " puts " + parameter + " below 0, where no robot is, and no file that says so could be read again; " +
+         "use --method=joint, which keeps to the bound, or hold it (--fixed=" + parameter + ")";
+}
+
 std::string PoseEquationsSingular() {
   return "the pose equations are singular, or the equilibrium of a loaded shot diverges";
 }

@@ -22,6 +22,9 @@ std::string FewFullPoses(size_t poses, int unknowns);
 std::string MarkerOffFlange(const std::string& marker);
 std::string HeldInFirstStage(const std::string& parameter);
 
+// A method that knows no bounds put a parameter below its own.
+std::string NoRobotHasThis(const std::string& method, const std::string& parameter);
+
 std::string PoseEquationsSingular();
 std::string IdentificationSingular();
 std::string PosesStandStill();

@@ -339,6 +339,45 @@ TEST_F(ResultsTest, WhatIsKnownWorseThanHalfItsValueIsWeak) {
   EXPECT_NE(weak.dump().find("compliance/A6"), std::string::npos) << weak;
 }
 
+// A rigid arm, read unloaded and with 2500 N: methods that know no bounds put some of its compliances below 0, and no
+// command reads such a robot again.
+TEST_F(ResultsTest, ARobotThatCannotBeReadAgainIsNotWritten) {
+  ASSERT_EQ(Run({"calibrate", experiment_, "--out=" + Path("truth")}).status, 0);
+  std::vector<std::vector<std::string>> all;
+  for (const std::string load : {"none", "L"}) {
+    const std::string out = load + ".csv", seed = load == "L" ? "--seed=2" : "--seed=1";
+    ASSERT_EQ(Run({"simulate", robot_, data_, "--truth=" + Path("truth/estimate.json"), "--sigma_mm=0.1", seed,
+                   "--out=" + Path(out)})
+                  .status,
+              0);
+    const auto rows = Cells(Read(out));
+    for (size_t r = 0; r < rows.size(); ++r) {
+      if (r == 0 && !all.empty()) continue;
+      all.push_back(rows[r]);
+      const bool loaded = load == "L";
+      for (const std::string& cell :
+           {r == 0 ? std::string("load") : load, std::string(r == 0 ? "fx_N" : "0"), std::string(r == 0 ? "fy_N" : "0"),
+            std::string(r == 0   ? "fz_N"
+                        : loaded ? "-2500"
+                                 : "0")}) {
+        all.back().push_back(cell);
+      }
+    }
+  }
+  const std::string rows = Write("all.csv", Csv(all));
+  for (const std::string method : {"full-pose", "two-step-literal", "joint"}) {
+    const Outcome outcome = Run({"calibrate", robot_, rows, "--load_point_mm=280,60,-150", "--sigma_mm=0.1",
+                                 "--method=" + method, "--out=" + Path(method)});
+    EXPECT_EQ(outcome.status, method == "joint" ? 0 : 3) << outcome.err;
+    EXPECT_EQ(Exists(method + "/robot.calibrated.yaml"), method == "joint");
+    EXPECT_EQ(Exists(method + "/estimate.json"), method == "joint");
+    if (method == "joint") continue;
+    EXPECT_THAT(outcome.err, ::testing::HasSubstr("puts compliance/"));
+    EXPECT_THAT(outcome.err, ::testing::HasSubstr("below 0"));
+  }
+  EXPECT_EQ(Run({"predict", Path("joint/estimate.json"), rows, "--out=" + Path("p.csv")}).status, 0);
+}
+
 TEST_F(ResultsTest, NumericalFailureSaysWhyAndWritesNoEstimate) {
   auto rows = Cells(ReadAll(data_));
   std::vector<std::vector<std::string>> one_marker = {rows[0]};
