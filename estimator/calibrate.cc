@@ -87,7 +87,10 @@ void JudgeCalibration(const CalibrateOptions& options, std::shared_ptr<const Row
   AddIntervals(result->problem, {options.num_threads, options.progress}, &estimate);
   BetweenParts between;
   const FittedStream fitted(result->problem, std::move(rows));
-  FoldPlan folds = PlanFolds(result->problem, fitted, options.seed);
+  // The folds' steps are those of the joint fit, at whose minimum the exact halves end too.
+  FoldPlan folds;
+  folds.is_of_joint_fit = options.method == Method::kJoint || options.method == Method::kTwoStep;
+  if (folds.is_of_joint_fit) folds = PlanFolds(result->problem, fitted, options.seed);
   if (options.method == Method::kJoint) {
     say("comparing parts of the data");
     between =

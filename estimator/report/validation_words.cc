@@ -80,6 +80,11 @@ std::string ModelErrorInWords(double median, double largest, const std::string& 
 
 std::string NothingChecksIt() { return "nothing checks it: too few configurations to set any aside"; }
 
+std::string NothingChecksTheMethod() {
+  return "nothing checks it: there is no cross-validation of this method, whose folds would be fitted by another one "
+         "(hold configurations out: --holdout=0.3)";
+}
+
 std::string PredictionIsOff(bool is_holdout, double excess, double p_value) {
   return std::string("the errors ") + (is_holdout ? "on the points held out" : "in the cross-validation") + " are " +
          Significant(excess, 2) + " times what the estimate predicted for them (p = " + Significant(p_value, 2) + ")";

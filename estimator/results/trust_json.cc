@@ -28,11 +28,18 @@ void AddUnseen(const UnseenPoints& unseen, Json* json) {
 Json CrossValidationToJson(const CrossValidation& cross_validation) {
   const UnseenPoints& unseen = cross_validation.unseen;
   Json json = {{"folds", cross_validation.folds},
+               {"not_run", cross_validation.not_run ? NothingChecksTheMethod() : ""},
                {"rms_mm", 1e3 * unseen.rms},
                {"distance_rms_mm", 1e3 * unseen.distance_rms},
                {"distance_max_mm", 1e3 * unseen.distance_max},
                {"predicted_rms_mm", 1e3 * unseen.predicted_rms}};
   AddUnseen(unseen, &json);
+  if (cross_validation.not_run) {  // there are no figures: 0 mm would be a good one
+    for (const char* figure : {"rms_mm", "distance_rms_mm", "distance_max_mm", "predicted_rms_mm", "distance_p50_mm",
+                               "distance_p95_mm", "prediction_p_value"}) {
+      json[figure] = nullptr;
+    }
+  }
   const UnseenPoints& before = cross_validation.nominal;
   json["before"] = Json::object();
   if (before.points > 0) {

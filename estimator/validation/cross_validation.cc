@@ -429,6 +429,8 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate&
 CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStream& fitted, const Estimate& estimate,
                               const FoldPlan& plan) {
   CrossValidation result;
+  result.not_run = !plan.is_of_joint_fit;
+  if (result.not_run) return result;
   const Division calibrated{estimate.parameters, MovingColumns(estimate), estimate.predicted};
   if (calibrated.columns.empty() || plan.count() < 2) return result;
   const auto sums_of = [&](const Division& whole) { return SumFolds(fitted, plan.rows.partition, whole); };

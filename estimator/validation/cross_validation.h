@@ -28,7 +28,8 @@ struct Unpredictable {
 
 // Both robots by the same folds.
 struct CrossValidation {
-  int folds = 0;  // 0: there was nothing to divide
+  int folds = 0;         // 0: there was nothing to divide
+  bool not_run = false;  // the estimate is not where the step of a fold leads from
   UnseenPoints unseen;
   UnseenPoints nominal;  // of the aligned nominal robot, on the same points; none where nothing was aligned
   Unpredictable unpredictable;
@@ -44,6 +45,9 @@ std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed);
 struct FoldPlan {
   std::vector<int> fold_of;  // of each configuration; -1: it is not fitted
   AlsoSummed rows;           // at the estimate: summed before, or in a pass of its own
+  // False: the estimate is no minimum of the joint fit. The steps of the folds would lead to that one, and figures of
+  // theirs would be those of another estimate: nothing is cross-validated.
+  bool is_of_joint_fit = true;
 
   int count() const { return rows.partition.parts; }
 };

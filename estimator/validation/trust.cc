@@ -216,7 +216,9 @@ std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const
                                         const Trust& trust) {
   std::vector<std::string> reasons;
   const UnseenPoints& quoted = trust.Quoted();
-  if (quoted.points == 0) reasons.push_back(NothingChecksIt());
+  if (quoted.points == 0) {
+    reasons.push_back(trust.cross_validation.not_run ? NothingChecksTheMethod() : NothingChecksIt());
+  }
   int held_out = 0;
   const int seen = HeldOutWhereFitted(problem, &held_out);
   if (2 * seen > held_out) reasons.push_back(HeldOutIsFitted(seen, held_out));

@@ -120,6 +120,36 @@ TEST_F(ResultsTest, AccuracyAndRepeatabilityHaveTheNamesOfIso9283) {
   EXPECT_TRUE(ReadJson("once/estimate.json")["iso9283"]["rp_mm"].is_null());
 }
 
+// The steps of the folds are those of the joint fit: under another method's name their figures would be another
+// estimate's, better than what the method fits.
+TEST_F(ResultsTest, AMethodIsNotCrossValidatedByAnother) {
+  for (const std::string method : {"full-pose", "two-step-literal"}) {
+    const Outcome outcome = Run({"calibrate", experiment_, "--method=" + method, "--out=" + Path(method)});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const Outcome required = Run({"calibrate", experiment_, "--method=" + method, "--out=" + Path("required"),
+                                  "--require=cross_validation.distance_rms_mm<1000"});
+    EXPECT_EQ(required.status, 2) << required.out;
+    const auto estimate = ReadJson(method + "/estimate.json");
+    EXPECT_TRUE(estimate["cross_validation"]["distance_rms_mm"].is_null());
+    EXPECT_THAT(estimate["cross_validation"]["not_run"].get<std::string>(), ::testing::HasSubstr("--holdout"));
+    EXPECT_FALSE(estimate["verdict"]["trusted"].get<bool>());
+    EXPECT_EQ(outcome.out.find("10-fold"), std::string::npos);
+  }
+  const Outcome held_out =
+      Run({"calibrate", experiment_, "--method=full-pose", "--holdout=0.3", "--out=" + Path("part")});
+  ASSERT_EQ(held_out.status, 0) << held_out.err;
+  const auto part = ReadJson("part/estimate.json");
+  EXPECT_THAT(part["verdict"]["words"].get<std::string>(), ::testing::HasSubstr("On poses it has not seen"));
+  EXPECT_FALSE(part["validation"]["distance_p95_mm"].is_null());
+  for (const std::string method : {"joint", "two-step"}) {
+    ASSERT_EQ(Run({"calibrate", experiment_, "--method=" + method, "--out=" + Path(method)}).status, 0);
+    const auto cross_validation = ReadJson(method + "/estimate.json")["cross_validation"];
+    EXPECT_EQ(cross_validation["folds"], 10);
+    EXPECT_EQ(cross_validation["not_run"], "");
+    EXPECT_GT(cross_validation["distance_rms_mm"].get<double>(), 0.0);
+  }
+}
+
 TEST_F(ResultsTest, TheCalibratedRobotLoadsAgainAndHasNothingLeftToFind) {
   ASSERT_EQ(Run({"calibrate", experiment_, "--out=" + Path("a")}).status, 0);
   ASSERT_EQ(Run({"calibrate", Path("a/robot.calibrated.yaml"), data_, "--sigma_mm=0.1", "--out=" + Path("b")}).status,
