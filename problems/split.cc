@@ -1,6 +1,7 @@
 #include "problems/split.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -12,6 +13,8 @@
 
 namespace sagitta {
 namespace {
+
+constexpr long kLargestNumber = 1000000000;  // that a name is continued after
 
 std::string FirstFile(const Measurements& data) { return data.files.empty() ? "" : data.files.front().path; }
 
@@ -69,12 +72,15 @@ void RequireColumn(const std::string& column, const Measurements& data) {
   }
 }
 
-// Hex SHA-256 of "<seed>:<config>" of each group's first configuration.
+// Hex SHA-256 of "<seed>:<config>".
+std::string HashKey(unsigned long long seed, const std::string& id) { return Sha256(std::to_string(seed) + ":" + id); }
+
+// Of each group's first configuration.
 std::vector<std::string> HashKeys(const std::vector<std::vector<int>>& groups, unsigned long long seed,
                                   const Measurements& data) {
   std::vector<std::string> keys;
   for (const std::vector<int>& group : groups) {
-    keys.push_back(Sha256(std::to_string(seed) + ":" + data.configurations[group.front()].id));
+    keys.push_back(HashKey(seed, data.configurations[group.front()].id));
   }
   return keys;
 }
@@ -97,6 +103,23 @@ std::vector<double> TimeKeys(const std::vector<std::vector<int>>& groups, const 
   return keys;
 }
 
+// Of so many groups.
+double NumberHeldOut(double fraction, size_t groups) { return std::ceil(fraction * static_cast<double>(groups)); }
+
+// Of the numbers behind the stem in the names of configurations; 0: there is none.
+long LargestNumber(const Measurements& data, const std::string& stem) {
+  long largest = 0;
+  for (const Configuration& configuration : data.configurations) {
+    const std::string& id = configuration.id;
+    if (id.compare(0, stem.size(), stem) != 0) continue;
+    long number = 0;
+    const char* end_of_id = id.data() + id.size();
+    const auto [end, error] = std::from_chars(id.data() + stem.size(), end_of_id, number);
+    if (error == std::errc() && end == end_of_id && number < kLargestNumber) largest = std::max(largest, number);
+  }
+  return largest;
+}
+
 // Marks the first ceil(fraction * n) groups in the order of their keys.
 template <typename KeyType>
 void HoldOutFirst(const std::vector<std::vector<int>>& groups, const std::vector<KeyType>& keys, double fraction,
@@ -104,7 +127,7 @@ void HoldOutFirst(const std::vector<std::vector<int>>& groups, const std::vector
   std::vector<size_t> order(groups.size());
   for (size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return keys[a] < keys[b]; });
-  const double count = std::ceil(fraction * static_cast<double>(groups.size()));
+  const double count = NumberHeldOut(fraction, groups.size());
   for (size_t i = 0; i < order.size() && static_cast<double>(i) < count; ++i) {
     for (const int c : groups[order[i]]) data->configurations[c].is_validation = true;
   }
@@ -167,6 +190,25 @@ std::vector<std::vector<int>> GroupsOfEqualJointValues(const Measurements& data)
     groups[static_cast<size_t>(group_of[c])].push_back(static_cast<int>(c));
   }
   return groups;
+}
+
+std::vector<std::string> NamesThatAreFitted(const ValidationSpec& spec, const Measurements& data,
+                                            const std::string& stem, int count) {
+  // With all of them measured this key of the others is the last that is held out: they have to come behind it.
+  std::string last;
+  if (spec.kind == ValidationSpec::Kind::kFraction && !spec.by_time && !data.configurations.empty()) {
+    const std::vector<std::vector<int>> groups = GroupsOfEqualJointValues(data);
+    std::vector<std::string> keys = HashKeys(groups, spec.seed, data);
+    const double held_out = NumberHeldOut(spec.fraction, groups.size() + static_cast<size_t>(count));
+    std::sort(keys.begin(), keys.end());
+    last = keys[static_cast<size_t>(std::clamp(held_out, 1.0, static_cast<double>(keys.size()))) - 1];
+  }
+  std::vector<std::string> names;
+  for (long number = LargestNumber(data, stem) + 1; names.size() < static_cast<size_t>(count); ++number) {
+    const std::string name = stem + std::to_string(number);
+    if (last.empty() || HashKey(spec.seed, name) > last) names.push_back(name);
+  }
+  return names;
 }
 
 void SplitConfigurations(const ValidationSpec& spec, Measurements* data) {

@@ -13,6 +13,7 @@
 #include "models/constants.h"
 #include "models/effects/catalogue.h"
 #include "problems/io/effect_entries.h"
+#include "problems/split.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -139,8 +140,9 @@ bool IsReading(const std::string& column) {
 }
 
 // What a cell of a proposed row is: joint values are the pose's, readings are to be filled in.
-std::string NextCell(const std::string& column, const std::string& cell, const ProposedPose& pose, size_t number) {
-  if (column == "config") return "next" + std::to_string(number + 1);
+std::string NextCell(const std::string& column, const std::string& cell, const ProposedPose& pose,
+                     const std::string& name) {
+  if (column == "config") return name;
   if (IsReading(column)) return "";
   if (column.size() < 2 || column[0] != 'q' || !std::isdigit(static_cast<unsigned char>(column[1]))) return cell;
   const size_t end = column.find('_');
@@ -261,6 +263,8 @@ std::string NextToCsv(const Diagnosis& d) {
   std::string text;
   for (size_t c = 0; c < header.size(); ++c) text += (c > 0 ? "," : "") + header[c];
   text += "\n";
+  const std::vector<std::string> names = NamesThatAreFitted(d.baseline.problem->experiment().validation, data, "next",
+                                                            static_cast<int>(d.next->poses.size()));
   for (size_t k = 0; k < d.next->poses.size(); ++k) {
     const ProposedPose& pose = d.next->poses[k];
     for (const Observation& observation : data.observations) {
@@ -270,7 +274,7 @@ std::string NextToCsv(const Diagnosis& d) {
       const MeasurementRows::Cells cells = file.rows[observation.row].cells;
       for (size_t c = 0; c < header.size(); ++c) {
         const int own = file.FindColumn(header[c]);
-        text += (c > 0 ? "," : "") + NextCell(header[c], own < 0 ? "" : std::string(cells[own]), pose, k);
+        text += (c > 0 ? "," : "") + NextCell(header[c], own < 0 ? "" : std::string(cells[own]), pose, names[k]);
       }
       text += "\n";
     }

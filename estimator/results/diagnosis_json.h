@@ -14,7 +14,8 @@ nlohmann::ordered_json DiagnosisToJson(const Diagnosis& diagnosis, double signif
 Robot RobotOf(const DiagnosedModel& model);
 
 // The proposed poses (Diagnosis::next) as a measurement file to fill in: the columns of the first one, rows of the
-// configurations that they are like.
+// configurations that they are like. Their names go on after those of the data, and the split fits them
+// (problems/split.h).
 std::string NextToCsv(const Diagnosis& diagnosis);
 
 }  // namespace sagitta

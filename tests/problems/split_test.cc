@@ -167,6 +167,46 @@ TEST(SplitTest, RefusesImpossibleFractions) {
   EXPECT_TRUE(SaysInOrder(ErrorOf([&] { SplitConfigurations(Fraction(0.9, 1), &data); }), {"every configuration"}));
 }
 
+// All of them measured, or the first ones only.
+TEST(SplitTest, ProposedNamesAreFittedWhateverTheSeedAndTheFraction) {
+  constexpr int kCount = 6;
+  for (const double fraction : {0.05, 0.2, 0.3, 0.5, 0.75}) {
+    for (unsigned long long seed = 1; seed <= 20; ++seed) {
+      const Measurements data = Configurations(24);
+      const std::vector<std::string> names = NamesThatAreFitted(Fraction(fraction, seed), data, "next", kCount);
+      ASSERT_EQ(names.size(), static_cast<size_t>(kCount));
+      for (int measured = 1; measured <= kCount; ++measured) {
+        Measurements more = data;
+        for (int k = 0; k < measured; ++k) {
+          more.configurations.push_back({names[k], Eigen::VectorXd::Constant(2, 100 + k), false});
+        }
+        SplitConfigurations(Fraction(fraction, seed), &more);
+        for (int k = 0; k < measured; ++k) {
+          EXPECT_FALSE(more.configurations[24 + k].is_validation) << names[k] << " seed " << seed << " of " << fraction;
+        }
+      }
+    }
+  }
+}
+
+TEST(SplitTest, ProposedNamesGoOnAfterThoseOfTheData) {
+  Measurements data = Configurations(4);
+  data.configurations[1].id = "next2";
+  data.configurations[2].id = "next7";
+  data.configurations[3].id = "next9_again";
+  ValidationSpec none;
+  none.kind = ValidationSpec::Kind::kNone;
+  EXPECT_EQ(NamesThatAreFitted(none, data, "next", 2), (std::vector<std::string>{"next8", "next9"}));
+  for (const std::string& name : NamesThatAreFitted(Fraction(0.3, 1), data, "next", 6)) {
+    EXPECT_GT(std::stol(name.substr(4)), 7) << name;
+  }
+}
+
+// No name keeps a pose fitted where the fraction leaves nothing to fit of the others.
+TEST(SplitTest, ProposedNamesEndWhereTheFractionLeavesNoRoom) {
+  EXPECT_EQ(NamesThatAreFitted(Fraction(0.95, 1), Configurations(4), "next", 6).size(), 6u);
+}
+
 TEST(SplitTest, SharedUr5SplitIsThePublishedOne) {
   const std::string path = test::SharedFolder() + "/data/ur5_gts3800/measurements.csv";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "the shared data are not here: " << path;
