@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <iostream>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "estimator/diagnosis/learnt_model.h"
@@ -15,6 +16,8 @@
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
 #include "problems/input_error.h"
+#include "problems/io/csv_table.h"
+#include "problems/io/files.h"
 #include "problems/io/output_files.h"
 #include "problems/io/robot_file.h"
 #include "tools/commands.h"
@@ -114,10 +117,36 @@ void WriteResults(const Provenance& provenance, Calibration extended, const Simu
   out.Write(files, {ResidualsFile(extended.problem, extended.estimate)});
 }
 
+// Of a measured point or rotation, in any unit, or of a torque.
+bool IsReading(const std::string& column) {
+  static const std::set<std::string> stems = {"x", "y", "z", "rx", "ry", "rz", "ow", "ox", "oy", "oz"};
+  return stems.count(column.substr(0, column.find('_'))) > 0 || column.rfind("tau", 0) == 0;
+}
+
+// The proposed poses of an earlier run may have been measured since, in place: such a file is not replaced.
+void RefuseToReplaceReadings(const std::string& folder) {
+  const std::string path = (std::filesystem::path(folder) / kNextFile).string();
+  if (!std::filesystem::exists(path)) return;
+  const MeasurementFile file = ParseCsvTable(ReadOwnFile(path), path).file;
+  for (const MeasurementRows::Row row : file.rows) {
+    for (size_t c = 0; c < file.header.size(); ++c) {
+      if (!IsReading(file.header[c]) || row.cells[c].find_first_not_of(" \t") == std::string_view::npos) continue;
+      throw InputError({path, row.line, file.header[c]}, "holds readings, which this run would replace",
+                       "move the file out of this folder and list it under measurements, or choose another --out");
+    }
+  }
+}
+
+// Where no poses are proposed, those of an earlier run are out of date: what nobody measured is of no use.
+void RemoveOlderProposal(const Diagnosis& diagnosis, const std::string& folder) {
+  if (diagnosis.next) return;
+  RefuseToReplaceReadings(folder);
+  std::filesystem::remove(std::filesystem::path(folder) / kNextFile);
+}
+
 // Files that only some diagnoses have, of an earlier run into the same folder.
 std::vector<std::string> OlderFiles(const Diagnosis& diagnosis, const std::string& folder) {
   std::vector<std::string> unwritten, older;
-  if (!diagnosis.next) unwritten.push_back(kNextFile);
   if (!diagnosis.learnt) unwritten.insert(unwritten.end(), {kLearntFile, kLearntEstimateFile});
   for (const std::string& name : unwritten) {
     if (std::filesystem::exists(std::filesystem::path(folder) / name)) older.push_back(name);
@@ -133,6 +162,7 @@ int RunDiagnose(const CommandLine& line) {
     out.emplace(FLAGS_out,
                 std::vector<std::string>{"robot.extended.yaml", "residuals.csv", "report.html", "estimate.json",
                                          "diagnosis.json", kNextFile, kLearntFile, kLearntEstimateFile});
+    RefuseToReplaceReadings(FLAGS_out);
   }
   const ExperimentInputs inputs = WithHoldout(ReadInputs(line.arguments));
   const bool against_columns = AgainstColumnsFromFlags();
@@ -173,6 +203,7 @@ int RunDiagnose(const CommandLine& line) {
   } else {
     const Provenance provenance{line.text, "joint", inputs.files, against_columns ? "columns" : ""};
     WriteResults(provenance, Extended(diagnosis, FLAGS_seed, against_columns), baseline, diagnosis, json, *out);
+    RemoveOlderProposal(diagnosis, FLAGS_out);
     std::cout << "\n"
               << ResultsIn(FLAGS_out,
                            {"diagnosis.json", "robot.extended.yaml", "estimate.json", "residuals.csv", "report.html"});

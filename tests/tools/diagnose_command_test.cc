@@ -126,5 +126,31 @@ TEST_F(DiagnoseCommandTest, FilesOfAnEarlierRunAreCalledSo) {
   EXPECT_EQ(Read("out/robot.learnt.yaml"), "of another diagnosis");  // kept: it may be in use
 }
 
+constexpr char kProposed[] = "config,marker,q1_deg,x_mm,y_mm,z_mm\nnext1,T1,10,,,\nnext2,T1,20,";
+
+// Somebody measured the proposed poses and filled in the file where it lay.
+TEST_F(DiagnoseCommandTest, ReadingsInProposedPosesAreNotReplaced) {
+  std::filesystem::create_directory(Path("out"));
+  const std::string filled = std::string(kProposed) + "1,2,3\n";
+  Write("out/next.csv", filled);
+  const Outcome outcome = Run({"diagnose", Published("kr270/experiment.yaml"), "--out=" + Path("out")});
+  EXPECT_EQ(outcome.status, 2);
+  for (const char* words : {"next.csv:3", "x_mm", "holds readings", "list it under measurements"}) {
+    EXPECT_THAT(outcome.err, HasSubstr(words));
+  }
+  EXPECT_EQ(Read("out/next.csv"), filled);
+  EXPECT_FALSE(Exists("out/diagnosis.json"));
+}
+
+TEST_F(DiagnoseCommandTest, ProposedPosesThatNobodyMeasuredAreRemovedWhereNoneAreProposed) {
+  std::filesystem::create_directory(Path("out"));
+  Write("out/next.csv", std::string(kProposed) + ",,\n");
+  const Outcome outcome =
+      Run({"diagnose", Published("kr270/experiment.yaml"), "--holdout=0.3", "--seed=1", "--out=" + Path("out")});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  ASSERT_TRUE(ReadJson("out/diagnosis.json")["next"].is_null());
+  EXPECT_FALSE(Exists("out/next.csv"));
+}
+
 }  // namespace
 }  // namespace sagitta::test::diagnose_command_test
