@@ -132,22 +132,21 @@ Json GroupsToJson(const Diagnosis& d) {
   return json;
 }
 
-// Readings of another pose; of the station, its instrument and its markers a cell stays.
-bool IsReading(const std::string& column) {
-  static const std::set<std::string> names = {"x_mm",    "y_mm", "z_mm", "time_s", "rx_mrad", "ry_mrad",
-                                              "rz_mrad", "ow",   "ox",   "oy",     "oz"};
-  return names.count(column) > 0 || column.rfind("tau", 0) == 0 || column.rfind("sim_", 0) == 0;
+// Of the station, its instrument, its markers, the load and the split a cell stays. Of the moment of measuring nothing
+// is known (time, temperature, the direction of a joint's last motion), and a remark was about another row.
+bool IsOfTheScene(const std::string& column, const ValidationSpec& validation) {
+  static const std::set<std::string> names = {"marker", "station", "visit", "repeat", "load",  "set",
+                                              "fx_N",   "fy_N",    "fz_N",  "mx_Nm",  "my_Nm", "mz_Nm"};
+  const bool splits = validation.kind == ValidationSpec::Kind::kColumn && column == validation.column;
+  return splits || names.count(column) > 0 || column.rfind("sigma_", 0) == 0;
 }
 
-// What a cell of a proposed row is: joint values are the pose's, readings are to be filled in.
-std::string NextCell(const std::string& column, const std::string& cell, const ProposedPose& pose,
-                     const std::string& name) {
-  if (column == "config") return name;
-  if (IsReading(column)) return "";
-  if (column.size() < 2 || column[0] != 'q' || !std::isdigit(static_cast<unsigned char>(column[1]))) return cell;
+// A joint value of the pose; nothing where the column is of no joint.
+std::string JointCell(const std::string& column, const ProposedPose& pose) {
+  if (column.size() < 2 || column[0] != 'q' || !std::isdigit(static_cast<unsigned char>(column[1]))) return "";
   const size_t end = column.find('_');
   const long joint = std::stol(column.substr(1)) - 1;
-  if (end == std::string::npos || joint < 0 || joint >= pose.q.size()) return cell;
+  if (end == std::string::npos || joint < 0 || joint >= pose.q.size()) return "";
   const std::string unit = column.substr(end + 1);
   const double si = unit == "deg" ? kDegree : unit == "mm" ? 1e-3 : 1.0;
   return Fixed(pose.q[joint] / si, unit == "rad" ? 5 : 3);
@@ -263,8 +262,9 @@ std::string NextToCsv(const Diagnosis& d) {
   std::string text;
   for (size_t c = 0; c < header.size(); ++c) text += (c > 0 ? "," : "") + header[c];
   text += "\n";
-  const std::vector<std::string> names = NamesThatAreFitted(d.baseline.problem->experiment().validation, data, "next",
-                                                            static_cast<int>(d.next->poses.size()));
+  const ValidationSpec& validation = d.baseline.problem->experiment().validation;
+  const std::vector<std::string> names =
+      NamesThatAreFitted(validation, data, "next", static_cast<int>(d.next->poses.size()));
   for (size_t k = 0; k < d.next->poses.size(); ++k) {
     const ProposedPose& pose = d.next->poses[k];
     for (const Observation& observation : data.observations) {
@@ -274,7 +274,14 @@ std::string NextToCsv(const Diagnosis& d) {
       const MeasurementRows::Cells cells = file.rows[observation.row].cells;
       for (size_t c = 0; c < header.size(); ++c) {
         const int own = file.FindColumn(header[c]);
-        text += (c > 0 ? "," : "") + NextCell(header[c], own < 0 ? "" : std::string(cells[own]), pose, names[k]);
+        text += c > 0 ? "," : "";
+        if (header[c] == "config") {
+          text += names[k];
+        } else if (own >= 0 && IsOfTheScene(header[c], validation)) {
+          text += cells[own];
+        } else {
+          text += JointCell(header[c], pose);
+        }
       }
       text += "\n";
     }

@@ -1,0 +1,59 @@
+// next.csv: what a cell of a proposed row says, and what is left to be filled in.
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "estimator/results/diagnosis_json.h"
+#include "models/constants.h"
+#include "tests/support/kr270_experiment.h"
+
+namespace sagitta::next_file_test {
+namespace {
+
+constexpr char kHeader[] =
+    "config,marker,station,load,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,x_mm,y_mm,z_mm,sigma_x_mm,time_s,"
+    "temperature_degC,approach2,group,remark";
+
+std::vector<std::string> HeaderCells() {
+  std::vector<std::string> cells(1);
+  for (const char* c = kHeader; *c != '\0'; ++c) {
+    if (*c == ',') {
+      cells.emplace_back();
+    } else {
+      cells.back() += *c;
+    }
+  }
+  return cells;
+}
+
+// One proposed pose, to be measured like the first configuration.
+std::string Proposed() {
+  test::Kr270Design design;
+  design.configurations = 12;
+  Measurements data = test::DesignMeasurements(design);
+  test::MeasureKr270(test::Kr270Truth(), design.sigma, 1, &data);
+  data.files[0].header = HeaderCells();
+  for (size_t i = 0; i < data.observations.size(); ++i) {
+    data.files[0].rows.push_back({static_cast<int>(i) + 2,
+                                  {"C", "P1", "S1", "none", "1", "2", "3", "4", "5", "6", "7", "8", "9", "0.1", "60",
+                                   "21.5", "1", "grid", "second try"}});
+    data.observations[i].file = 0;
+    data.observations[i].row = static_cast<int>(i);
+  }
+  Experiment experiment;
+  experiment.validation.kind = ValidationSpec::Kind::kNone;
+  Diagnosis diagnosis;
+  diagnosis.baseline.problem = std::make_shared<CalibrationProblem>(test::Kr270ProblemOf(data, experiment));
+  diagnosis.next = NextPoses();
+  diagnosis.next->poses = {{Eigen::VectorXd::Constant(6, 10.0 * kDegree), 0}};
+  return NextToCsv(diagnosis);
+}
+
+// Time, temperature and the direction of a joint's last motion are those of the earlier row, and so is a remark.
+TEST(NextFile, WhatIsReadWhenMeasuringIsEmpty) {
+  const std::string row = "next1,P1,S1,none,10.000,10.000,10.000,10.000,10.000,10.000,,,,0.1,,,,,\n";
+  EXPECT_EQ(Proposed(), std::string(kHeader) + "\n" + row + row + row);
+}
+
+}  // namespace
+}  // namespace sagitta::next_file_test
