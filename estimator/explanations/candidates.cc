@@ -179,9 +179,7 @@ bool SlidesInstead(const CalibrationProblem& problem, const EffectDefinition& de
 std::string UnmetNeed(EffectNeeds needs, const Knowledge& known) {
   if (needs == EffectNeeds::kLoads && !known.loads) return "loaded rows";
   if (needs == EffectNeeds::kCompliances && !known.compliances) return "joint compliances above 0 (loaded rows)";
-  if (needs == EffectNeeds::kNoCompliances && known.compliances) {
-    return "joint compliances of 0 (with others the weight of a link is link_gravity)";
-  }
+  if (needs == EffectNeeds::kNoCompliances && known.compliances) return CompliancesOfZero();
   return "";
 }
 

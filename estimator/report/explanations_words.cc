@@ -101,6 +101,8 @@ std::string DeadbandInWords(const std::string& width, const std::string& driver,
 
 std::string RowsAboveTheNoise() { return "rows in which it would stand out of the noise"; }
 
+std::string CompliancesOfZero() { return "joint compliances of 0 (with others the weight of a link is link_gravity)"; }
+
 std::string ComplianceAboveZero() { return "the joint's compliance above 0 (loaded rows)"; }
 
 std::string GravityIsUnknown(const std::string& station) {

@@ -47,6 +47,7 @@ std::string DeadbandInWords(const std::string& width, const std::string& driver,
 std::string RowsAboveTheNoise();
 // A spring needs a joint that gives.
 std::string ComplianceAboveZero();
+std::string CompliancesOfZero();
 // Of an effect of weights, where the station is not levelled.
 std::string GravityIsUnknown(const std::string& station);
 
