@@ -195,10 +195,33 @@ void Predict(const SetCoefficients& coefficients, const Eigen::MatrixXd& sums, c
   rows->spread.array().colwise() *= factor.vectorD().array().max(kLeastPivot).rsqrt();
 }
 
-// The sets that are worth deciding between. What is called alike, or predicts the same at new poses, is one answer: a
-// deviation that follows the pose has its own value at each, and whether an effect is a piece of a nameless cause no
-// pose shows. probabilities: of the answers.
-std::vector<Rival> RivalsOf(const Evidence& evidence, std::vector<double>* probabilities) {
+// Time or temperature drives it.
+bool DependsOnWhen(const Evidence& evidence, int member) {
+  const ExplanationList& list = evidence.list();
+  if (list.IsUnnamed(member)) {
+    const DriverKind kind = list.functions[list.unnamed[member]].driver.kind;
+    return kind == DriverKind::kTime || kind == DriverKind::kTemperature;
+  }
+  const EffectDefinition* effect = FindEffect(evidence.robot(), list.start[member].effect);
+  return effect != nullptr && effect->driven_by != EffectDriver::kJoint;
+}
+
+NextRival NamedRival(const ExplanationList& list, const std::vector<int>& members, double probability) {
+  NextRival rival{probability, {}, {}};
+  for (const int m : members) {
+    if (list.IsUnnamed(m)) {
+      rival.unnamed.push_back(list.functions[list.unnamed[m]].words);
+    } else {
+      rival.specs.push_back(list.start[m]);
+    }
+  }
+  return rival;
+}
+
+// The sets that are worth deciding between, with their names in `next`. What is called alike, or predicts the same at
+// new poses, is one answer: a deviation that follows the pose has its own value at each, and whether an effect is a
+// piece of a nameless cause no pose shows.
+std::vector<Rival> RivalsOf(const Evidence& evidence, NextPoses* next) {
   struct Answer {
     double probability = 0.0;
     std::vector<int> models;
@@ -222,16 +245,21 @@ std::vector<Rival> RivalsOf(const Evidence& evidence, std::vector<double>* proba
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const Answer& a, const Answer& b) { return a.probability > b.probability; });
   sorted.resize(std::min(sorted.size(), kMostAnswers));
-  double all = 0.0;
-  for (const Answer& answer : sorted) all += answer.probability;
+  for (const Answer& answer : sorted) {
+    const std::vector<int>& members = evidence.models()[answer.models.front()].set.members;
+    next->rivals.push_back(NamedRival(evidence.list(), members, answer.probability));
+    next->of_probability += answer.probability;
+    next->depends_on_when |=
+        std::any_of(members.begin(), members.end(), [&](int m) { return DependsOnWhen(evidence, m); });
+  }
   std::vector<Rival> rivals;
   for (size_t k = 0; k < sorted.size(); ++k) {
-    probabilities->push_back(sorted[k].probability / all);
+    const double of_all = sorted[k].probability / next->of_probability;
     double kept = 0.0;
     for (const int m : sorted[k].models) kept += evidence.models()[m].probability;
     for (const int m : sorted[k].models) {
       const double share = evidence.models()[m].probability / kept;
-      rivals.push_back({m, share * probabilities->back(), static_cast<int>(k)});
+      rivals.push_back({m, share * of_all, static_cast<int>(k)});
     }
   }
   return rivals;
@@ -280,16 +308,18 @@ std::optional<PoseChoice> ChoiceOf(const Evidence& evidence, const std::vector<R
 
 std::optional<NextPoses> ProposeNext(const Evidence& evidence, const CalibrationProblem& problem,
                                      const ParameterSet& parameters) {
-  std::vector<double> now;
-  const std::vector<Rival> rivals = RivalsOf(evidence, &now);
-  if (now.size() < 2 || now[0] > kDecided) return std::nullopt;
+  NextPoses next;
+  const std::vector<Rival> rivals = RivalsOf(evidence, &next);
+  if (next.rivals.size() < 2 || next.rivals[0].probability > kDecided * next.of_probability) return std::nullopt;
   const std::vector<ProposedPose> drawn = DrawPoses(problem);
   const CalibrationProblem extended =
       AsPredicted(WithPoses(problem, drawn), parameters, problem.data().observations.size());
   std::optional<PoseChoice> choice = ChoiceOf(evidence, rivals, extended, parameters, drawn.size());
   if (!choice) return std::nullopt;
-  NextPoses next;
-  for (const double probability : now) next.decided += probability * probability;
+  for (const NextRival& rival : next.rivals) {
+    const double share = rival.probability / next.of_probability;
+    next.decided += share * share;
+  }
   for (int k = 0; k < kPosesProposed; ++k) next.poses.push_back(drawn[choice->Take()]);
   next.decides = choice->Decides();
   next.needed = choice->Needed(kWanted, kMostNeeded);

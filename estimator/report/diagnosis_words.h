@@ -31,7 +31,8 @@ std::string NoiseInWords(const NoiseFinding& noise);
 std::string UnexplainedInWords(const Diagnosis& d);
 // What the learnt functions do; only where there are any.
 std::string LearntInWords(const Diagnosis& d);
-std::string NextInWords(const NextPoses& next);
+// What to measure next: between which answers, what it is expected to decide, and how the file is used.
+std::string NextInWords(const Robot& robot, const NextPoses& next);
 std::string FlipInWords(const Robot& robot, const ReportedFlip& flip);
 // "periodic joint error on A1, A2 and A3".
 std::string GroupInWords(const Diagnosis& diagnosis, const EffectGroup& group);

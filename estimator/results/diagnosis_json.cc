@@ -334,7 +334,10 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
   json["groups"] = GroupsToJson(d);
   json["next"] = nullptr;
   if (d.next) {
-    json["next"] = {{"words", NextInWords(*d.next)}, {"file", kNextFile}, {"decides", d.next->decides}};
+    json["next"] = {{"words", NextInWords(robot, *d.next)},
+                    {"file", kNextFile},
+                    {"decides", d.next->decides},
+                    {"of_probability", d.next->of_probability}};
     json["next"]["poses_for_90_percent"] = d.next->needed > 0 ? Json(d.next->needed) : Json();
   }
   return json;

@@ -15,6 +15,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 FoundEffect Found(const std::string& effect, const std::string& target, double probability) {
@@ -61,6 +62,44 @@ TEST(DiagnosisWords, AVerdictOfFortyOneEffectsHasFiveLines) {
   const std::string text = DiagnosisToText(d);
   EXPECT_THAT(text, HasSubstr("Verdict: partly. Found 41 effects."));
   EXPECT_THAT(text, HasSubstr("36 more effects: in report.html and diagnosis.json"));
+}
+
+// 51 % and 5 % of all: the share is of what the two have together.
+NextPoses BetweenTwo(const std::string& other) {
+  NextPoses next;
+  next.poses.resize(6);
+  next.rivals = {{0.51, {Found("joint_harmonic", "A2", 0.51).candidate.spec}, {}}, {0.05, {{other, "A2", {}, {}}}, {}}};
+  next.of_probability = 0.56;
+  next.decides = 0.98;
+  next.decided = 0.85;
+  next.needed = 6;
+  return next;
+}
+
+TEST(DiagnosisWords, WhatIsExpectedIsAShareOfWhatTheNamedRivalsHave) {
+  const Diagnosis d = Large();
+  NextPoses next = BetweenTwo("encoder_gain");
+  const std::string words = NextInWords(d.final.problem->robot(), next);
+  EXPECT_THAT(words,
+              AllOf(StartsWith("Between periodic joint error (joint_harmonic, A2, order 1) (51 %) and "),
+                    HasSubstr("(encoder_gain, A2) (5 %): whichever of these is right is expected to have 98 % of "
+                              "what they have together (56 %) after measuring the 6 poses of next.csv; now 85 %."),
+                    EndsWith("Fill in that file and add it to the measurements.")));
+  for (NextRival& rival : next.rivals) rival.specs.push_back({"link_gravity", "A3", {}, {}});
+  EXPECT_THAT(NextInWords(d.final.problem->robot(), next),
+              AllOf(Not(HasSubstr("link_gravity")), HasSubstr(", given what all of them hold: whichever")));
+}
+
+TEST(DiagnosisWords, AnotherDayIsProposedWhereTimeOrTemperatureDrives) {
+  const Diagnosis d = Large();
+  NextPoses next = BetweenTwo("encoder_gain");
+  next.needed = 0;
+  EXPECT_THAT(NextInWords(d.final.problem->robot(), next), EndsWith("another station is more informative."));
+  next.depends_on_when = true;
+  EXPECT_THAT(
+      NextInWords(d.final.problem->robot(), next),
+      EndsWith("would not reach 90 %: the same poses on another day, or with the arm some kelvin warmer, are more "
+               "informative."));
 }
 
 TEST(DiagnosisWords, WithoutAGapNoneIsSaid) {

@@ -74,6 +74,11 @@ TEST(NextPoses, LieWhereTheRivalsDiffer) {
   for (int k = 0; k < kDrawn; ++k) anywhere += difference.At(kLimit * (2.0 * (k + 0.5) / kDrawn - 1.0)) / kDrawn;
   EXPECT_GT(proposed, 1.5 * anywhere);
   EXPECT_GT(diagnosis.next->decides, diagnosis.next->decided);
+  double together = 0.0;
+  for (const NextRival& rival : diagnosis.next->rivals) together += rival.probability;
+  EXPECT_NEAR(diagnosis.next->of_probability, together, 1e-12);
+  EXPECT_NEAR(diagnosis.next->rivals[0].probability, sets[0].probability, 0.01);
+  EXPECT_FALSE(diagnosis.next->depends_on_when);
 }
 
 }  // namespace
