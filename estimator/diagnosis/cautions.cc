@@ -224,6 +224,15 @@ std::vector<std::string> FindCautions(const CalibrationProblem& stated, const Di
   return cautions;
 }
 
+void CautionOfHalves(const std::vector<FoundEffect>& effects, std::vector<std::string>* cautions) {
+  std::vector<EffectSpec> contradicted;
+  for (const FoundEffect& effect : effects) {
+    const double p = effect.confirmation.compatible_p;
+    if (p * static_cast<double>(effects.size()) < kHalvesContradict) contradicted.push_back(effect.candidate.spec);
+  }
+  if (!contradicted.empty()) cautions->push_back(HalvesContradict(contradicted));
+}
+
 void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, std::vector<std::string>* cautions) {
   const double rms = final.estimate.validation.rms, floor = final.estimate.noise_floor;
   const int held_out = CountConfigurations(final.problem->data()).held_out;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "estimator/diagnosis/diagnosed_model.h"
+#include "estimator/diagnosis/diagnose.h"
 
 namespace sagitta {
 
@@ -14,6 +14,10 @@ std::vector<std::string> CautionsOfReadings(const CalibrationProblem& problem);
 
 // Of the problem as it was stated, and of the believed model with the noise and without the outliers that were found.
 std::vector<std::string> FindCautions(const CalibrationProblem& stated, const DiagnosedModel& believed);
+
+// Of effects on which two halves of the poses disagree: the least p of so many is below kHalvesContradict by chance in
+// as many of a hundred diagnoses as one effect's would be.
+void CautionOfHalves(const std::vector<FoundEffect>& effects, std::vector<std::string>* cautions);
 
 // Where the hold-out is far above its noise floor although nothing is left to explain it, or below it.
 void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, std::vector<std::string>* cautions);

@@ -9,6 +9,7 @@
 #include "estimator/diagnosis/leading_set.h"
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/diagnosis/noise_check.h"
+#include "estimator/diagnosis/scanned_settings.h"
 #include "estimator/diagnosis/set_aside.h"
 #include "estimator/noise/rotation_noise.h"
 #include "estimator/report/diagnosis_caution_words.h"
@@ -308,6 +309,7 @@ class Session {
       }
       before = effect.holdout_after;
     }
+    CautionOfHalves(d_.effects, &d_.cautions);
     d_.next = ProposeNext(*evidence_, *working_, d_.baseline.estimate.parameters);
     d_.gap_map = MapGap(d_.baseline, d_.final);
     const DiagnosedModel& named = selected_.empty() ? d_.baseline : d_.final;  // other noise alone closes nothing
@@ -377,6 +379,7 @@ class Session {
       if (row.free && IsParameterOf(chosen.candidate.spec, row.name)) effect.parameters.push_back(row);
     }
     effect.lag = AllowForLag(d_.final, chosen.candidate.spec, &effect.parameters);
+    if (!effect.lag) AllowForSetting(d_.final, chosen.candidate.spec, &effect.parameters);
   }
 
   // What the noise has to be with the final model, and how well that fits then.

@@ -7,6 +7,8 @@
 #include <set>
 
 #include "estimator/diagnosis/refit_order.h"
+#include "estimator/diagnosis/scanned_settings.h"
+#include "estimator/explanations/compensator_shapes.h"
 #include "estimator/explanations/moments.h"
 #include "estimator/report/explanations_words.h"
 
@@ -16,14 +18,14 @@ namespace {
 constexpr double kItsFault = 0.1;
 constexpr int kMostAgain = 3;  // steps of Gauss-Newton, of which each squares what is off: from 60 % to 2 %
 
-// moments: between those of the list.
-LeadingSet WeighAndRefit(const SearchInput& input, const std::vector<Candidate>& moments, const Evidence* before,
+// between: those of the list.
+LeadingSet WeighAndRefit(const SearchInput& input, const std::vector<Candidate>& between, const Evidence* before,
                          const LinearizedAbout& about) {
   const ParameterSet& believed = input.baseline.estimate.parameters;
   ParameterSet here = believed;
   here.CopyByName(about.parameters);
   CandidateList candidates = ListCandidates(input.working, here);
-  candidates.candidates.insert(candidates.candidates.end(), moments.begin(), moments.end());
+  candidates.candidates.insert(candidates.candidates.end(), between.begin(), between.end());
   LeadingSet found;
   found.evidence = std::make_unique<Evidence>(input.working, believed, candidates, input.prior, input.sigma_dof,
                                               input.progress, before, about);
@@ -71,29 +73,41 @@ double GainOfFunctions(const Evidence& evidence, const WeightedSet& all, const W
          search.Evaluate(without.set.members, without.set.scales).log_likelihood;
 }
 
-// refitted: without functions. Where these say ten times more than the linearization is off by, they are not its fault.
-bool Refutes(const RefittedSet& refitted, const LeadingSet& found) {
-  if (refitted.effects.empty() || !refitted.IsUsable()) return false;
-  const double error = LinearizationError(*found.evidence, refitted);
-  if (error < kItsFault * GainOfFunctions(*found.evidence, found.refitted.model.set, refitted.model)) return false;
-  VLOG(1) << "diagnosis: the linear model is off by " << error << " of the leading effects' log evidence";
-  return error > kInDoubt;
+// Effects whose setting is none of the list's.
+void AppendTuned(const Evidence& evidence, const RefittedSet& refitted, std::vector<Candidate>* between) {
+  for (const SelectedEffect& effect : refitted.effects) {
+    const EffectSpec& spec = effect.candidate.spec;
+    if (!IsNewSpring(spec) && spec.Path() != evidence.list().SpecOf(effect.explanation).Path())
+      between->push_back({spec});
+  }
+}
+
+// Whether what the linear model is off by, or what other settings than the listed ones add, is in doubt. Where the
+// functions without a name say ten times more, they are not its fault.
+bool Refutes(double error, const RefittedSet& without_functions, const LeadingSet& found) {
+  return error > kInDoubt &&
+         error > kItsFault * GainOfFunctions(*found.evidence, found.refitted.model.set, without_functions.model);
 }
 
 }  // namespace
 
 LeadingSet FindLeading(const SearchInput& input, const Evidence* before) {
   const ParameterSet& believed = input.baseline.estimate.parameters;
-  const std::vector<Candidate> moments =
-      RefinedMoments(input.working, believed, ListCandidates(input.working, believed));
-  LeadingSet found = WeighAndRefit(input, moments, before, {});
+  // Between those of the list: moments, and settings of what was found.
+  std::vector<Candidate> between = RefinedMoments(input.working, believed, ListCandidates(input.working, believed));
+  LeadingSet found = WeighAndRefit(input, between, before, {});
   std::set<std::set<std::string>> known;  // effects about which the model was linearized
   for (int again = 0; again < kMostAgain && found.is_named; ++again) {
-    const RefittedSet effects = WithoutFunctions(input, found);
+    RefittedSet effects = WithoutFunctions(input, found);
+    if (effects.effects.empty() || !effects.IsUsable()) break;
+    const double error = std::abs(LogFullOverLinear(*found.evidence, effects));
+    const double gain = TuneSettings(*found.evidence, input.joint, &effects);
+    VLOG(1) << "diagnosis: the linear model is off by " << error << " of the leading effects' log evidence";
     const LinearizedAbout about{SpecsOf(CandidatesOf(effects.effects)), effects.with_effects.estimate.parameters};
-    if (!Refutes(effects, found) || !known.insert(PathsOf(about)).second) break;
+    if (!Refutes(std::max(error, gain), effects, found) || !known.insert(PathsOf(about)).second) break;
+    AppendTuned(*found.evidence, effects, &between);
     if (input.progress) input.progress(WeighingAboutWhatWasFound());
-    LeadingSet anew = WeighAndRefit(input, moments, found.evidence.get(), about);
+    LeadingSet anew = WeighAndRefit(input, between, found.evidence.get(), about);
     if (!anew.is_named || !anew.refitted.IsUsable()) break;  // "nothing" is far from here: no linearization reaches it
     found = std::move(anew);
   }

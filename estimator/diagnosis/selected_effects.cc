@@ -107,21 +107,6 @@ double SquareOfPriors(const RefittedSet& refitted) {
   return sum;
 }
 
-// Of the set's effects of the catalogue: the full model cannot hold the others.
-double LogFullOverLinear(const Evidence& evidence, const RefittedSet& refitted) {
-  WeightedModel named = refitted.model;
-  named.set.members.clear();
-  named.set.scales.clear();
-  for (const SelectedEffect& effect : refitted.effects) named.set.members.push_back(effect.explanation);
-  std::sort(named.set.members.begin(), named.set.members.end());
-  for (const int member : named.set.members)
-    named.set.scales.push_back(refitted.model.set.scales[refitted.model.PlaceOf(member)]);
-  const ResidualLikelihood likelihood = evidence.LikelihoodOf(named.view);
-  const double unit = UnitOfRows(evidence, refitted.model);
-  return likelihood.Log(unit * (refitted.with_effects.estimate.chi2 - SquareOfPriors(refitted))) -
-         likelihood.Log(ResidualAtBest(evidence, named));
-}
-
 // Not a number where the set holds what has no name.
 double LogCorrection(const Evidence& evidence, const RefittedSet& refitted) {
   if (!refitted.IsUsable()) return -std::numeric_limits<double>::infinity();
@@ -240,8 +225,18 @@ RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel
   return RefitSet(*evidence, leading, working, baseline, joint, LastOfView(refitted, leading.view));
 }
 
-double LinearizationError(const Evidence& evidence, const RefittedSet& refitted) {
-  return std::abs(LogFullOverLinear(evidence, refitted));
+double LogFullOverLinear(const Evidence& evidence, const RefittedSet& refitted) {
+  WeightedModel named = refitted.model;
+  named.set.members.clear();
+  named.set.scales.clear();
+  for (const SelectedEffect& effect : refitted.effects) named.set.members.push_back(effect.explanation);
+  std::sort(named.set.members.begin(), named.set.members.end());
+  for (const int member : named.set.members)
+    named.set.scales.push_back(refitted.model.set.scales[refitted.model.PlaceOf(member)]);
+  const ResidualLikelihood likelihood = evidence.LikelihoodOf(named.view);
+  const double unit = UnitOfRows(evidence, refitted.model);
+  return likelihood.Log(unit * (refitted.with_effects.estimate.chi2 - SquareOfPriors(refitted))) -
+         likelihood.Log(ResidualAtBest(evidence, named));
 }
 
 double CorrectedP(double reduction, int parameters, double scatter, int dof, bool is_sigma_stated, int tests) {

@@ -48,8 +48,9 @@ RefittedSet RefitSet(const Evidence& evidence, const WeightedModel& model, const
 RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel& baseline, const JointOptions& joint,
                          double gate, Evidence* evidence, Posterior* posterior, std::vector<RivalSet>* rivals);
 
-// What the linear model is off by in the log evidence of the set's effects, those without a name left out.
-double LinearizationError(const Evidence& evidence, const RefittedSet& refitted);
+// What the full model finds more of log likelihood than the linear one in the set's effects, those without a name left
+// out, which the full model cannot hold.
+double LogFullOverLinear(const Evidence& evidence, const RefittedSet& refitted);
 
 // P of a reduction by chance, the best of so many tests: chi-square in the noise that is stated; F in units of the
 // scatter that is left (chi-square per degree of freedom, dof of them) where that is more, or where none is stated.

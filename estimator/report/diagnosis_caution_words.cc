@@ -11,6 +11,10 @@ std::string Configurations(int count) {
   return count == 1 ? "1 configuration is" : std::to_string(count) + " configurations are";
 }
 
+std::string NameOnTarget(const EffectSpec& spec) {
+  return spec.effect + (spec.target.empty() ? "" : " on " + spec.target);
+}
+
 }  // namespace
 
 std::string LookAtThisFirst(const Finding& finding) {
@@ -116,7 +120,7 @@ std::string IsOneOfSeveral(const std::vector<std::vector<EffectSpec>>& instead) 
   std::vector<std::string> sets;
   for (const std::vector<EffectSpec>& set : instead) {
     std::vector<std::string> names;
-    for (const EffectSpec& spec : set) names.push_back(spec.effect + (spec.target.empty() ? "" : " on " + spec.target));
+    for (const EffectSpec& spec : set) names.push_back(NameOnTarget(spec));
     sets.push_back(names.empty() ? "none of some of them" : Enumerate(names, kNamesListed));
   }
   return "The results hold the effects that are found, and the data do not decide for them against others: with " +
@@ -126,11 +130,17 @@ std::string IsOneOfSeveral(const std::vector<std::vector<EffectSpec>>& instead) 
          "that choice.";
 }
 
+std::string HalvesContradict(const std::vector<EffectSpec>& effects) {
+  std::vector<std::string> names;
+  for (const EffectSpec& spec : effects) names.push_back(NameOnTarget(spec));
+  return "Two disjoint halves of the poses contradict each other on the values of " + Enumerate(names, kNamesListed) +
+         ": something else, or something more, is at work there. The intervals do not allow for that.";
+}
+
 std::string NotConfirmed(const std::vector<std::pair<EffectSpec, double>>& effects) {
   std::vector<std::string> names;
   for (const auto& [spec, probability] : effects) {
-    names.push_back(spec.effect + (spec.target.empty() ? "" : " on " + spec.target) + " (" + WholePercent(probability) +
-                    ")");
+    names.push_back(NameOnTarget(spec) + " (" + WholePercent(probability) + ")");
   }
   return Enumerate(names, kNamesListed) + (names.size() == 1 ? " is" : " are") +
          " not named: where something without a name may be left, an effect is named only if it predicts rows "

@@ -20,7 +20,6 @@ constexpr size_t kMostLikely = 3;
 constexpr double kDoTheSame = 0.9999;    // overlap: of what the one moves, the other leaves a hundredth
 constexpr double kFarthestAnchor = 3.0;  // m, of a compensator's spring
 constexpr size_t kMostNames = 3;         // of what another prior would name
-constexpr double kCompatible = 0.01;     // p below which two halves contradict each other
 constexpr size_t kMostCauses = 4;        // of a verdict: with its first line five
 constexpr size_t kMostTargets = 6;       // named of one cause
 constexpr size_t kMostEffects = 5;       // listed one by one on a terminal
@@ -313,7 +312,7 @@ std::string HalvesInWords(const Confirmation& confirmation) {
       Percent(confirmation.halves[1].probability);
   if (std::isnan(confirmation.compatible_p)) return words + ".";
   return words +
-         (confirmation.compatible_p < kCompatible ? "; the values contradict each other" : "; the values agree") +
+         (confirmation.compatible_p < kHalvesContradict ? "; the values contradict each other" : "; the values agree") +
          " (p " + Significant(confirmation.compatible_p, 3) + ").";
 }
 

@@ -6,6 +6,7 @@
 
 #include <memory>
 
+#include "estimator/diagnosis/cautions.h"
 #include "tests/support/kr270_experiment.h"
 #include "tests/support/moved_kr270.h"
 
@@ -47,6 +48,20 @@ Diagnosis Large() {
   d.gap.after = 6e-5;
   d.gap.closed = 0.9;
   return d;
+}
+
+// 0.004 of two effects is what one of a hundred diagnoses of two has by chance, 0.006 is not rare enough.
+TEST(DiagnosisWords, HalvesThatContradictEachOtherAreACaution) {
+  std::vector<FoundEffect> effects = {Found("warm_up", "S1", 0.99), Found("encoder_gain", "A4", 0.99)};
+  effects[0].confirmation.compatible_p = 0.006;
+  effects[1].confirmation.compatible_p = kNotKnown;
+  std::vector<std::string> cautions;
+  CautionOfHalves(effects, &cautions);
+  EXPECT_TRUE(cautions.empty());
+  effects[0].confirmation.compatible_p = 0.004;
+  CautionOfHalves(effects, &cautions);
+  ASSERT_EQ(cautions.size(), 1u);
+  EXPECT_THAT(cautions[0], AllOf(HasSubstr("contradict"), HasSubstr("warm_up on S1"), Not(HasSubstr("A4"))));
 }
 
 TEST(DiagnosisWords, AVerdictOfFortyOneEffectsHasFiveLines) {

@@ -38,7 +38,7 @@ TEST(LeadingSet, IsWeighedAboutWhatWasFound) {
   for (const SelectedEffect& effect : found.refitted.effects) paths.push_back(effect.candidate.spec.Path());
   EXPECT_EQ(paths,
             (std::vector<std::string>{"effect/joint_harmonic[order=2]/A2", "effect/joint_harmonic[order=2]/A4"}));
-  EXPECT_LT(LinearizationError(*found.evidence, found.refitted), kInDoubt);
+  EXPECT_LT(std::abs(LogFullOverLinear(*found.evidence, found.refitted)), kInDoubt);
 
   // About the believed model the same set is off by far more.
   const Evidence about_believed(problem, believed, candidates, prior, kInfinity, nullptr);
@@ -47,7 +47,7 @@ TEST(LeadingSet, IsWeighedAboutWhatWasFound) {
   const WeightedModel& leading = about_believed.models()[posterior.sets[posterior.Leading(0.9)].best];
   const RefittedSet refitted = RefitSet(about_believed, leading, problem, baseline, joint);
   ASSERT_TRUE(refitted.IsUsable());
-  EXPECT_GT(LinearizationError(about_believed, refitted), 5.0 * kInDoubt);
+  EXPECT_GT(std::abs(LogFullOverLinear(about_believed, refitted)), 5.0 * kInDoubt);
 }
 
 }  // namespace
