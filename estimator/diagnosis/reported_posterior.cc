@@ -9,22 +9,6 @@ namespace {
 
 constexpr double kMostOfTheSets = 0.99;  // of the probability: FORMATS section 6
 
-// By name; a deviation that follows the pose has no member.
-ReportedSet ReportSet(const ExplanationList& list, const std::vector<int>& members, double probability,
-                      const std::vector<int>& pieces = {}) {
-  ReportedSet reported{probability, {}, {}};
-  for (const int m : members) {
-    if (list.IsUnnamed(m)) {
-      reported.unnamed.push_back(list.functions[list.unnamed[m]].words);
-    } else if (std::binary_search(pieces.begin(), pieces.end(), m)) {
-      reported.unnamed.push_back(PartlyLike(list.SpecOf(m).effect, list.SpecOf(m).target));
-    } else {
-      reported.specs.push_back(list.start[m]);
-    }
-  }
-  return reported;
-}
-
 }  // namespace
 
 ReportedPosterior ReportPosterior(const Evidence& evidence, const Posterior& posterior, const Posterior& averaged,
@@ -43,14 +27,14 @@ ReportedPosterior ReportPosterior(const Evidence& evidence, const Posterior& pos
     if (sum >= kMostOfTheSets) break;
     sum += set.probability;
     const WeightedModel& best = evidence.models()[set.best];
-    report.sets.push_back(ReportSet(list, best.set.members, set.probability, best.pieces));
+    report.sets.push_back(list.ByName(best.set.members, set.probability, best.pieces));
     if (evidence.ViewOf(best).kind == NoiseView::Kind::kPose) {
       report.sets.back().unnamed.push_back(JointsFollowPose());
     }
   }
   for (const Flip& flip : WhatFlips(evidence, posterior, gate)) {
-    report.flips.push_back({flip.mass, flip.is_larger, flip.is_something, ReportSet(list, flip.more, 0.0),
-                            ReportSet(list, flip.fewer, 0.0)});
+    report.flips.push_back(
+        {flip.mass, flip.is_larger, flip.is_something, list.ByName(flip.more, 0.0), list.ByName(flip.fewer, 0.0)});
   }
   return report;
 }

@@ -9,26 +9,19 @@
 
 namespace sagitta {
 
-// One set of the posterior, by name.
-struct ReportedSet {
-  double probability = 0.0;
-  std::vector<EffectSpec> specs;
-  std::vector<std::string> unnamed;  // words
-};
-
 // What another prior would name.
 struct ReportedFlip {
   std::string mass;
   bool is_larger = false;  // three times, else a third
   bool is_something = false;
-  ReportedSet more, fewer;  // than is named
+  NamedSet more, fewer;  // than is named
 };
 
 // The probabilities by name, and what they would be under another prior.
 struct ReportedPosterior {
   double nothing = 1.0, noise = 0.0, unnamed = 0.0;
   std::vector<std::pair<EffectSpec, double>> explanations;
-  std::vector<ReportedSet> sets;  // all that are needed for 99 %
+  std::vector<NamedSet> sets;  // all that are needed for 99 %
   PriorMasses prior;
   std::vector<ReportedFlip> flips;
 };

@@ -206,18 +206,6 @@ bool DependsOnWhen(const Evidence& evidence, int member) {
   return effect != nullptr && effect->driven_by != EffectDriver::kJoint;
 }
 
-NextRival NamedRival(const ExplanationList& list, const std::vector<int>& members, double probability) {
-  NextRival rival{probability, {}, {}};
-  for (const int m : members) {
-    if (list.IsUnnamed(m)) {
-      rival.unnamed.push_back(list.functions[list.unnamed[m]].words);
-    } else {
-      rival.specs.push_back(list.start[m]);
-    }
-  }
-  return rival;
-}
-
 // The sets that are worth deciding between, with their names in `next`. What is called alike, or predicts the same at
 // new poses, is one answer: a deviation that follows the pose has its own value at each, and whether an effect is a
 // piece of a nameless cause no pose shows.
@@ -247,7 +235,7 @@ std::vector<Rival> RivalsOf(const Evidence& evidence, NextPoses* next) {
   sorted.resize(std::min(sorted.size(), kMostAnswers));
   for (const Answer& answer : sorted) {
     const std::vector<int>& members = evidence.models()[answer.models.front()].set.members;
-    next->rivals.push_back(NamedRival(evidence.list(), members, answer.probability));
+    next->rivals.push_back(evidence.list().ByName(members, answer.probability));
     next->of_probability += answer.probability;
     next->depends_on_when |=
         std::any_of(members.begin(), members.end(), [&](int m) { return DependsOnWhen(evidence, m); });
@@ -316,7 +304,7 @@ std::optional<NextPoses> ProposeNext(const Evidence& evidence, const Calibration
       AsPredicted(WithPoses(problem, drawn), parameters, problem.data().observations.size());
   std::optional<PoseChoice> choice = ChoiceOf(evidence, rivals, extended, parameters, drawn.size());
   if (!choice) return std::nullopt;
-  for (const NextRival& rival : next.rivals) {
+  for (const NamedSet& rival : next.rivals) {
     const double share = rival.probability / next.of_probability;
     next.decided += share * share;
   }

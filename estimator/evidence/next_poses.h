@@ -15,23 +15,16 @@ struct ProposedPose {
   int like = 0;       // configuration of the data whose loads, stations and markers it is measured with
 };
 
-// One of the answers that the poses are to decide between.
-struct NextRival {
-  double probability = 0.0;
-  std::vector<EffectSpec> specs;
-  std::vector<std::string> unnamed;  // words
-};
-
 // What to measure next, and what it is expected to decide. decides, decided, needed: shares of what the rivals have
 // together, if one of them is right.
 struct NextPoses {
   std::vector<ProposedPose> poses;
-  std::vector<NextRival> rivals;  // most probable first
-  double of_probability = 0.0;    // that they have together
-  bool depends_on_when = false;   // time or temperature drives one of them, which poses measured at once do not change
-  double decides = 0.0;           // that the right one is expected to have after measuring the poses
-  double decided = 0.0;           // that it has now, expected in the same way: the sum of squared shares
-  int needed = 0;  // poses like these, after which it is expected to be kWanted; 0: more than kMostNeeded
+  std::vector<NamedSet> rivals;  // that the poses are to decide between, most probable first
+  double of_probability = 0.0;   // that they have together
+  bool depends_on_when = false;  // time or temperature drives one of them, which poses measured at once do not change
+  double decides = 0.0;          // that the right one is expected to have after measuring the poses
+  double decided = 0.0;          // that it has now, expected in the same way: the sum of squared shares
+  int needed = 0;                // poses like these, after which it is expected to be kWanted; 0: more than kMostNeeded
 };
 
 constexpr int kPosesProposed = 6;

@@ -188,6 +188,21 @@ class ListBuilder {
 
 }  // namespace
 
+NamedSet ExplanationList::ByName(const std::vector<int>& members, double probability,
+                                 const std::vector<int>& pieces) const {
+  NamedSet named{probability, {}, {}};
+  for (const int m : members) {
+    if (IsUnnamed(m)) {
+      named.unnamed.push_back(functions[unnamed[m]].words);
+    } else if (std::binary_search(pieces.begin(), pieces.end(), m)) {
+      named.unnamed.push_back(PartlyLike(SpecOf(m).effect, SpecOf(m).target));
+    } else {
+      named.specs.push_back(start[m]);
+    }
+  }
+  return named;
+}
+
 ExplanationList ListExplanations(const CalibrationProblem& problem, const ParameterSet& parameters,
                                  const CandidateList& candidates, const PriorMasses& prior, EvidenceColumns* columns,
                                  bool with_unnamed) {

@@ -23,6 +23,13 @@ struct PlaceInPrior {
   double listed = 1.0;  // share of its family that is in the list
 };
 
+// A set of explanations as people read it.
+struct NamedSet {
+  double probability = 0.0;
+  std::vector<EffectSpec> specs;
+  std::vector<std::string> unnamed;  // words
+};
+
 // Everything that may be missing, with its share of the prior; lists of equal length.
 struct ExplanationList {
   std::vector<Explanation> math;
@@ -39,6 +46,8 @@ struct ExplanationList {
   // Effects with their settings: what is tested.
   int NumNamed() const { return static_cast<int>(std::count(unnamed.begin(), unnamed.end(), -1)); }
   const EffectSpec& SpecOf(int explanation) const { return candidates[candidate[explanation]].spec; }
+  // pieces: members that are read as parts of a cause without a name, ascending.
+  NamedSet ByName(const std::vector<int>& members, double probability, const std::vector<int>& pieces = {}) const;
 };
 
 // Adds the columns that the explanations need beyond the catalogue's. with_unnamed: also what has no name.

@@ -158,9 +158,9 @@ std::string RestInWords(const Diagnosis& d) {
 }
 
 // "A (51 %) and B with C (5 %)": what all of them hold is not repeated.
-std::string RivalsInWords(const Robot& robot, const std::vector<NextRival>& rivals) {
+std::string RivalsInWords(const Robot& robot, const std::vector<NamedSet>& rivals) {
   std::vector<std::vector<std::string>> names;
-  for (const NextRival& rival : rivals) {
+  for (const NamedSet& rival : rivals) {
     names.emplace_back();
     for (const EffectSpec& spec : rival.specs) names.back().push_back(Title(robot, spec));
     names.back().insert(names.back().end(), rival.unnamed.begin(), rival.unnamed.end());
@@ -325,7 +325,7 @@ std::string NextInWords(const Robot& robot, const NextPoses& next) {
 }
 
 std::string FlipInWords(const Robot& robot, const ReportedFlip& flip) {
-  const auto listed = [&](const ReportedSet& set) {
+  const auto listed = [&](const NamedSet& set) {
     std::vector<std::string> names = set.unnamed;
     for (const EffectSpec& spec : set.specs) names.push_back(Title(robot, spec));
     return names.empty() ? "" : Enumerate(names, kMostNames);

@@ -95,7 +95,7 @@ Json PosteriorToJson(const Robot& robot, const ReportedPosterior& posterior) {
 // Most probable first; nothing missing is a set without explanations.
 Json SetsToJson(const Robot& robot, const ReportedPosterior& posterior) {
   std::vector<Json> sets = {{{"probability", posterior.nothing + posterior.noise}, {"explanations", Json::array()}}};
-  for (const ReportedSet& set : posterior.sets) {
+  for (const NamedSet& set : posterior.sets) {
     Json entry = {{"probability", set.probability}, {"explanations", Json::array()}};
     for (const EffectSpec& spec : set.specs) entry["explanations"].push_back(SpecToJson(robot, spec));
     if (!set.unnamed.empty()) entry["unnamed"] = set.unnamed;

@@ -65,7 +65,7 @@ TEST(Diagnosis, NamesAHarmonicWithItsSizeAndClosesTheGap) {
   EXPECT_GT(confirmation.compatible_p, 1e-4);
   EXPECT_GT(diagnosis.effects[0].probability, 0.9);
   double sum = diagnosis.posterior.nothing + diagnosis.posterior.noise;
-  for (const ReportedSet& set : diagnosis.posterior.sets) sum += set.probability;
+  for (const NamedSet& set : diagnosis.posterior.sets) sum += set.probability;
   EXPECT_GT(sum, 0.99);
   EXPECT_LT(sum, 1.0 + 1e-9);
   ASSERT_EQ(diagnosis.groups.size(), 1u);

@@ -100,7 +100,7 @@ TEST(DiagnosisWords, WhatIsExpectedIsAShareOfWhatTheNamedRivalsHave) {
                     HasSubstr("(encoder_gain, A2) (5 %): whichever of these is right is expected to have 98 % of "
                               "what they have together (56 %) after measuring the 6 poses of next.csv; now 85 %."),
                     EndsWith("Fill in that file and add it to the measurements.")));
-  for (NextRival& rival : next.rivals) rival.specs.push_back({"link_gravity", "A3", {}, {}});
+  for (NamedSet& rival : next.rivals) rival.specs.push_back({"link_gravity", "A3", {}, {}});
   EXPECT_THAT(NextInWords(d.final.problem->robot(), next),
               AllOf(Not(HasSubstr("link_gravity")), HasSubstr(", given what all of them hold: whichever")));
 }

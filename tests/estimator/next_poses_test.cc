@@ -59,7 +59,7 @@ TEST(NextPoses, LieWhereTheRivalsDiffer) {
   const CalibrationProblem problem = SeenOverAPartOfTheRange();
   const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
   ASSERT_TRUE(diagnosis.next.has_value());
-  const std::vector<ReportedSet>& sets = diagnosis.posterior.sets;
+  const std::vector<NamedSet>& sets = diagnosis.posterior.sets;
   ASSERT_GE(sets.size(), 2u);
   for (size_t k = 0; k < 2; ++k) {
     ASSERT_EQ(sets[k].specs.size(), 1u);
@@ -75,7 +75,7 @@ TEST(NextPoses, LieWhereTheRivalsDiffer) {
   EXPECT_GT(proposed, 1.5 * anywhere);
   EXPECT_GT(diagnosis.next->decides, diagnosis.next->decided);
   double together = 0.0;
-  for (const NextRival& rival : diagnosis.next->rivals) together += rival.probability;
+  for (const NamedSet& rival : diagnosis.next->rivals) together += rival.probability;
   EXPECT_NEAR(diagnosis.next->of_probability, together, 1e-12);
   EXPECT_NEAR(diagnosis.next->rivals[0].probability, sets[0].probability, 0.01);
   EXPECT_FALSE(diagnosis.next->depends_on_when);
