@@ -30,6 +30,11 @@ constexpr double kSettledResiduals = 0.01;  // eq. (14) runs a stated number of 
 
 bool UsesResiduals(const Experiment& experiment) { return experiment.noise.from == NoiseSpec::From::kResiduals; }
 
+// Whether weights move with the residuals that they are found from.
+bool WeightsFollow(const Experiment& experiment) {
+  return UsesResiduals(experiment) && experiment.method.weights != Weights::kEqual;
+}
+
 // What the rounds carry.
 struct Loop {
   CalibrationProblem problem;  // at the noise of this round
@@ -213,6 +218,11 @@ CalibrationProblem JudgeRound(Loop* loop, Estimate* estimate) {
     FinishComponents(judged, estimate->parameters, &loop->choice, &loop->report);
     loop->report.instrument_is_factor = loop->stated;
     if (!loop->stated) ToMetres(&loop->report.components[0]);
+  }
+  if (WeightsFollow(experiment) && estimate->covariance.size() > 0) {
+    estimate->noise_report.groups = loop->report.groups;
+    const Eigen::MatrixXd factor = FollowedByWeights(judged, *estimate, loop->groups);
+    ReplaceCovariance(judged, factor * estimate->covariance * factor.transpose(), estimate->interval_dof, estimate);
   }
   if (loop->loss != LossKind::kNone || loop->choice.interval_dof.size() > 0) {
     ReplaceCovariance(judged, loop->report.loss_inflation * estimate->covariance, IntervalDof(*loop, *estimate),

@@ -28,6 +28,7 @@ struct NoiseGroup {
   std::string name;    // "C7/x"
   double sigma = 0.0;  // m, spread of its residuals
   int rows = 0;
+  double freedom = 0.0;  // of these rows, what the fit leaves
 };
 
 // A reading that its neighbours and the model do not explain.

@@ -12,6 +12,7 @@ namespace sagitta {
 namespace {
 
 constexpr double kSmallestFreedom = 0.05;  // of a row that the fit runs through
+constexpr double kLeastKept = 0.05;        // of the information of a row whose weight follows its own residual
 
 }  // namespace
 
@@ -78,10 +79,11 @@ NoiseRoots SpreadOfResiduals(const CalibrationProblem& problem, const Estimate& 
   }
   const Eigen::VectorXd sigma = GroupSigmas(group, residual, freedom, kResidualFloor);
   const Eigen::VectorXd of_axis = GroupSigmas(axis, residual, freedom, kResidualFloor);
-  std::vector<double> of_group(groups.names.size(), 0.0);
+  std::vector<double> of_group(groups.names.size(), 0.0), left(groups.names.size(), 0.0);
   std::vector<int> counts(groups.names.size(), 0);
   for (int i = 0; i < n; ++i) {
     of_group[group[i]] = sigma[i];
+    left[group[i]] += freedom[i];
     ++counts[group[i]];
   }
   NoiseRoots roots;
@@ -95,7 +97,7 @@ NoiseRoots SpreadOfResiduals(const CalibrationProblem& problem, const Estimate& 
   }
   report->clear();
   for (size_t g = 0; g < groups.names.size(); ++g) {
-    if (counts[g] > 0) report->push_back({groups.names[g], of_group[g], counts[g]});
+    if (counts[g] > 0) report->push_back({groups.names[g], of_group[g], counts[g], left[g]});
   }
   return roots;
 }
@@ -109,6 +111,27 @@ NoiseRoots Eq14Roots(const NoiseRoots& spread, double sigma0, double lambda) {
     roots.push_back(sigma.asDiagonal());
   }
   return roots;
+}
+
+Eigen::MatrixXd FollowedByWeights(const CalibrationProblem& problem, const Estimate& estimate,
+                                  const RowGroups& groups) {
+  const std::vector<int> rows = problem.CalibrationObservations();
+  Linearization here =
+      Linearize(problem, estimate.parameters, rows, estimate.estimated, FitRoots(problem, rows, kFallbackSigma));
+  std::map<std::string, double> freedom;
+  for (const NoiseGroup& group : estimate.noise_report.groups) freedom[group.name] = group.freedom;
+  const NoiseSpec& noise = problem.experiment().noise;
+  Linearization moved = here;
+  for (int i = 0; i < here.num_rows(); ++i) {
+    const int row = rows[i / 3], axis = i % 3;
+    const double spread = problem.resolved_noise[row](axis, axis), weighed = problem.weight_roots[row](axis, axis);
+    const double elasticity = noise.sigma0 == 0.0 ? 1.0 : noise.lambda * spread / weighed;
+    const double nu = freedom.at(groups.names[groups.group[3 * row + axis]]);
+    moved.jacobian.row(i) *= std::sqrt(std::max(kLeastKept, 1.0 - 2.0 * elasticity / nu));
+  }
+  AppendPriors(estimate.parameters, &here);
+  AppendPriors(estimate.parameters, &moved);
+  return SolveLinearization(moved).covariance * (here.jacobian.transpose() * here.jacobian);
 }
 
 void ReplaceCovariance(const CalibrationProblem& problem, const Eigen::MatrixXd& covariance, const Eigen::VectorXd& dof,

@@ -35,6 +35,18 @@ NoiseRoots SpreadOfResiduals(const CalibrationProblem& problem, const Estimate& 
 // sigma = s0 + lambda s per axis: what eq. (14) whitens with. `spread` is diagonal.
 NoiseRoots Eq14Roots(const NoiseRoots& spread, double sigma0, double lambda);
 
+// F by which errors of an estimate are larger than those of one with the same weights, known: errors = F times those.
+// With weights 1 / tau^2, tau = s0 + lambda s, that are found from the residuals of a group, s^2 = sum r^2 / nu, a
+// shift of the residuals moves the weights too:
+//
+//   d(r_i / tau^2) / d r_j = 1/tau^2 (delta_ij - 2 (lambda s / tau) r_i r_j / (nu s^2)),  on average
+//                            1/tau^2 (1 - 2 (lambda s / tau) / nu),   as E r_i r_j = s^2 delta_ij
+//
+//   F = (J' W (1 - 2 lambda s / (tau nu)) J)^-1 J' W J     (estimating equations: Huber 1967)
+//
+// problem: with the weights and the noise that were found. Of the estimated coordinates.
+Eigen::MatrixXd FollowedByWeights(const CalibrationProblem& problem, const Estimate& estimate, const RowGroups& groups);
+
 // Puts a covariance in place of the estimate's: sigmas, intervals and weak marks follow. `dof` of each interval,
 // infinite for normal ones.
 void ReplaceCovariance(const CalibrationProblem& problem, const Eigen::MatrixXd& covariance, const Eigen::VectorXd& dof,

@@ -208,8 +208,8 @@ void DescribeGroups(const CalibrationProblem& problem, Estimate* estimate) {
                          Significant(1e6 * high, 3) + " µm.");
   if (noise.group == ResidualGroup::kResidual) {
     estimate->warnings.push_back(
-        "weights from each row's own residual make intervals that are too short (of 95 % intervals of the "
-        "published scheme three in ten hold the truth); use group: config-axis or state the noise");
+        "weights from each row's own residual make intervals that are too short (of those of 95 % some 85 to 90 % hold "
+        "the truth); use group: config-axis or state the noise");
   }
 }
 
