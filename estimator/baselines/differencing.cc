@@ -1,6 +1,7 @@
 #include "estimator/baselines/differencing.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -9,6 +10,7 @@
 #include "estimator/baselines/damped_step.h"
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/noise/residual_noise.h"
 #include "estimator/report/baselines_words.h"
 #include "estimator/statistics/distributions.h"
 #include "problems/loads.h"
@@ -137,6 +139,10 @@ bool IsElastic(const CalibrationProblem& problem, const ParameterSet& parameters
   return law == ParameterLaw::kCompliance || law == ParameterLaw::kCompensator;
 }
 
+int PlaceOf(int coordinate, const std::vector<int>& estimated) {
+  return static_cast<int>(std::lower_bound(estimated.begin(), estimated.end(), coordinate) - estimated.begin());
+}
+
 // Stage 1: what does not bend, from the unloaded rows.
 Estimate EstimateUnloaded(const CalibrationProblem& problem) {
   CalibrationProblem unloaded = problem;
@@ -173,24 +179,27 @@ StepOutcome FitDifferences(const DifferenceContext& context, const std::vector<i
   return solution->full_rank ? StepOutcome::kNoDescent : StepOutcome::kSingular;
 }
 
-// The elastic rows of the table as the differences determine them.
+// Each stage determines its own: what does not bend the unloaded rows, the rest the differences given that.
 void StateIntervals(const DifferenceContext& context, const std::vector<int>& elastic, const LinearSolution& solution,
-                    Estimate* estimate) {
+                    const Estimate& unloaded, Estimate* estimate) {
+  const CalibrationProblem& problem = context.problem;
   const int dof = std::max(1, context.num_differences - static_cast<int>(elastic.size()));
-  double scale = 1.0;
-  if (!context.problem.sigma_is_stated()) scale = std::sqrt(solution.residual_norm_squared / dof);
-  const double quantile = context.problem.sigma_is_stated() ? NormalQuantile(0.975) : StudentQuantile(0.975, dof);
-  for (size_t c = 0; c < elastic.size(); ++c) {
-    ParameterEstimate& row = estimate->table[elastic[c]];
-    row.sigma = scale * std::sqrt(solution.covariance(c, c));
-    row.ci95 = {row.value - quantile * row.sigma, row.value + quantile * row.sigma};
-    const double lower = estimate->parameters.coordinates()[elastic[c]].lower;
-    row.at_bound = row.ci95.low < lower;
-    row.ci95.low = std::max(row.ci95.low, lower);
-  }
+  const bool is_stated = problem.sigma_is_stated();
+  const double variance = is_stated ? 1.0 : solution.residual_norm_squared / dof;
+  const auto p = static_cast<long>(estimate->estimated.size());
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(p, p);
+  Eigen::VectorXd interval_dof = Eigen::VectorXd::Constant(p, is_stated ? kInfinity : dof);
+  std::vector<int> places;  // in the estimate, of the unloaded rows' own
+  for (const int coordinate : unloaded.estimated) places.push_back(PlaceOf(coordinate, estimate->estimated));
+  covariance(places, places) = unloaded.covariance;
+  interval_dof(places) = unloaded.interval_dof;
+  places.clear();
+  for (const int coordinate : elastic) places.push_back(PlaceOf(coordinate, estimate->estimated));
+  covariance(places, places) = variance * solution.covariance;
+  ReplaceCovariance(problem, covariance, interval_dof, estimate);
   estimate->warnings.push_back(DifferencesAssumeTheRestExact());
-  const auto& spring = context.problem.robot().gravity_compensator;
-  if ((spring && spring->preload) || context.problem.experiment().tool_mass > 0.0) {
+  const auto& spring = problem.robot().gravity_compensator;
+  if ((spring && spring->preload) || problem.experiment().tool_mass > 0.0) {
     estimate->warnings.push_back(PreloadWentIntoGeometry());
   }
 }
@@ -223,7 +232,7 @@ Estimate EstimateByDifferencing(const CalibrationProblem& problem,
     estimate.message = "the unloaded rows alone: " + estimate.message;
     return estimate;
   }
-  const Status unloaded = estimate.status;
+  const Estimate unloaded = estimate;
   for (int i = 0; i < problem.parameters.num_coordinates(); ++i) {
     if (IsElastic(problem, problem.parameters, i)) {
       estimate.parameters.coordinate(i).free = problem.parameters.coordinates()[i].free;
@@ -238,10 +247,10 @@ Estimate EstimateByDifferencing(const CalibrationProblem& problem,
     estimate.message = StepOutcomeInWords(outcome);
     return estimate;
   }
-  estimate.status = unloaded;
+  estimate.status = unloaded.status;
   estimate.message = std::to_string(context.num_differences) + " differences fitted";
   ComputeStatistics(problem, &estimate);
-  StateIntervals(context, elastic, solution, &estimate);
+  StateIntervals(context, elastic, solution, unloaded, &estimate);
   return estimate;
 }
 
