@@ -11,6 +11,7 @@
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/diagnosis/scanned_settings.h"
 #include "estimator/diagnosis/set_aside.h"
+#include "estimator/evidence/revisits.h"
 #include "estimator/noise/rotation_noise.h"
 #include "estimator/report/diagnosis_caution_words.h"
 #include "estimator/report/explanations_words.h"
@@ -310,7 +311,7 @@ class Session {
       before = effect.holdout_after;
     }
     CautionOfHalves(d_.effects, &d_.cautions);
-    d_.next = ProposeNext(*evidence_, *working_, d_.baseline.estimate.parameters);
+    d_.next = ProposeMeasuring();
     d_.gap_map = MapGap(d_.baseline, d_.final);
     const DiagnosedModel& named = selected_.empty() ? d_.baseline : d_.final;  // other noise alone closes nothing
     d_.gap = JudgeGap(d_.baseline, named, NoiseFloor(), IsSigmaStated(problem_));
@@ -319,6 +320,13 @@ class Session {
       const double probability = sagitta::ProbabilityOf(group.effect, *evidence_, weighed_models_);
       if (probability > 0.0) group.probability = probability;  // else a group of several effects
     }
+  }
+
+  // What does not follow the pose only a second visit shows.
+  std::optional<NextPoses> ProposeMeasuring() const {
+    const ParameterSet& parameters = d_.baseline.estimate.parameters;
+    if (!MayFollowThePose()) return ProposeNext(*evidence_, *working_, parameters);
+    return ProposeRevisits(WithNoiseOf(*evidence_, leading_, *working_), parameters);
   }
 
   // What effects are said to be: given a rest without a name the poses as they are would make it too sure.

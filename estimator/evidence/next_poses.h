@@ -18,6 +18,8 @@ struct ProposedPose {
 // What to measure next, and what it is expected to decide. decides, decided, needed: shares of what the rivals have
 // together, if one of them is right.
 struct NextPoses {
+  bool again =
+      false;  // poses of the data, visited once more (revisits.h): no rivals, nothing of what they have together
   std::vector<ProposedPose> poses;
   std::vector<NamedSet> rivals;  // that the poses are to decide between, most probable first
   double of_probability = 0.0;   // that they have together

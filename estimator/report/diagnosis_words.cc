@@ -7,6 +7,7 @@
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/estimate/parameter_table.h"
 #include "estimator/explanations/compensator_shapes.h"
+#include "estimator/report/diagnosis_next_words.h"
 #include "estimator/report/explanations_words.h"
 #include "models/effects/catalogue.h"
 #include "models/gravity_compensator.h"
@@ -93,14 +94,6 @@ std::string WrongNoiseInWords(const NoiseFinding& noise) {
   return Enumerate(wrong);
 }
 
-// Where it is only said to be above 99.9 %.
-bool IsNearlyCertain(double probability) { return probability > 0.9995; }
-
-std::string Percent(double probability) {
-  if (IsNearlyCertain(probability)) return "above 99.9 %";
-  return Significant(100.0 * probability, probability > 0.9 ? 3 : 2) + " %";
-}
-
 // Of the squared gap on untouched rows: those of the groups add up to what is closed of it.
 std::string ShareOfGap(const Diagnosis& d, double share) {
   const bool is_known = !std::isnan(d.gap.closed);
@@ -157,45 +150,6 @@ std::string RestInWords(const Diagnosis& d) {
   return "A significant rest has no name in the catalogue" + (share.empty() ? "" : " (" + share + ")") + ".";
 }
 
-// "A (51 %) and B with C (5 %)": what all of them hold is not repeated.
-std::string RivalsInWords(const Robot& robot, const std::vector<NamedSet>& rivals) {
-  std::vector<std::vector<std::string>> names;
-  for (const NamedSet& rival : rivals) {
-    names.emplace_back();
-    for (const EffectSpec& spec : rival.specs) names.back().push_back(Title(robot, spec));
-    names.back().insert(names.back().end(), rival.unnamed.begin(), rival.unnamed.end());
-  }
-  const auto all_hold = [&](const std::string& name) {
-    return std::all_of(names.begin(), names.end(), [&](const std::vector<std::string>& own) {
-      return std::find(own.begin(), own.end(), name) != own.end();
-    });
-  };
-  std::vector<std::string> words;
-  bool is_shared = false;
-  for (size_t k = 0; k < rivals.size(); ++k) {
-    std::vector<std::string> own;
-    for (const std::string& name : names[k]) {
-      if (!all_hold(name)) own.push_back(name);
-    }
-    is_shared = is_shared || own.size() < names[k].size();
-    const std::string nothing = names[k].empty() ? "no effect" : "nothing more";
-    words.push_back((own.empty() ? nothing : Joined(own, " with ")) + " (" + Percent(rivals[k].probability) + ")");
-  }
-  return Enumerate(words) + (is_shared ? ", given what all of them hold" : "");
-}
-
-std::string NeededInWords(const NextPoses& next) {
-  const std::string wanted = WholePercent(kWanted);
-  if (next.needed == 0) {
-    return " Even " + std::to_string(kMostNeeded) + " poses chosen like these would not reach " + wanted + ": " +
-           (next.depends_on_when
-                ? "the same poses on another day, or with the arm some kelvin warmer, are more informative."
-                : "a heavier load, another marker or another station is more informative.");
-  }
-  if (next.needed <= static_cast<int>(next.poses.size())) return "";
-  return " About " + std::to_string(next.needed) + " poses chosen like these would reach " + wanted + ".";
-}
-
 // Nothing fits, or too much does.
 std::string UnknownInWords(const Diagnosis& d) {
   const std::string there_is = d.gap.before == 0.0
@@ -223,6 +177,13 @@ std::string SeparateByKnowledge() {
 }
 
 }  // namespace
+
+bool IsNearlyCertain(double probability) { return probability > 0.9995; }
+
+std::string Percent(double probability) {
+  if (IsNearlyCertain(probability)) return "above 99.9 %";
+  return Significant(100.0 * probability, probability > 0.9 ? 3 : 2) + " %";
+}
 
 std::string Title(const Robot& robot, const EffectSpec& spec) {
   const EffectDefinition* definition = FindEffect(robot, spec.effect);
@@ -314,14 +275,6 @@ std::string HalvesInWords(const Confirmation& confirmation) {
   return words +
          (confirmation.compatible_p < kHalvesContradict ? "; the values contradict each other" : "; the values agree") +
          " (p " + Significant(confirmation.compatible_p, 3) + ").";
-}
-
-std::string NextInWords(const Robot& robot, const NextPoses& next) {
-  const std::string poses = std::to_string(next.poses.size()) + (next.poses.size() == 1 ? " pose" : " poses");
-  return "Between " + RivalsInWords(robot, next.rivals) + ": whichever of these is right is expected to have " +
-         Percent(next.decides) + " of what they have together (" + Percent(next.of_probability) +
-         ") after measuring the " + poses + " of next.csv; now " + Percent(next.decided) +
-         ". Fill in that file and add it to the measurements." + NeededInWords(next);
 }
 
 std::string FlipInWords(const Robot& robot, const ReportedFlip& flip) {
@@ -485,7 +438,7 @@ std::string DiagnosisToText(const Diagnosis& d) {
   text << "Noise: " << NoiseInWords(d.noise) << "\n";
   if (d.has_unexplained) text << "Unexplained: " << UnexplainedInWords(d) << "\n";
   if (d.learnt) text << "Learnt: " << LearntInWords(d) << "\n";
-  if (d.next) text << "Next: " << NextInWords(d.final.problem->robot(), *d.next) << "\n";
+  if (d.next) text << "Next: " << NextInWords(*d.final.problem, *d.next) << "\n";
   for (const ReportedFlip& flip : d.posterior.flips) text << "Prior: " << FlipInWords(robot, flip) << "\n";
   for (const std::string& caution : d.cautions) text << "Caution: " << caution << "\n";
   for (const std::string& warning : d.baseline.problem->data().warnings) text << "Warning: " << warning << "\n";

@@ -13,6 +13,10 @@ constexpr char kNextFile[] = "next.csv";
 constexpr char kLearntFile[] = "robot.learnt.yaml";
 constexpr char kLearntEstimateFile[] = "estimate.learnt.json";
 
+// "51 %"; below and above what percents can say in words.
+std::string Percent(double probability);
+// Where it is only said to be above 99.9 %.
+bool IsNearlyCertain(double probability);
 // "periodic joint error (joint_harmonic, A3, order 1)"; effects of the robot file included.
 std::string Title(const Robot& robot, const EffectSpec& spec);
 // The same for the axis of a picture, target first: "A3 joint_harmonic, order 1".
@@ -31,8 +35,6 @@ std::string NoiseInWords(const NoiseFinding& noise);
 std::string UnexplainedInWords(const Diagnosis& d);
 // What the learnt functions do; only where there are any.
 std::string LearntInWords(const Diagnosis& d);
-// What to measure next: between which answers, what it is expected to decide, and how the file is used.
-std::string NextInWords(const Robot& robot, const NextPoses& next);
 std::string FlipInWords(const Robot& robot, const ReportedFlip& flip);
 // "periodic joint error on A1, A2 and A3".
 std::string GroupInWords(const Diagnosis& diagnosis, const EffectGroup& group);

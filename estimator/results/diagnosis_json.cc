@@ -4,10 +4,12 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "estimator/diagnosis/learnt_model.h"
+#include "estimator/report/diagnosis_next_words.h"
 #include "estimator/report/diagnosis_words.h"
 #include "estimator/results/json_numbers.h"
 #include "models/constants.h"
@@ -141,15 +143,87 @@ bool IsOfTheScene(const std::string& column, const ValidationSpec& validation) {
   return splits || names.count(column) > 0 || column.rfind("sigma_", 0) == 0;
 }
 
+// Of q<i>_unit, from 0; -1 of other columns.
+int JointOf(const std::string& column) {
+  if (column.size() < 2 || column[0] != 'q' || !std::isdigit(static_cast<unsigned char>(column[1]))) return -1;
+  return column.find('_') == std::string::npos ? -1 : static_cast<int>(std::stol(column.substr(1))) - 1;
+}
+
 // A joint value of the pose; nothing where the column is of no joint.
 std::string JointCell(const std::string& column, const ProposedPose& pose) {
-  if (column.size() < 2 || column[0] != 'q' || !std::isdigit(static_cast<unsigned char>(column[1]))) return "";
-  const size_t end = column.find('_');
-  const long joint = std::stol(column.substr(1)) - 1;
-  if (end == std::string::npos || joint < 0 || joint >= pose.q.size()) return "";
-  const std::string unit = column.substr(end + 1);
+  const int joint = JointOf(column);
+  if (joint < 0 || joint >= pose.q.size()) return "";
+  const std::string unit = column.substr(column.find('_') + 1);
   const double si = unit == "deg" ? kDegree : unit == "mm" ? 1e-3 : 1.0;
   return Fixed(pose.q[joint] / si, unit == "rad" ? 5 : 3);
+}
+
+constexpr char kConfigColumn[] = "config";
+constexpr char kVisitColumn[] = "visit";
+
+// Columns of all files; again: poses are visited once more, which a column has to say.
+std::vector<std::string> HeaderOfNext(const Measurements& data, bool again) {
+  std::vector<std::string> header;
+  for (const MeasurementFile& file : data.files) {
+    for (const std::string& column : file.header) {
+      if (std::find(header.begin(), header.end(), column) == header.end()) header.push_back(column);
+    }
+  }
+  if (again && std::find(header.begin(), header.end(), kVisitColumn) == header.end()) header.push_back(kVisitColumn);
+  return header;
+}
+
+// Observations that a pose is measured with: those of the configuration's first visit. A pose's two readings are one
+// row.
+std::vector<int> RowsLike(const Measurements& data, int configuration) {
+  std::vector<int> rows;
+  for (size_t i = 0; i < data.observations.size(); ++i) {
+    const Observation& row = data.observations[i];
+    const Shot& shot = data.shots[row.shot];
+    if (shot.configuration != configuration || !row.is_point()) continue;
+    if (rows.empty() || shot.visit == data.shots[data.observations[rows[0]].shot].visit)
+      rows.push_back(static_cast<int>(i));
+  }
+  return rows;
+}
+
+// A name that none of the configuration's visits has.
+std::string VisitAfter(const Measurements& data, int configuration) {
+  std::set<std::string> visits;
+  for (const Shot& shot : data.shots) {
+    if (shot.configuration == configuration) visits.insert(shot.visit);
+  }
+  for (size_t number = visits.size() + 1;; ++number) {
+    const std::string name = std::to_string(number);
+    if (visits.count(name) == 0) return name;
+  }
+}
+
+// Whether the row of a pose has the cell of the row that it is like: a pose that is visited again is that pose.
+bool StaysInNext(const std::string& column, bool again, const ValidationSpec& validation) {
+  if (again && (column == kConfigColumn || JointOf(column) >= 0)) return true;
+  return IsOfTheScene(column, validation);
+}
+
+// own: cells that are neither those of the row that it is like nor joint values.
+std::string NextRow(const Measurements& data, int like, const std::vector<std::string>& header, const Diagnosis& d,
+                    const ProposedPose& pose, const std::map<std::string, std::string>& own) {
+  const Observation& row = data.observations[like];
+  const MeasurementFile& file = data.files[row.file];
+  const MeasurementRows::Cells cells = file.rows[row.row].cells;
+  std::vector<std::string> texts;
+  for (const std::string& column : header) {
+    const int at = file.FindColumn(column);
+    const auto stated = own.find(column);
+    if (stated != own.end()) {
+      texts.push_back(stated->second);
+    } else if (at >= 0 && StaysInNext(column, d.next->again, d.baseline.problem->experiment().validation)) {
+      texts.emplace_back(cells[at]);
+    } else {
+      texts.push_back(JointCell(column, pose));
+    }
+  }
+  return Joined(texts, ",") + "\n";
 }
 
 Json ClosedToJson(const GapReport& gap) {
@@ -252,39 +326,19 @@ bool MoveHome(const EffectSpec& spec, Robot* robot) {
 }  // namespace
 
 std::string NextToCsv(const Diagnosis& d) {
-  const Measurements& data = d.baseline.problem->data();
-  std::vector<std::string> header;  // of all files
-  for (const MeasurementFile& file : data.files) {
-    for (const std::string& column : file.header) {
-      if (std::find(header.begin(), header.end(), column) == header.end()) header.push_back(column);
-    }
-  }
-  std::string text;
-  for (size_t c = 0; c < header.size(); ++c) text += (c > 0 ? "," : "") + header[c];
-  text += "\n";
-  const ValidationSpec& validation = d.baseline.problem->experiment().validation;
+  const CalibrationProblem& problem = *d.baseline.problem;
+  const Measurements& data = problem.data();
+  const ValidationSpec& validation = problem.experiment().validation;
+  const std::vector<std::string> header = HeaderOfNext(data, d.next->again);
   const std::vector<std::string> names =
       NamesThatAreFitted(validation, data, "next", static_cast<int>(d.next->poses.size()));
+  std::string text = Joined(header, ",") + "\n";
   for (size_t k = 0; k < d.next->poses.size(); ++k) {
     const ProposedPose& pose = d.next->poses[k];
-    for (const Observation& observation : data.observations) {
-      // A pose's two readings are one row.
-      if (data.shots[observation.shot].configuration != pose.like || !observation.is_point()) continue;
-      const MeasurementFile& file = data.files[observation.file];
-      const MeasurementRows::Cells cells = file.rows[observation.row].cells;
-      for (size_t c = 0; c < header.size(); ++c) {
-        const int own = file.FindColumn(header[c]);
-        text += c > 0 ? "," : "";
-        if (header[c] == "config") {
-          text += names[k];
-        } else if (own >= 0 && IsOfTheScene(header[c], validation)) {
-          text += cells[own];
-        } else {
-          text += JointCell(header[c], pose);
-        }
-      }
-      text += "\n";
-    }
+    std::map<std::string, std::string> own;
+    if (d.next->again) own[kVisitColumn] = VisitAfter(data, pose.like);
+    if (!d.next->again) own[kConfigColumn] = names[k];
+    for (const int i : RowsLike(data, pose.like)) text += NextRow(data, i, header, d, pose, own);
   }
   return text;
 }
@@ -334,10 +388,10 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
   json["groups"] = GroupsToJson(d);
   json["next"] = nullptr;
   if (d.next) {
-    json["next"] = {{"words", NextInWords(robot, *d.next)},
+    json["next"] = {{"words", NextInWords(*d.baseline.problem, *d.next)},
                     {"file", kNextFile},
                     {"decides", d.next->decides},
-                    {"of_probability", d.next->of_probability}};
+                    {"of_probability", Finite(d.next->of_probability)}};
     json["next"]["poses_for_90_percent"] = d.next->needed > 0 ? Json(d.next->needed) : Json();
   }
   return json;

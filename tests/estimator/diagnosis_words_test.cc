@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "estimator/diagnosis/cautions.h"
+#include "estimator/report/diagnosis_next_words.h"
 #include "tests/support/kr270_experiment.h"
 #include "tests/support/moved_kr270.h"
 
@@ -94,14 +95,14 @@ NextPoses BetweenTwo(const std::string& other) {
 TEST(DiagnosisWords, WhatIsExpectedIsAShareOfWhatTheNamedRivalsHave) {
   const Diagnosis d = Large();
   NextPoses next = BetweenTwo("encoder_gain");
-  const std::string words = NextInWords(d.final.problem->robot(), next);
+  const std::string words = NextInWords(*d.final.problem, next);
   EXPECT_THAT(words,
               AllOf(StartsWith("Between periodic joint error (joint_harmonic, A2, order 1) (51 %) and "),
                     HasSubstr("(encoder_gain, A2) (5 %): whichever of these is right is expected to have 98 % of "
                               "what they have together (56 %) after measuring the 6 poses of next.csv; now 85 %."),
                     EndsWith("Fill in that file and add it to the measurements.")));
   for (NamedSet& rival : next.rivals) rival.specs.push_back({"link_gravity", "A3", {}, {}});
-  EXPECT_THAT(NextInWords(d.final.problem->robot(), next),
+  EXPECT_THAT(NextInWords(*d.final.problem, next),
               AllOf(Not(HasSubstr("link_gravity")), HasSubstr(", given what all of them hold: whichever")));
 }
 
@@ -109,10 +110,10 @@ TEST(DiagnosisWords, AnotherDayIsProposedWhereTimeOrTemperatureDrives) {
   const Diagnosis d = Large();
   NextPoses next = BetweenTwo("encoder_gain");
   next.needed = 0;
-  EXPECT_THAT(NextInWords(d.final.problem->robot(), next), EndsWith("another station is more informative."));
+  EXPECT_THAT(NextInWords(*d.final.problem, next), EndsWith("another station is more informative."));
   next.depends_on_when = true;
   EXPECT_THAT(
-      NextInWords(d.final.problem->robot(), next),
+      NextInWords(*d.final.problem, next),
       EndsWith("would not reach 90 %: the same poses on another day, or with the arm some kelvin warmer, are more "
                "informative."));
 }

@@ -26,8 +26,8 @@ std::vector<std::string> HeaderCells() {
   return cells;
 }
 
-// One proposed pose, to be measured like the first configuration.
-std::string Proposed() {
+// One proposed pose, to be measured like the first configuration; or that one again.
+std::string Proposed(bool again = false) {
   test::Kr270Design design;
   design.configurations = 12;
   Measurements data = test::DesignMeasurements(design);
@@ -46,6 +46,7 @@ std::string Proposed() {
   diagnosis.baseline.problem = std::make_shared<CalibrationProblem>(test::Kr270ProblemOf(data, experiment));
   diagnosis.next = NextPoses();
   diagnosis.next->poses = {{Eigen::VectorXd::Constant(6, 10.0 * kDegree), 0}};
+  diagnosis.next->again = again;
   return NextToCsv(diagnosis);
 }
 
@@ -53,6 +54,12 @@ std::string Proposed() {
 TEST(NextFile, WhatIsReadWhenMeasuringIsEmpty) {
   const std::string row = "next1,P1,S1,none,10.000,10.000,10.000,10.000,10.000,10.000,,,,0.1,,,,,\n";
   EXPECT_EQ(Proposed(), std::string(kHeader) + "\n" + row + row + row);
+}
+
+// Its joint values as they are written, in a visit of its own: a file without that column gets one.
+TEST(NextFile, APoseThatIsVisitedAgainIsThatPose) {
+  const std::string row = "C,P1,S1,none,1,2,3,4,5,6,,,,0.1,,,,,,2\n";
+  EXPECT_EQ(Proposed(true), std::string(kHeader) + ",visit\n" + row + row + row);
 }
 
 }  // namespace

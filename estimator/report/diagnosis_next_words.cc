@@ -1,0 +1,73 @@
+#include "estimator/report/diagnosis_next_words.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "estimator/report/diagnosis_words.h"
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+// "A (51 %) and B with C (5 %)": what all of them hold is not repeated.
+std::string RivalsInWords(const Robot& robot, const std::vector<NamedSet>& rivals) {
+  std::vector<std::vector<std::string>> names;
+  for (const NamedSet& rival : rivals) {
+    names.emplace_back();
+    for (const EffectSpec& spec : rival.specs) names.back().push_back(Title(robot, spec));
+    names.back().insert(names.back().end(), rival.unnamed.begin(), rival.unnamed.end());
+  }
+  const auto all_hold = [&](const std::string& name) {
+    return std::all_of(names.begin(), names.end(), [&](const std::vector<std::string>& own) {
+      return std::find(own.begin(), own.end(), name) != own.end();
+    });
+  };
+  std::vector<std::string> words;
+  bool is_shared = false;
+  for (size_t k = 0; k < rivals.size(); ++k) {
+    std::vector<std::string> own;
+    for (const std::string& name : names[k]) {
+      if (!all_hold(name)) own.push_back(name);
+    }
+    is_shared = is_shared || own.size() < names[k].size();
+    const std::string nothing = names[k].empty() ? "no effect" : "nothing more";
+    words.push_back((own.empty() ? nothing : Joined(own, " with ")) + " (" + Percent(rivals[k].probability) + ")");
+  }
+  return Enumerate(words) + (is_shared ? ", given what all of them hold" : "");
+}
+
+std::string NeededInWords(const NextPoses& next) {
+  const std::string wanted = WholePercent(kWanted);
+  if (next.needed == 0) {
+    return " Even " + std::to_string(kMostNeeded) + " poses chosen like these would not reach " + wanted + ": " +
+           (next.depends_on_when
+                ? "the same poses on another day, or with the arm some kelvin warmer, are more informative."
+                : "a heavier load, another marker or another station is more informative.");
+  }
+  if (next.needed <= static_cast<int>(next.poses.size())) return "";
+  return " About " + std::to_string(next.needed) + " poses chosen like these would reach " + wanted + ".";
+}
+
+// Poses that are visited again.
+std::string AgainInWords(const Measurements& data, const NextPoses& next) {
+  std::vector<std::string> names;
+  for (const ProposedPose& pose : next.poses) names.push_back(data.configurations[pose.like].id);
+  return "Visit these poses again: " + Enumerate(names, names.size()) + " (" + kNextFile +
+         ", to be filled in and added to the measurements). Of joints that deviate at every visit and an error that "
+         "follows the pose, the right one is expected to have " +
+         Percent(next.decides) + " then, if both are as probable now." + NeededInWords(next);
+}
+
+}  // namespace
+
+std::string NextInWords(const CalibrationProblem& problem, const NextPoses& next) {
+  if (next.again) return AgainInWords(problem.data(), next);
+  const std::string poses = std::to_string(next.poses.size()) + (next.poses.size() == 1 ? " pose" : " poses");
+  return "Between " + RivalsInWords(problem.robot(), next.rivals) +
+         ": whichever of these is right is expected to have " + Percent(next.decides) +
+         " of what they have together (" + Percent(next.of_probability) + ") after measuring the " + poses +
+         " of next.csv; now " + Percent(next.decided) + ". Fill in that file and add it to the measurements." +
+         NeededInWords(next);
+}
+
+}  // namespace sagitta
