@@ -20,7 +20,8 @@
 namespace sagitta {
 namespace {
 
-constexpr int kPosesDrawn = 400;
+constexpr int kPosesDrawn = 800;
+constexpr size_t kPosesWeighed = 400;  // of those drawn, at most
 constexpr unsigned long long kSeedOfPoses = 1;
 constexpr double kLeastPivot = 1e-300;
 constexpr double kDecided = 0.95;        // of the leading answer: nothing is left to decide
@@ -98,6 +99,39 @@ CalibrationProblem AsPredicted(CalibrationProblem extended, const ParameterSet& 
     if (observation.is_point()) observation.point_in_station = points.col(i);
   }
   return extended;
+}
+
+// m, against the load-free pull of gravity: of a point in its station.
+double HeightOf(const CalibrationProblem& problem, const ParameterSet& parameters, const Observation& observation) {
+  const Shot& shot = problem.data().shots[observation.shot];
+  const ShotConditions& conditions = problem.shot_inputs()[observation.shot].conditions;
+  Vector3<double> up = -conditions.gravity.normalized();
+  if (conditions.gravity_frame == WrenchFrame::kBase) up = parameters.BaseInStation(shot.station).rotation * up;
+  return up.dot(observation.point_in_station);
+}
+
+// Poses none of whose points is lower than all that were measured from their station: there the floor may be.
+std::vector<ProposedPose> NotBelowWhatWasMeasured(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                                  const std::vector<ProposedPose>& drawn) {
+  const size_t measured = problem.data().observations.size();
+  const CalibrationProblem extended = AsPredicted(WithPoses(problem, drawn), parameters, measured);
+  const std::vector<Observation>& rows = extended.data().observations;
+  std::vector<double> lowest(extended.data().stations.size(), kInfinity);
+  std::vector<bool> is_below(drawn.size(), false);
+  for (size_t i = 0; i < rows.size(); ++i) {
+    if (!rows[i].is_point()) continue;
+    const Shot& shot = extended.data().shots[rows[i].shot];
+    const double height = HeightOf(extended, parameters, rows[i]);
+    double& least = lowest[shot.station];
+    if (i < measured) least = std::min(least, height);
+    if (i >= measured && height < least)
+      is_below[shot.configuration - static_cast<int>(problem.data().configurations.size())] = true;
+  }
+  std::vector<ProposedPose> kept;
+  for (size_t k = 0; k < drawn.size() && kept.size() < kPosesWeighed; ++k) {
+    if (!is_below[k]) kept.push_back(drawn[k]);
+  }
+  return kept;
 }
 
 // The explanations that some sets have, in columns of their own over the rows of a problem with more poses.
@@ -299,7 +333,8 @@ std::optional<NextPoses> ProposeNext(const Evidence& evidence, const Calibration
   NextPoses next;
   const std::vector<Rival> rivals = RivalsOf(evidence, &next);
   if (next.rivals.size() < 2 || next.rivals[0].probability > kDecided * next.of_probability) return std::nullopt;
-  const std::vector<ProposedPose> drawn = DrawPoses(problem);
+  const std::vector<ProposedPose> drawn = NotBelowWhatWasMeasured(problem, parameters, DrawPoses(problem));
+  if (drawn.size() < kPosesProposed) return std::nullopt;
   const CalibrationProblem extended =
       AsPredicted(WithPoses(problem, drawn), parameters, problem.data().observations.size());
   std::optional<PoseChoice> choice = ChoiceOf(evidence, rivals, extended, parameters, drawn.size());

@@ -55,6 +55,14 @@ class Difference {
   Eigen::Vector3d wave_;
 };
 
+// m, of the markers; the station is level.
+double LowestPoint(const Eigen::VectorXd& q) {
+  double lowest = kInfinity;
+  for (const Vector3<double>& tool : test::Kr270Truth().tools)
+    lowest = std::min(lowest, test::IndependentKr270Point(q, {}, tool).z());
+  return lowest;
+}
+
 TEST(NextPoses, LieWhereTheRivalsDiffer) {
   const CalibrationProblem problem = SeenOverAPartOfTheRange();
   const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
@@ -66,6 +74,10 @@ TEST(NextPoses, LieWhereTheRivalsDiffer) {
     EXPECT_EQ(sets[k].specs[0].target, "A3") << sets[k].specs[0].Path();
   }
   const Difference difference(problem.data().configurations);
+  double lowest = kInfinity;  // of the points measured, over the foot
+  for (const Configuration& configuration : problem.data().configurations)
+    lowest = std::min(lowest, LowestPoint(configuration.q));
+  for (const ProposedPose& pose : diagnosis.next->poses) EXPECT_GT(LowestPoint(pose.q), lowest - 2e-3);  // nominal arm
   double proposed = 0.0, anywhere = 0.0;
   for (const ProposedPose& pose : diagnosis.next->poses) {
     proposed += difference.At(pose.q[2]) / static_cast<double>(diagnosis.next->poses.size());
