@@ -121,6 +121,7 @@ class Session {
     posterior_ = std::move(found.posterior);
     rivals_ = std::move(found.rivals);
     named_ = found.is_named;
+    is_refuted_ = found.is_refuted;
     const RefittedSet& leading = found.refitted;
     leading_ = leading.model;
     lacking_ = leading.lacking;
@@ -311,6 +312,7 @@ class Session {
       before = effect.holdout_after;
     }
     CautionOfHalves(d_.effects, &d_.cautions);
+    if (is_refuted_) d_.cautions.push_back(ProbabilitiesAreRough());
     d_.next = ProposeMeasuring();
     d_.gap_map = MapGap(d_.baseline, d_.final);
     const DiagnosedModel& named = selected_.empty() ? d_.baseline : d_.final;  // other noise alone closes nothing
@@ -465,7 +467,7 @@ class Session {
   std::vector<WeightedModel> weighed_models_;  // these, or averaged over resamples
   Posterior weighed_;
   bool is_bagged_ = false;
-  bool named_ = false;
+  bool named_ = false, is_refuted_ = false;
   WeightedModel leading_;
   DiagnosedModel lacking_;  // the believed model with the noise that goes with the leading set
   std::vector<std::vector<NamedProbability>> in_places_;

@@ -97,14 +97,15 @@ LeadingSet FindLeading(const SearchInput& input, const Evidence* before) {
   std::vector<Candidate> between = RefinedMoments(input.working, believed, ListCandidates(input.working, believed));
   LeadingSet found = WeighAndRefit(input, between, before, {});
   std::set<std::set<std::string>> known;  // effects about which the model was linearized
-  for (int again = 0; again < kMostAgain && found.is_named; ++again) {
+  for (int again = 0; found.is_named; ++again) {
     RefittedSet effects = WithoutFunctions(input, found);
     if (effects.effects.empty() || !effects.IsUsable()) break;
     const double error = std::abs(LogFullOverLinear(*found.evidence, effects));
     const double gain = TuneSettings(*found.evidence, input.joint, &effects);
     VLOG(1) << "diagnosis: the linear model is off by " << error << " of the leading effects' log evidence";
     const LinearizedAbout about{SpecsOf(CandidatesOf(effects.effects)), effects.with_effects.estimate.parameters};
-    if (!Refutes(std::max(error, gain), effects, found) || !known.insert(PathsOf(about)).second) break;
+    found.is_refuted = Refutes(std::max(error, gain), effects, found);
+    if (!found.is_refuted || again == kMostAgain || !known.insert(PathsOf(about)).second) break;
     AppendTuned(*found.evidence, effects, &between);
     if (input.progress) input.progress(WeighingAboutWhatWasFound());
     LeadingSet anew = WeighAndRefit(input, between, found.evidence.get(), about);

@@ -24,6 +24,7 @@ struct LeadingSet {
   bool is_named = false;  // something is missing, with more than the gate
   RefittedSet refitted;   // the leading set; where nothing is named the best that holds nothing
   std::vector<RivalSet> rivals;
+  bool is_refuted = false;  // the full model still refutes the linearization: probabilities are rough
 };
 
 // What a search is given.

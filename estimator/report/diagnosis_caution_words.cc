@@ -130,6 +130,13 @@ std::string IsOneOfSeveral(const std::vector<std::vector<EffectSpec>>& instead) 
          "that choice.";
 }
 
+std::string ProbabilitiesAreRough() {
+  return "Effects are so large that the linear model by which everything was weighed is wrong for them, also about "
+         "what "
+         "was found: the probabilities are rough. Bring the robot nearer to its nominal model, or add to it what is "
+         "known, and diagnose again.";
+}
+
 std::string HalvesContradict(const std::vector<EffectSpec>& effects) {
   std::vector<std::string> names;
   for (const EffectSpec& spec : effects) names.push_back(NameOnTarget(spec));

@@ -48,6 +48,7 @@ std::string ToolMoved(const std::string& words);
 std::string EffectsAreUndecided();
 // instead: the effects of each other set that share the probability.
 std::string IsOneOfSeveral(const std::vector<std::vector<EffectSpec>>& instead);
+std::string ProbabilitiesAreRough();
 std::string HalvesContradict(const std::vector<EffectSpec>& effects);
 std::string NotConfirmed(const std::vector<std::pair<EffectSpec, double>>& effects);
 // Of probabilities: averaged over so many resamples of the poses.

@@ -15,11 +15,11 @@ namespace {
 
 // Joint 2 swings by 2 mrad: what that moves the points by differs from the linear model's by up to theta^2 / 2 times 2
 // m of arm, four times sigma. Joint 4 deviates by little more than the noise.
-CalibrationProblem Campaign() {
+CalibrationProblem Campaign(double swing = 2e-3) {
   const test::Kr270Design design = test::CampaignOf(60, 1, 1e-6, 11);
-  const Measurements data = test::MeasuredAfter(design, 411, [](Eigen::VectorXd* q) {
+  const Measurements data = test::MeasuredAfter(design, 411, [swing](Eigen::VectorXd* q) {
     (*q)[3] += 5e-6 * std::cos(2.0 * (*q)[3]);
-    (*q)[1] += 2e-3 * std::cos(2.0 * (*q)[1]);
+    (*q)[1] += swing * std::cos(2.0 * (*q)[1]);
   });
   return MakeCalibrationProblem(test::Kr270Robot(), data, Experiment());
 }
@@ -38,6 +38,7 @@ TEST(LeadingSet, IsWeighedAboutWhatWasFound) {
   for (const SelectedEffect& effect : found.refitted.effects) paths.push_back(effect.candidate.spec.Path());
   EXPECT_EQ(paths,
             (std::vector<std::string>{"effect/joint_harmonic[order=2]/A2", "effect/joint_harmonic[order=2]/A4"}));
+  EXPECT_FALSE(found.is_refuted);
   EXPECT_LT(std::abs(LogFullOverLinear(*found.evidence, found.refitted)), kInDoubt);
 
   // About the believed model the same set is off by far more.
@@ -48,6 +49,16 @@ TEST(LeadingSet, IsWeighedAboutWhatWasFound) {
   const RefittedSet refitted = RefitSet(about_believed, leading, problem, baseline, joint);
   ASSERT_TRUE(refitted.IsUsable());
   EXPECT_GT(std::abs(LogFullOverLinear(about_believed, refitted)), 5.0 * kInDoubt);
+}
+
+TEST(LeadingSet, SaysWhereTheLinearModelStaysWrong) {
+  const CalibrationProblem problem = Campaign(0.05);
+  const DiagnosedModel baseline = FitFully(problem, JointOptions());
+  const PriorMasses prior;
+  const JointOptions joint;
+  const LeadingSet found = FindLeading({problem, baseline, prior, kInfinity, 0.9, joint, nullptr}, nullptr);
+  ASSERT_TRUE(found.is_named);
+  EXPECT_TRUE(found.is_refuted);
 }
 
 }  // namespace
