@@ -2,9 +2,10 @@
 //
 //   dT_arm/dt = (T - T_arm) / tau,   tau = C / W   (Newton's law of cooling)
 //
-// tau is no parameter of any effect, and a growth fitted on T alone is biased by it. So the interval of what
-// temperature drives is widened to the profile likelihood over tau. Where the shots state no time, they are assumed to
-// be in their order, one a minute: if that is wrong, the data contradict all but short lags, and little is widened.
+// tau is a setting of the effect (thermal_growth.cc) and no parameter: a growth fitted with another one is biased. So
+// the interval of what temperature drives is widened to the profile likelihood over tau. Where the shots state no time,
+// they are assumed to be in their order, one a minute: if that is wrong, the data contradict all but short lags, and
+// little is widened.
 #pragma once
 
 #include <optional>
@@ -19,9 +20,6 @@ struct ThermalLag {
   double shortest = 0.0, longest = 0.0;  // s, that the data do not contradict at 95 %
   bool is_timed = false;                 // the shots state their time
 };
-
-// The shots' temperatures after a lag, each station for itself, at equilibrium at its first shot.
-void LagTemperatures(double lag, Measurements* data);
 
 // Widens `rows`, the effect's parameters in the final model, to what any lag up to half an hour (or twice the one that
 // the effect states) leaves possible; values stay. None, and nothing changed, where the effect is not driven by

@@ -129,24 +129,5 @@ TEST(ThermalLag, OnlyWhatTemperatureDrives) {
   EXPECT_EQ(rows[0].ci95.high, grown.before.ci95.high);
 }
 
-// The law of cooling for 4 K within 100 s, tau = 200 s: with m tau = 8 K the arm is at 24 - 8 + 8 exp(-0.5) = 20.852 C
-// at the end of the rise, and follows exponentially after it.
-TEST(ThermalLag, ARiseIsFollowedLate) {
-  Measurements data;
-  data.shots.resize(4);
-  for (int s = 0; s < 4; ++s) {
-    data.shots[s].station = 0;
-    data.shots[s].has_time = true;
-    data.shots[s].time = 100.0 * s;
-    data.shots[s].temperature = s == 0 ? 20.0 : 24.0;
-  }
-  LagTemperatures(200.0, &data);
-  const double late = 3.147754722298933;  // K, 8 (1 - exp(-0.5))
-  EXPECT_EQ(data.shots[0].temperature, 20.0);
-  for (int s = 1; s < 4; ++s) {
-    EXPECT_NEAR(data.shots[s].temperature, 24.0 - late * std::exp(-100.0 * (s - 1) / 200.0), 1e-12);
-  }
-}
-
 }  // namespace
 }  // namespace sagitta::thermal_lag_test
