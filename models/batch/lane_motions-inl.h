@@ -43,7 +43,7 @@ class LaneMotions {
     const V none = hn::Mul(Of(kNoLever), statics_.LargestForce());
     for (const ShotProgram::Elastic& term : p_.elastic) {
       if (term.slot < 0) continue;
-      const V value = hn::Mul(statics_.Datum(term.data), statics_.Phi(term.law, term.slot));
+      const V value = hn::Mul(statics_.Datum(term.data), statics_.Phi(term));
       Raise(term.parameter, hn::IfThenElseZero(hn::Lt(none, hn::Abs(statics_.TorqueOn(term.slot))), value));
     }
     for (const ShotProgram::Loads& sag : p_.sags) Raise(sag.parameter, statics_.TorqueOf(sag, sag.slot));

@@ -237,7 +237,7 @@ class LaneShots {
       }
       case ShotProgram::PartOf::kElastic: {
         const ShotProgram::Elastic& term = p_.elastic[part.index];
-        const V by = hn::Mul(statics_.Datum(term.data), statics_.Phi(term.law, term.slot));
+        const V by = hn::Mul(statics_.Datum(term.data), statics_.Phi(term));
         *column = Fma(by, statics_.Imposed(term.slot), *column);
         break;
       }

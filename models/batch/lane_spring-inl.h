@@ -7,19 +7,36 @@
 #define SAGITTA_MODELS_BATCH_LANE_SPRING_INL_H_
 #endif
 
+#include <hwy/contrib/math/math-inl.h>
+
 #include "models/batch/lanes-inl.h"
 #include "models/batch/shot_program.h"
+#include "models/constants.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sagitta {
 namespace HWY_NAMESPACE {
 
-// phi(T): T, T^3 or sign(T).
-HWY_INLINE V LawAt(ElasticLaw law, V torque) {
-  if (law == ElasticLaw::kLinear) return torque;
-  if (law == ElasticLaw::kCubic) return hn::Mul(torque, hn::Mul(torque, torque));
+// phi(T): T, T^3, sign(T) or, with a width, tanh(T / width), or a bump (models/effects/bump.h).
+HWY_INLINE V LawAt(const ShotProgram::Elastic& term, V torque) {
+  if (term.law == ElasticLaw::kLinear) return torque;
+  if (term.law == ElasticLaw::kCubic) return hn::Mul(torque, hn::Mul(torque, torque));
+  if (term.law == ElasticLaw::kBump) {
+    const V knots = hn::Div(hn::Sub(torque, Of(term.centre)), Of(term.width));
+    return hn::Mul(Of(std::pow(kPi, -0.25)), hn::Exp(Tag(), hn::Mul(Of(-0.5), hn::Mul(knots, knots))));
+  }
+  if (term.width > 0.0) return hn::Tanh(Tag(), hn::Div(torque, Of(term.width)));
   const V zero = Of(0.0);
   return hn::Sub(hn::IfThenElseZero(hn::Lt(zero, torque), Of(1.0)), hn::IfThenElseZero(hn::Lt(torque, zero), Of(1.0)));
+}
+// d phi / d T, where phi is `value`.
+HWY_INLINE V LawDerivativeAt(const ShotProgram::Elastic& term, V torque, V value) {
+  if (term.law == ElasticLaw::kLinear) return Of(1.0);
+  if (term.law == ElasticLaw::kCubic) return hn::Mul(Of(3.0), hn::Mul(torque, torque));
+  if (!(term.width > 0.0)) return Of(0.0);
+  const V per_width = Of(1.0 / term.width);
+  if (term.law == ElasticLaw::kSign) return hn::Mul(per_width, Fnma(value, value, Of(1.0)));
+  return hn::Mul(value, hn::Mul(hn::Mul(per_width, per_width), hn::Sub(Of(term.centre), torque)));
 }
 
 // T = -Kc (1 - s0/s) L A,  A = a_x cos q - a_y sin q,  C = a_y cos q + a_x sin q,  s^2 = a^2 + L^2 + 2 L C

@@ -95,7 +95,7 @@ class LaneStatics {
 
   const LaneChain& chain() const { return chain_; }
   V Datum(int index) const { return At(data_ + index * kBatchLanes); }
-  V Phi(ElasticLaw law, int slot) const { return LawAt(law, torque_[slot]); }
+  V Phi(const ShotProgram::Elastic& term) const { return LawAt(term, torque_[term.slot]); }
 
   // From here on columns are twists of `frame`: imposed = Xi (I - F_u)^-1 over the slots before it, by the factors
   // L U = I - F_u.
@@ -336,10 +336,10 @@ class LaneStatics {
     }
     if (p_.has_spring) EvaluateSpring();
     for (const ShotProgram::Elastic& term : p_.elastic) {
-      if (term.slot < 0) continue;
-      const V gain = hn::Mul(Of(at_.theta[term.parameter]), Datum(term.data));
-      law_[term.slot] = Fma(gain, Phi(term.law, term.slot), law_[term.slot]);
-      flexibility_[term.slot] = Fma(gain, PhiDerivative(term.law, term.slot), flexibility_[term.slot]);
+      if (term.slot < 0 || at_.theta[term.parameter] == 0.0) continue;
+      const V gain = hn::Mul(Of(at_.theta[term.parameter]), Datum(term.data)), phi = Phi(term);
+      law_[term.slot] = Fma(gain, phi, law_[term.slot]);
+      flexibility_[term.slot] = Fma(gain, LawDerivativeAt(term, torque_[term.slot], phi), flexibility_[term.slot]);
     }
     if (!NeedsChain()) return;
     for (int s = 0; s < slots_ && with_derivatives; ++s) {
@@ -350,10 +350,6 @@ class LaneStatics {
   }
   bool IsTurned(int s) const { return p_.twists[p_.slots[s].twist].is_rotation; }
   TwistLanes* Beyond(int s) const { return beyond_ + s * p_.num_levels; }
-  V PhiDerivative(ElasticLaw law, int slot) const {
-    if (law == ElasticLaw::kLinear) return Of(1.0);
-    return law == ElasticLaw::kCubic ? hn::Mul(Of(3.0), hn::Mul(torque_[slot], torque_[slot])) : Of(0.0);
-  }
   V TorqueBy(const Sums* sums, int s) const {
     const Sums& acting = sums[p_.slots[s].level];
     return Work(moves_[s], acting.about_base, acting.force);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <set>
 
@@ -169,7 +170,7 @@ class Builder {
       program_.sags.back().slot = slot_of(term.transform);
     }
     for (const ElasticTerm& term : shot_.terms.elastic) {
-      program_.elastic.push_back({slot_of(term.transform), term.parameter, Take(1), term.law});
+      program_.elastic.push_back({slot_of(term.transform), term.parameter, Take(1), term.law, term.width, term.centre});
     }
     if (model_.robot().gravity_compensator) AddSpring(*model_.robot().gravity_compensator);
   }
@@ -220,13 +221,13 @@ class Builder {
   ShotProgram program_;
 };
 
-// Lines of sight, measured torques, smooth signs and bumps are left to the model.
-bool HasProgram(const ShotInput& shot) {
-  const auto is_smooth = [](const ElasticTerm& term) {
-    return (term.law == ElasticLaw::kSign && term.width > 0.0) || term.law == ElasticLaw::kBump;
-  };
-  return shot.terms.sights.empty() && shot.terms.torques.empty() &&
-         std::none_of(shot.terms.elastic.begin(), shot.terms.elastic.end(), is_smooth);
+// Lines of sight and measured torques are left to the model.
+bool HasProgram(const ShotInput& shot) { return shot.terms.sights.empty() && shot.terms.torques.empty(); }
+
+std::int64_t BitsOf(double value) {
+  std::int64_t bits = 0;
+  std::memcpy(&bits, &value, sizeof(bits));
+  return bits;
 }
 
 bool TurnsWithFlange(const std::vector<AppliedWrench>& wrenches) {
@@ -268,7 +269,7 @@ bool AppendStructure(const ForwardModel& model, const ShotInput& shot, const std
   for (const SlotTerm& term : shot.terms.slots) add(term.transform, term.parameter);
   begin_list(shot.terms.elastic.size());
   for (const ElasticTerm& term : shot.terms.elastic) {
-    add(term.transform, term.parameter, static_cast<int>(term.law));
+    add(term.transform, term.parameter, static_cast<int>(term.law), BitsOf(term.width), BitsOf(term.centre));
   }
   begin_list(shot.terms.wrenches.size());
   for (const WrenchTerm& term : shot.terms.wrenches) key.push_back(term.parameter), add_wrenches(term.wrenches);

@@ -52,6 +52,7 @@ struct ShotProgram {
     int parameter = -1;
     int data = -1;
     ElasticLaw law = ElasticLaw::kLinear;
+    double width = 0.0, centre = 0.0;  // of a smooth sign and of a bump
   };
   struct Slot {
     int transform = -1;

@@ -179,7 +179,21 @@ TEST(BatchRows, EveryEffectIsAsInTheModel) {
     ExpectBatchIsTheModel(setup, seed);
     ++batched;
   }
-  EXPECT_GT(batched, 20);  // all but those along lines of sight and smooth signs
+  EXPECT_GT(batched, 20);  // all but those along lines of sight
+}
+
+// Play that friction holds between both sides, and a deviation that is a smooth function of the torque.
+TEST(BatchRows, SmoothLawsOfTheTorque) {
+  for (const EffectSpec& use :
+       {EffectSpec{"backlash", "J2", {{"by", "torque"}, {"width_Nm", "30"}}, {}},
+        EffectSpec{
+            "learnt_deviation", "J2", {{"by", "torque_Nm"}, {"from", "-400"}, {"to", "300"}, {"knots", "4"}}, {}}}) {
+    SCOPED_TRACE(use.Path());
+    BatchCase setup{test::ContractArm(), {}, false};
+    setup.robot.effects = {use};
+    ASSERT_TRUE(HasProgram(setup));
+    ExpectBatchIsTheModel(setup, 4);
+  }
 }
 
 TEST(BatchRows, LoadsInTheBaseFrameAndMarkersOnLinksAndFoot) {
