@@ -9,6 +9,7 @@
 #endif
 
 #include "models/batch/batch_rows.h"
+#include "models/batch/lane_sights-inl.h"
 #include "models/batch/lane_statics-inl.h"
 #include "models/batch/lanes-inl.h"
 #include "models/excitation.h"
@@ -57,7 +58,7 @@ class LaneMotions {
 
   void RaiseByPoint(int m, const double* data, int lane) {
     const ShotProgram::Marker& marker = p_.markers[m];
-    if (marker.terms.empty() && p_.growth.empty() && p_.station.empty()) return;
+    if (!p_.MovesDirectly(marker)) return;
     const Vector3<double>& given = at_.marker_points[m];
     const Frame& frame = statics_.chain().KeptFrame(marker.kept_frame);
     const V3 from_base = frame * V3{Of(given.x()), Of(given.y()), Of(given.z())};
@@ -71,6 +72,10 @@ class LaneMotions {
     }
     for (const ShotProgram::Station& term : p_.station) {
       Raise(term.parameter, Norm(AtMatrix(data, term.data, lane) * seen + At3(data, term.data + 9, lane)));
+    }
+    for (const ShotProgram::Sight& sight : marker.sights) {
+      const V3 axis = SightAxis(sight, data + lane, frame.rotation);
+      Raise(sight.term.parameter, Norm(DisplacementBySight(sight, data + lane, seen, axis)));
     }
   }
 

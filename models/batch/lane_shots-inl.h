@@ -7,6 +7,7 @@
 #endif
 
 #include "models/batch/batch_rows.h"
+#include "models/batch/lane_sights-inl.h"
 #include "models/batch/lane_statics-inl.h"
 #include "models/batch/lanes-inl.h"
 
@@ -83,10 +84,6 @@ class LaneShots {
     V scale;      // the arm's growth
     M3 from_arm;  // whitened d seen / d true, scaled
   };
-  bool MovesDirectly(const ShotProgram::Marker& marker) const {
-    return !(marker.terms.empty() && p_.growth.empty() && p_.station.empty());
-  }
-
   double* CellsOf(int marker) const {
     return rows_ + static_cast<std::size_t>(layout_.first_row + 3 * marker) * layout_.columns * kBatchLanes;
   }
@@ -116,7 +113,7 @@ class LaneShots {
     const Vector3<double>& t = at_.base_in_station.translation;
     const V3 truth = Fma(scale, from_base, V3{Of(t.x()), Of(t.y()), Of(t.z())});
     const V3 measured = At3(data_, marker.point, 0);
-    if (marker.sees_equally && !MovesDirectly(marker)) {
+    if (marker.sees_equally && !p_.MovesDirectly(marker)) {
       const V w = statics_.Datum(marker.whitener);
       equal_[num_equal_++] = {{w, Times(w, from_base)}, Times(w, truth - measured), cells};
       if (layout_.station >= 0) Write(WhitenerOf(marker), layout_.station, cells);
@@ -133,8 +130,21 @@ class LaneShots {
       point = Fma(theta, gradient * truth + At3(data_, term.data + 9, 0), point);
       for (int c = 0; c < 3; ++c) from_true.column[c] = Fma(theta, gradient.column[c], from_true.column[c]);
     }
-    const M3 whitener = WhitenerOf(marker);
-    const M3 from_station = p_.station.empty() ? whitener : whitener * from_true;
+    M3 by_turn = Zero33();  // of the marker's frame, by its axis
+    for (const ShotProgram::Sight& sight : marker.sights) {
+      if (at_.theta[sight.term.parameter] == 0.0) continue;
+      const V theta = Of(at_.theta[sight.term.parameter]);
+      const V3 axis = SightAxis(sight, data_, frame.rotation);
+      const SightGradientLanes sees = GradientOfSight(sight, data_, truth, axis);
+      const M3 own_turn = ByTurnOfAxis(sees.by_axis, axis);
+      point = Fma(theta, sees.displacement, point);
+      for (int c = 0; c < 3; ++c) {
+        from_true.column[c] = Fma(theta, sees.by_point.column[c], from_true.column[c]);
+        by_turn.column[c] = Fnma(theta, own_turn.column[c], by_turn.column[c]);
+      }
+    }
+    const M3 whitener = WhitenerOf(marker), turned = whitener * by_turn;
+    const M3 from_station = p_.station.empty() && marker.sights.empty() ? whitener : whitener * from_true;
     seen = {from_base, truth, scale, from_station};
     for (V3& column : seen.from_arm.column) column = Times(scale, column);
     Marker& other = others_[num_others_++];
@@ -144,7 +154,8 @@ class LaneShots {
     for (int i = 0; i < 3; ++i) {
       const auto entry = [&](const V3& column) HWY_ATTR { return i == 0 ? column.x : i == 1 ? column.y : column.z; };
       other.rows.by_shift[i] = {entry(w.column[0]), entry(w.column[1]), entry(w.column[2])};
-      other.rows.by_turn[i] = Cross(from_base, other.rows.by_shift[i]);
+      other.rows.by_turn[i] = Cross(from_base, other.rows.by_shift[i]) +
+                              V3{entry(turned.column[0]), entry(turned.column[1]), entry(turned.column[2])};
     }
     if (layout_.station >= 0) Write(from_station, layout_.station, cells);
     if (layout_.markers[m] >= 0) Write(w * frame.rotation, layout_.markers[m], cells);
@@ -258,7 +269,7 @@ class LaneShots {
   // What parameters do at the marker, to the arm's size and in the instrument.
   void AddDirect(int m) {
     const ShotProgram::Marker& marker = p_.markers[m];
-    if (!MovesDirectly(marker)) return;
+    if (!p_.MovesDirectly(marker)) return;
     const Seen& seen = seen_[m];
     const auto add = [&](int parameter, V3 column) HWY_ATTR {
       double* const cells = CellsOf(m);
@@ -278,6 +289,11 @@ class LaneShots {
       if (layout_.theta[term.parameter] < 0) continue;
       add(term.parameter,
           WhitenerOf(marker) * (AtMatrix(data_, term.data, 0) * seen.truth + At3(data_, term.data + 9, 0)));
+    }
+    for (const ShotProgram::Sight& sight : marker.sights) {
+      if (layout_.theta[sight.term.parameter] < 0) continue;
+      const V3 axis = SightAxis(sight, data_, statics_.chain().KeptFrame(marker.kept_frame).rotation);
+      add(sight.term.parameter, WhitenerOf(marker) * DisplacementBySight(sight, data_, seen.truth, axis));
     }
   }
 

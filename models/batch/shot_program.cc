@@ -41,6 +41,10 @@ bool SeesEqually(const BatchReading& reading) {
   return reading.whitener == reading.whitener(0, 0) * Matrix3<double>::Identity();
 }
 
+bool BelongsTo(const SightTerm& term, const BatchReading& reading) {
+  return term.marker < 0 || term.marker == reading.id;
+}
+
 class Builder {
  public:
   Builder(const ForwardModel& model, const ShotInput& shot, const std::vector<BatchReading>& readings)
@@ -210,6 +214,9 @@ class Builder {
       for (const MarkerTerm& term : shot_.terms.markers) {
         if (term.marker == reading.id) marker.terms.push_back({term.parameter, Take(3)});
       }
+      for (const SightTerm& term : shot_.terms.sights) {
+        if (BelongsTo(term, reading)) marker.sights.push_back({term, Take(9)});
+      }
       program_.markers.push_back(std::move(marker));
     }
   }
@@ -220,9 +227,6 @@ class Builder {
   const std::vector<int> levels_;
   ShotProgram program_;
 };
-
-// Lines of sight and measured torques are left to the model.
-bool HasProgram(const ShotInput& shot) { return shot.terms.sights.empty() && shot.terms.torques.empty(); }
 
 std::int64_t BitsOf(double value) {
   std::int64_t bits = 0;
@@ -246,7 +250,7 @@ std::vector<std::int64_t> StructureOf(const ForwardModel& model, const ShotInput
 
 bool AppendStructure(const ForwardModel& model, const ShotInput& shot, const std::vector<BatchReading>& readings,
                      std::vector<std::int64_t>* given) {
-  if (!shot.prepared || !HasProgram(shot)) return false;
+  if (!shot.prepared || !shot.terms.torques.empty()) return false;
   std::vector<std::int64_t>& key = *given;
   const size_t before = key.size();
   key.push_back(model.chain().num_transforms());
@@ -284,6 +288,11 @@ bool AppendStructure(const ForwardModel& model, const ShotInput& shot, const std
   for (const BaseTerm& term : shot.terms.base) key.push_back(term.parameter);
   begin_list(shot.terms.station.size());
   for (const StationTerm& term : shot.terms.station) key.push_back(term.parameter);
+  begin_list(shot.terms.sights.size());
+  for (const SightTerm& term : shot.terms.sights) {
+    add(term.parameter, term.marker, static_cast<int>(term.sensed), static_cast<int>(term.law),
+        static_cast<int>(term.over));
+  }
   if (!known) key.resize(before);
   return known;
 }
@@ -351,6 +360,16 @@ void PackShot(const ForwardModel& model, const ShotProgram& program, const ShotI
     size_t own = 0;
     for (const MarkerTerm& term : shot.terms.markers) {
       if (term.marker == readings[m].id) set_vector(marker.terms[own++].data, term.direction);
+    }
+    own = 0;
+    for (const SightTerm& term : shot.terms.sights) {
+      if (!BelongsTo(term, readings[m])) continue;
+      const int first = marker.sights[own++].data;
+      set(first, term.factor);
+      set_vector(first + 1, term.instrument);
+      set_vector(first + 4, term.axis);
+      set(first + 7, term.centre);
+      set(first + 8, term.width);
     }
   }
   for (size_t i = 0; i < program.growth.size(); ++i) set(program.growth[i].data, shot.terms.base[i].factor);

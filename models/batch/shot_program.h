@@ -73,6 +73,22 @@ struct ShotProgram {
     int parameter = -1;
     int data = -1;  // gradient, row by row, then offset: 12 numbers
   };
+  struct Sight {     // an error of a reading
+    SightTerm term;  // what all lanes share: parameter, what is read wrong, and the law
+    int data = -1;   // factor, instrument, axis, centre and width: 9 numbers
+
+    // Of one lane; its numbers are kBatchLanes apart.
+    SightTerm In(const double* lane) const {
+      const auto at = [&](int i) { return lane[(data + i) * kBatchLanes]; };
+      SightTerm own = term;
+      own.factor = at(0);
+      own.instrument = {at(1), at(2), at(3)};
+      own.axis = {at(4), at(5), at(6)};
+      own.centre = at(7);
+      own.width = at(8);
+      return own;
+    }
+  };
   struct Marker {
     int id = -1;
     int kept_frame = 0;
@@ -82,6 +98,7 @@ struct ShotProgram {
     int whitener = 0;           // data: that number, or 9, row by row
     int point = 0;              // data: measured
     std::vector<MarkerDirection> terms;
+    std::vector<Sight> sights;
   };
   struct FrameClass {  // a frame that bears markers
     int frame = 0;
@@ -127,6 +144,10 @@ struct ShotProgram {
   int num_data = 0;             // numbers of each lane
 
   bool is_elastic() const { return !slots.empty(); }
+  // Whether parameters move what is seen of it where it is, and not by the arm alone.
+  bool MovesDirectly(const Marker& marker) const {
+    return !(marker.terms.empty() && marker.sights.empty() && growth.empty() && station.empty());
+  }
 };
 
 // A marker of a shot as it was read.
@@ -138,7 +159,7 @@ struct BatchReading {
 };
 
 // Equal keys: the same structure. Empty: a shot that only the model itself evaluates (wrenches that turn with the
-// flange, errors along lines of sight, measured torques).
+// flange, measured torques).
 std::vector<std::int64_t> StructureOf(const ForwardModel& model, const ShotInput& shot,
                                       const std::vector<BatchReading>& readings);
 // The same behind what `key` holds; false, and nothing is added: only the model itself evaluates the shot.

@@ -136,7 +136,7 @@ void ExpectBatchIsTheModel(const BatchCase& setup, int seed, double softness, do
         };
         expect(layout.residual, expected[m].point - readings[m].point_in_station, 1e-13);
         for (int i = 0; i < 3; ++i) {
-          expect(layout.station + i, expected[m].d_translation.col(i), 1e-15);
+          expect(layout.station + i, expected[m].d_translation.col(i), 1e-13);
           expect(layout.station + 3 + i, expected[m].d_rotation.col(i), tolerance);
           expect(layout.markers[m] + i, expected[m].d_marker.col(i), tolerance);
           EXPECT_EQ(cell(0, layout.markers[1 - m] + i), 0.0);
@@ -169,17 +169,15 @@ bool HasProgram(const BatchCase& setup) {
 }
 
 TEST(BatchRows, EveryEffectIsAsInTheModel) {
-  int seed = 100, batched = 0;
+  int seed = 100;
   for (const EffectSpec& use : test::ContractUses(EffectCatalogue())) {
     SCOPED_TRACE(use.Path());
     BatchCase setup{test::ContractArm(), {}, false};
     setup.robot.effects = {use};
     ++seed;
-    if (!HasProgram(setup)) continue;
+    ASSERT_TRUE(HasProgram(setup));
     ExpectBatchIsTheModel(setup, seed);
-    ++batched;
   }
-  EXPECT_GT(batched, 20);  // all but those along lines of sight
 }
 
 // Play that friction holds between both sides, and a deviation that is a smooth function of the torque.
