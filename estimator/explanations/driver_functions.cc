@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/least_squares/normal_algebra.h"
+#include "estimator/least_squares/row_sums.h"
+
 namespace sagitta {
 
 Eigen::MatrixXd OverKnots(const Eigen::VectorXd& x, const Knots& knots) {
@@ -70,19 +73,28 @@ std::vector<Eigen::Vector3d> HalfOfAllDirections(int count) {
 
 namespace {
 
-// L with L L' = F F' but for `left` of its trace: Cholesky with pivots, which ends after as many columns as F has
+constexpr long kRowsTogether = 256;  // of some hundred columns, in the cache
+
+// F'F
+Eigen::MatrixXd ProductsOf(const Eigen::MatrixXd& functions) {
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(functions.cols(), functions.cols());
+  for (long first = 0; first < functions.rows(); first += kRowsTogether) {
+    products += SelfProduct(functions.middleRows(first, std::min(kRowsTogether, functions.rows() - first)));
+  }
+  return products;
+}
+
+// L with L L' = F'F but for `left` of its trace: Cholesky with pivots, which ends after as many columns as F has
 // directions (Harbrecht, Peters and Schneider 2012, Appl. Numer. Math. 62, 428).
-Eigen::MatrixXd LeadingColumns(const Eigen::MatrixXd& functions, double left) {
-  Eigen::VectorXd diagonal = functions.rowwise().squaredNorm();
+Eigen::MatrixXd LeadingColumns(const Eigen::MatrixXd& products, double left) {
+  Eigen::VectorXd diagonal = products.diagonal();
   const double enough = left * diagonal.sum();
-  const long most = std::min(functions.rows(), functions.cols());
-  Eigen::MatrixXd root(functions.rows(), most);
+  Eigen::MatrixXd root(products.rows(), products.cols());
   long rank = 0;
-  for (Eigen::Index pivot; rank < most && diagonal.sum() > enough; ++rank) {
+  for (Eigen::Index pivot; rank < products.cols() && diagonal.sum() > enough; ++rank) {
     const double largest = diagonal.maxCoeff(&pivot);
     const auto before = root.leftCols(rank);
-    root.col(rank) =
-        (functions * functions.row(pivot).transpose() - before * before.row(pivot).transpose()) / std::sqrt(largest);
+    root.col(rank) = (products.col(pivot) - before * before.row(pivot).transpose()) / std::sqrt(largest);
     diagonal = (diagonal - root.col(rank).cwiseAbs2()).cwiseMax(0.0);
     diagonal[pivot] = 0.0;
   }
@@ -91,16 +103,17 @@ Eigen::MatrixXd LeadingColumns(const Eigen::MatrixXd& functions, double left) {
 
 }  // namespace
 
-// F = U S V':  basis U S, mixing V' = S^-1 U' F, of directions above the tolerance.
+// F = U S V':  basis F V = U S and mixing V' of directions above the tolerance. With F'F = L L' and L'L = W S^2 W' of
+// these few columns V = L W S^-1.
 Compressed Compress(const Eigen::MatrixXd& functions, double tolerance) {
-  const Eigen::MatrixXd few = LeadingColumns(functions, 0.1 * tolerance * tolerance);
-  if (few.cols() == 0) return {few, Eigen::MatrixXd(0, functions.cols())};
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(Eigen::MatrixXd(few.transpose() * few));
+  const Eigen::MatrixXd few = LeadingColumns(ProductsOf(functions), 0.1 * tolerance * tolerance);
+  if (few.cols() == 0) return {Eigen::MatrixXd(functions.rows(), 0), Eigen::MatrixXd(0, functions.cols())};
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(SelfProduct(few));
   const double least = tolerance * tolerance * eigen.eigenvalues().maxCoeff();
   const long rank = (eigen.eigenvalues().array() > least).count();
-  const Eigen::VectorXd squares = eigen.eigenvalues().tail(rank);
-  const Eigen::MatrixXd basis = few * eigen.eigenvectors().rightCols(rank);  // L = U S W', so L W = U S
-  return {basis, squares.cwiseInverse().asDiagonal() * (basis.transpose() * functions)};
+  const Eigen::VectorXd sizes = eigen.eigenvalues().tail(rank).cwiseSqrt();
+  const Eigen::MatrixXd v = few * eigen.eigenvectors().rightCols(rank) * sizes.cwiseInverse().asDiagonal();
+  return {TallProduct(functions, v), v.transpose()};
 }
 
 }  // namespace sagitta
