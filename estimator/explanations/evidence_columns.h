@@ -247,7 +247,7 @@ class EvidenceColumns {
   struct AllSums;
   AllSums SumAll(const JointScatter& scatter, const std::set<std::vector<int>>& own,
                  std::vector<BlockRoots>* roots) const;
-  Eigen::MatrixXd SumsOfShots(size_t source, const std::vector<Eigen::MatrixXd>& along, long first, long rows) const;
+  std::vector<Eigen::MatrixXd> SumsOfShots(const std::vector<Eigen::MatrixXd>& along, long first, long rows) const;
   // u'A of all columns of families; along: u' of each block.
   Eigen::MatrixXd AlongFamilies(const std::vector<Eigen::MatrixXd>& along) const;
   // A_k' C^-1 A of some columns with all; roots: of every block.

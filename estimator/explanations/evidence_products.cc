@@ -245,18 +245,25 @@ GivenBelieved EvidenceColumns::ProjectAll(const JointScatter& scatter, const std
           out.log_constant};
 }
 
-// (u's)(shot) of one source, a column for each shot, zero where it is held out; of some rows of u', zeros below.
-Eigen::MatrixXd EvidenceColumns::SumsOfShots(size_t source, const std::vector<Eigen::MatrixXd>& along, long first,
-                                             long rows) const {
-  const Measurements& data = extended_.data();
-  const long own = std::min(rows, along[0].rows() - first);
-  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(rows, static_cast<long>(data.shots.size()));
+// (u's)(shot) of each source, a column for each shot, zero where it is held out; of some rows of u', zeros below. Most
+// sources move the readings of some shots or markers only.
+std::vector<Eigen::MatrixXd> EvidenceColumns::SumsOfShots(const std::vector<Eigen::MatrixXd>& along, long first,
+                                                          long rows) const {
+  using Columns = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, kRowsTogether, 3>;
+  const std::vector<Observation>& data = extended_.data().observations;
+  const auto shots = static_cast<long>(extended_.data().shots.size()), own = std::min(rows, along[0].rows() - first);
+  std::vector<Eigen::MatrixXd> sums(sources_.size(), Eigen::MatrixXd::Zero(rows, shots));
+  Columns u = Columns::Zero(rows, 3);
   for (size_t b = 0; b < stored_.size(); ++b) {
     const Block& block = stored_[b];
     for (size_t o = 0; o < block.observations.size(); ++o) {
-      const long top = static_cast<long>(3 * o);
-      sums.col(data.observations[block.observations[o]].shot).head(own) +=
-          along[b].block(first, top, own, 3) * block.sources[source].segment<3>(top);
+      const long top = static_cast<long>(3 * o), shot = data[block.observations[o]].shot;
+      u.topRows(own) = along[b].block(first, top, own, 3);
+      for (size_t s = 0; s < sources_.size(); ++s) {
+        const Vector3<double> moved = block.sources[s].segment<3>(top);
+        if (moved.isZero(0.0)) continue;
+        sums[s].col(shot) += moved[0] * u.col(0) + moved[1] * u.col(1) + moved[2] * u.col(2);
+      }
     }
   }
   return sums;
@@ -275,8 +282,7 @@ Eigen::MatrixXd EvidenceColumns::AlongFamilies(const std::vector<Eigen::MatrixXd
   for (long row = 0; row < products.rows(); row += kRowsTogether) {
     const long own = std::min(kRowsTogether, products.rows() - row);
     const long wide = (own + kBatchLanes - 1) / kBatchLanes * kBatchLanes;
-    std::vector<Eigen::MatrixXd> of_shots;
-    for (size_t s = 0; s < sources_.size(); ++s) of_shots.push_back(SumsOfShots(s, along, row, wide));
+    const std::vector<Eigen::MatrixXd> of_shots = SumsOfShots(along, row, wide);
     for (const auto& [functions, sources] : followers) {
       for (const auto& [source, first] : sources) {
         products.block(row, first, own, functions->cols()) = TallProduct(of_shots[source], *functions).topRows(own);
