@@ -1,17 +1,13 @@
 #include "problems/input_error.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 
 #include "problems/text.h"
+#include "problems/unit_words.h"
 
 namespace sagitta {
 namespace {
-
-constexpr std::array kUnits = {"mm",   "m",    "um",   "cm",  "km", "in",   "inch", "ft",  "deg", "degs", "rad",
-                               "mrad", "urad", "grad", "n",   "kn", "nm",   "nmm",  "knm", "kg",  "g",    "t",
-                               "s",    "ms",   "us",   "min", "h",  "degc", "degf", "c",   "k",   "mms",  "mmm"};
 
 std::string Compose(const InputError::Where& where, const std::string& what, const std::string& hint) {
   std::string message;
@@ -24,11 +20,6 @@ std::string Compose(const InputError::Where& where, const std::string& what, con
   message += what;
   if (!hint.empty()) message += " (" + hint + ")";
   return message;
-}
-
-std::string LowerCase(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
 }
 
 template <typename Predicate>
@@ -50,8 +41,7 @@ std::string LettersAndDigits(const std::string& text) {
 std::string Stem(const std::string& name) {
   const size_t bar = name.rfind('_');
   if (bar == std::string::npos || bar == 0) return name;
-  const bool is_unit = std::find(kUnits.begin(), kUnits.end(), name.substr(bar + 1)) != kUnits.end();
-  return is_unit ? name.substr(0, bar) : name;
+  return IsUnitWord(name.substr(bar + 1)) ? name.substr(0, bar) : name;
 }
 
 // Levenshtein distance in which two swapped neighbours count once.
@@ -84,8 +74,8 @@ InputError::InputError(Where where, const std::string& what, const std::string& 
     : std::runtime_error(Compose(where, what, hint)), where_(std::move(where)), hint_(hint) {}
 
 int NameDistance(const std::string& given_name, const std::string& given_candidate) {
-  const std::string name = LowerCase(given_name);
-  const std::string candidate = LowerCase(given_candidate);
+  const std::string name = LowerCaseOf(given_name);
+  const std::string candidate = LowerCaseOf(given_candidate);
   if (name == candidate) return 0;
   const std::string letters = LettersAndDigits(name);
   if (!letters.empty() && letters == LettersAndDigits(candidate)) return 0;

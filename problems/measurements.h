@@ -113,6 +113,7 @@ struct Measurements {
   std::vector<Shot> shots;
   std::vector<Observation> observations;  // in row order
   std::vector<std::string> warnings;
+  std::vector<std::string> unread_columns;  // of any file
 
   const Configuration& ConfigurationOf(const Observation& observation) const {
     return configurations[shots[observation.shot].configuration];

@@ -221,6 +221,8 @@ void SplitConfigurations(const ValidationSpec& spec, Measurements* data) {
       break;
     case ValidationSpec::Kind::kColumn:
       RequireColumn(spec.column, *data);
+      data->unread_columns.erase(std::remove(data->unread_columns.begin(), data->unread_columns.end(), spec.column),
+                                 data->unread_columns.end());
       SplitByColumn(spec.column, {spec.values.begin(), spec.values.end()}, data);
       RefuseNothing(*data, "no row has this value in column '" + spec.column + "'");
       break;

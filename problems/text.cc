@@ -61,4 +61,11 @@ std::vector<std::string> SplitText(const std::string& text, char separator) {
   return parts;
 }
 
+std::string LowerCaseOf(std::string text) {
+  for (char& c : text) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return text;
+}
+
 }  // namespace sagitta

@@ -30,4 +30,7 @@ std::string Joined(const std::vector<std::string>& items, const char* separator 
 // The parts between separators, empty ones included; one at least.
 std::vector<std::string> SplitText(const std::string& text, char separator);
 
+// A to Z in small letters, all else as it is.
+std::string LowerCaseOf(std::string text);
+
 }  // namespace sagitta

@@ -9,6 +9,7 @@
 #include "estimator/explanations/compensator_shapes.h"
 #include "estimator/report/diagnosis_next_words.h"
 #include "estimator/report/explanations_words.h"
+#include "estimator/report/inspection_words.h"
 #include "models/effects/catalogue.h"
 #include "models/gravity_compensator.h"
 #include "problems/text.h"
@@ -442,6 +443,8 @@ std::string DiagnosisToText(const Diagnosis& d) {
   for (const ReportedFlip& flip : d.posterior.flips) text << "Prior: " << FlipInWords(robot, flip) << "\n";
   for (const std::string& caution : d.cautions) text << "Caution: " << caution << "\n";
   for (const std::string& warning : d.baseline.problem->data().warnings) text << "Warning: " << warning << "\n";
+  const std::string unread = NotReadInWords(d.baseline.problem->data().unread_columns);
+  if (!unread.empty()) text << unread << "\n";
   return text.str();
 }
 

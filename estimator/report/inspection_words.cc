@@ -236,6 +236,11 @@ std::string TorquesInWords(bool measured_count, const TorqueGroups& joints) {
   return words;
 }
 
+std::string NotReadInWords(const std::vector<std::string>& columns) {
+  constexpr size_t kMost = 20;
+  return columns.empty() ? "" : "Columns not read: " + Enumerate(columns, kMost) + ".";
+}
+
 std::string ReadingOtherwise() { return "reading robot and rows in other ways"; }
 
 std::string LinearizingAtNominal() { return "linearizing at the aligned nominal robot"; }

@@ -66,6 +66,9 @@ Advice RestsOnOneConfiguration(const std::string& names);
 // folded: the shot (FoldedShot), "" where it is not known.
 Advice ArmFolds(const std::string& folded);
 
+// Columns that are carried along only; "" where there are none.
+std::string NotReadInWords(const std::vector<std::string>& columns);
+
 // Joints by how measured and modelled torques compare; of `scaled` each with its factor.
 struct TorqueGroups {
   std::vector<std::string> agree, opposite, scaled, differ, untold;

@@ -74,7 +74,8 @@ Json InspectionToJson(const CalibrationProblem& problem, const Inspection& inspe
   json["data"] = {{"observations", problem.data().NumRows()},
                   {"configurations", problem.data().configurations.size()},
                   {"stations", problem.data().stations},
-                  {"markers", problem.data().markers}};
+                  {"markers", problem.data().markers},
+                  {"not_read", problem.data().unread_columns}};
   json["aligned"] = {{"rms_mm", 1e3 * inspection.aligned.rms},
                      {"max_mm", 1e3 * inspection.aligned.max},
                      {"distance_rms_mm", 1e3 * inspection.aligned.distance_rms},

@@ -9,6 +9,7 @@
 #include "problems/input_error.h"
 #include "problems/io/pattern.h"
 #include "problems/text.h"
+#include "problems/unit_words.h"
 
 namespace sagitta {
 namespace {
@@ -23,9 +24,11 @@ std::optional<int> NumberAfter(const std::string& name, const std::string& prefi
   return number;
 }
 
+// In any letters; a range in any unit.
 bool IsReserved(const std::string& name) {
-  static const std::set<std::string> reserved = {"kind", "to", "range_mm", "sigma_range_mm", "session"};
-  return reserved.count(name) > 0;
+  static const std::vector<std::string> reserved = {"kind", "to", "range_mm", "sigma_range_mm", "session"};
+  const std::string lower = LowerCaseOf(name);
+  return std::find(reserved.begin(), reserved.end(), lower) != reserved.end() || ForeignUnitOf(lower, reserved);
 }
 
 // Too short for a slip of the pen to be distinguished from another name.
@@ -201,6 +204,8 @@ void ColumnFinder::CheckUnlisted() const {
     if (std::find(listed_.begin(), listed_.end(), name) != listed_.end() || IsOwnOutput(name)) continue;
     if (IsOtherMeaning(name)) continue;
     if (IsQuaternion(name)) continue;
+    if (IsQuaternion(LowerCaseOf(name)))
+      Fail(name, "unknown column '" + name + "'", "did you mean '" + LowerCaseOf(name) + "'?");
     if (IsReserved(name)) {
       Fail(name, "this column name is reserved for measurements that are not read by this version",
            "rename or remove the column");
@@ -208,6 +213,10 @@ void ColumnFinder::CheckUnlisted() const {
     if (const auto number = NumberAfter(name, "approach")) {
       Fail(name, "the robot has " + std::to_string(joints_.size()) + " joints", "remove the column");
     }
+    if (LowerCaseOf(name) == "approach") {
+      Fail(name, "of which joint?", "the direction of the last motion has a column per joint: approach1, approach2 …");
+    }
+    if (const auto foreign = ForeignUnitOf(name, listed_)) Fail(name, foreign->Words(), foreign->Hint());
     std::vector<std::string> meant;
     for (const std::string& listed : listed_) {
       if (IsSlipOfColumn(name, listed)) meant.push_back(listed);
@@ -287,6 +296,10 @@ MeasurementColumns ColumnFinder::Find(bool points_required) {
   CheckUnlisted();
   CheckJointCount();
   CheckRequired(columns, points_required);
+  for (const std::string& name : table_.file.header) {
+    if (!IsQuaternion(name) && std::find(listed_.begin(), listed_.end(), name) == listed_.end())
+      columns.unread.push_back(name);
+  }
   return columns;
 }
 

@@ -29,6 +29,7 @@ struct MeasurementColumns {
   NumberColumn time, temperature;
   std::vector<NumberColumn> approach;  // one per joint
   std::vector<NumberColumn> torque;    // one per joint; N m, or N where it slides
+  std::vector<std::string> unread;     // carried along
 };
 
 // Throws InputError: missing, misspelt, reserved, in a wrong unit, or for

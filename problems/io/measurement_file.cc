@@ -314,6 +314,10 @@ void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns,
   data_.files.push_back(std::move(table.file));
   const MeasurementFile& file = data_.files.back();
   headers_.push_back(HashesOf(file.header));
+  for (const std::string& name : columns.unread) {
+    std::vector<std::string>& unread = data_.unread_columns;
+    if (std::find(unread.begin(), unread.end(), name) == unread.end()) unread.push_back(name);
+  }
   MeasurementRowReader reader(file, columns, options);
   MeasurementRow row;
   for (size_t r = 0; r < file.rows.size(); ++r) {

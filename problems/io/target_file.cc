@@ -11,6 +11,7 @@
 #include "problems/io/load_names.h"
 #include "problems/io/units.h"
 #include "problems/limits.h"
+#include "problems/unit_words.h"
 
 namespace sagitta {
 namespace {
@@ -126,6 +127,7 @@ void TargetReader::CheckUnlisted() const {
       Fail(name, "the robot has no such joint value: it has " + std::to_string(robot_.num_joints()) + " joints",
            "q1_deg …; prismatic joints q1_mm …");
     }
+    if (const auto foreign = ForeignUnitOf(name, listed_)) Fail(name, foreign->Words(), foreign->Hint());
     for (const std::string& listed : listed_) {
       if (IsSlipOfColumn(name, listed)) Fail(name, "unknown column '" + name + "'", SpellingHint(name, {listed}));
     }

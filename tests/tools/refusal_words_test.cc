@@ -199,6 +199,19 @@ kinematics:
   EXPECT_THAT(Refusal({"calibrate", Path("r.yaml"), rows}), HasSubstr("name them so (q3_mm)"));
 }
 
+TEST_F(RefusalWords, ColumnsThatAreNotReadAreSaid) {
+  const std::string unread = "Columns not read: load_id and x_target.";
+  std::string rows = ReplacedEverywhere(kRows, "\n", ",a,7\n");
+  rows = Rows(Replaced(rows, "z_mm,a,7", "z_mm,load_id,x_target"));
+  EXPECT_THAT(Run({"calibrate", Robot(), rows, "--quiet", "--out=" + Path("out")}).out, HasSubstr(unread));
+  EXPECT_THAT(Read("out/report.html"), HasSubstr(unread));
+  EXPECT_THAT(Run({"inspect", Robot(), rows, "--quiet", "--out=" + Path("out")}).out, HasSubstr(unread));
+  EXPECT_THAT(Read("out/report.html"), HasSubstr(unread));
+  EXPECT_EQ(ReadJson("out/inspect.json")["data"]["not_read"], (nlohmann::json{"load_id", "x_target"}));
+  EXPECT_THAT(Run({"diagnose", Robot(), rows, "--quiet", "--out=" + Path("out")}).out, HasSubstr(unread));
+  EXPECT_THAT(Read("out/report.html"), HasSubstr(unread));
+}
+
 TEST_F(RefusalWords, LabelsThatDifferInLetterCaseAreDoubted) {
   const std::string rows = Rows(Replaced(kRows, "c3,M1", "c3,m1"));
   ASSERT_EQ(Run({"calibrate", Robot(), rows, "--quiet", "--out=" + Path("out")}).status, 0);

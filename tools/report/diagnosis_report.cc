@@ -6,6 +6,7 @@
 #include <map>
 
 #include "estimator/report/diagnosis_words.h"
+#include "estimator/report/inspection_words.h"
 #include "estimator/statistics/median.h"
 #include "tools/report/calibration_report.h"
 #include "tools/report/charts.h"
@@ -249,6 +250,8 @@ Section VerdictSection(const Diagnosis& d) {
     if (d.learnt) section.paragraphs.push_back(LearntInWords(d));
   }
   for (const std::string& caution : d.cautions) section.paragraphs.push_back("Caution: " + caution);
+  const std::string unread = NotReadInWords(d.baseline.problem->data().unread_columns);
+  if (!unread.empty()) section.paragraphs.push_back(unread);
   return section;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/report/inspection_words.h"
 #include "models/constants.h"
 #include "problems/io/units.h"
 #include "tools/report/charts.h"
@@ -56,6 +57,8 @@ Section Overview(const CalibrationProblem& problem, const Inspection& inspection
                             Plural(inspection.Count(Severity::kWarning), "warning") + ", " +
                             Plural(inspection.Count(Severity::kNote), "note") + ".",
                         MisfitInWords(inspection)};
+  const std::string unread = NotReadInWords(problem.data().unread_columns);
+  if (!unread.empty()) section.paragraphs.push_back(unread);
   return section;
 }
 

@@ -9,6 +9,7 @@
 
 #include "estimator/noise/robot_scatter.h"
 #include "estimator/noise/rotation_noise.h"
+#include "estimator/report/inspection_words.h"
 #include "estimator/statistics/median.h"
 #include "tools/report/remedies.h"
 
@@ -28,6 +29,8 @@ Section ResultSection(const CalibrationProblem& problem, const Estimate& estimat
                             Plural(problem.data().markers.size(), "marker") + "; " +
                             Plural(estimate.estimated.size(), "unknown") + " estimated in " +
                             Plural(estimate.iterations, "iteration") + ", " + Fixed(estimate.seconds, 2) + " s."};
+  const std::string unread = NotReadInWords(problem.data().unread_columns);
+  if (!unread.empty()) section.paragraphs.push_back(unread);
   return section;
 }
 

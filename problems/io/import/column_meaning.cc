@@ -6,6 +6,7 @@
 
 #include "problems/io/import/header_words.h"
 #include "problems/io/import/mapped_columns.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {

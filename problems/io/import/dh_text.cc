@@ -17,6 +17,7 @@
 #include "problems/io/text_checks.h"
 #include "problems/io/units.h"
 #include "problems/limits.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {

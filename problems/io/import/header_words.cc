@@ -1,36 +1,14 @@
 #include "problems/io/import/header_words.h"
 
 #include <cctype>
-#include <map>
-#include <set>
 #include <utility>
 
 #include "problems/io/trimmed.h"
+#include "problems/text.h"
+#include "problems/unit_words.h"
 
 namespace sagitta {
 namespace {
-
-const std::map<std::string, std::string>& UnitWords() {
-  static const std::map<std::string, std::string> kWords = {
-      {"mm", "mm"},       {"millimeter", "mm"}, {"millimeters", "mm"}, {"millimetre", "mm"}, {"millimetres", "mm"},
-      {"m", "m"},         {"meter", "m"},       {"meters", "m"},       {"metre", "m"},       {"metres", "m"},
-      {"um", "um"},       {"µm", "um"},         {"μm", "um"},          {"micron", "um"},     {"microns", "um"},
-      {"cm", "cm"},       {"centimeter", "cm"}, {"centimeters", "cm"}, {"centimetre", "cm"}, {"centimetres", "cm"},
-      {"in", "in"},       {"inch", "in"},       {"inches", "in"},      {"deg", "deg"},       {"degree", "deg"},
-      {"degrees", "deg"}, {"°", "deg"},         {"rad", "rad"},        {"radian", "rad"},    {"radians", "rad"},
-      {"mrad", "mrad"},   {"urad", "urad"},     {"µrad", "urad"},      {"s", "s"},           {"sec", "s"},
-      {"seconds", "s"},   {"degc", "degC"},     {"°c", "degC"},        {"c", "degC"},        {"celsius", "degC"},
-      {"n", "N"},         {"nm", "Nm"},         {"kg", "kg"}};
-  return kWords;
-}
-
-// Units that tables come in and that are not read.
-const std::set<std::string>& UnreadUnits() {
-  static const std::set<std::string> kWords = {"ft",     "foot", "feet",  "yd",     "mil",   "mils", "thou",
-                                               "gon",    "gons", "grad",  "grads",  "rev",   "revs", "turns",
-                                               "counts", "incr", "ticks", "arcmin", "arcsec"};
-  return kWords;
-}
 
 // Units that nobody uses as a name's last word by accident.
 bool MayFollowAName(const std::string& word) {
@@ -45,15 +23,15 @@ std::pair<std::string, std::string> Separated(const std::string& header) {
   for (const auto& [open, close] : {std::pair<char, char>('[', ']'), {'(', ')'}}) {
     const size_t first = lower.rfind(open), last = lower.rfind(close);
     if (first == std::string::npos || last == std::string::npos || last < first) continue;
-    const auto found = UnitWords().find(WithoutBars(lower.substr(first + 1, last - first - 1)));
-    if (found != UnitWords().end()) return {WithoutBars(text.substr(0, first) + text.substr(last + 1)), found->second};
+    const std::string unit = SpellingOfUnit(WithoutBars(lower.substr(first + 1, last - first - 1)));
+    if (!unit.empty()) return {WithoutBars(text.substr(0, first) + text.substr(last + 1)), unit};
   }
   for (const char* mark : {"_", " ", "/", "."}) {
     const size_t at = lower.rfind(mark);
     if (at == std::string::npos || at == 0) continue;
     const std::string last = lower.substr(at + 1);
-    const auto found = UnitWords().find(last);
-    if (found != UnitWords().end() && MayFollowAName(last)) return {WithoutBars(text.substr(0, at)), found->second};
+    const std::string unit = SpellingOfUnit(last);
+    if (!unit.empty() && MayFollowAName(last)) return {WithoutBars(text.substr(0, at)), unit};
     if ((last == "s" || last == "n") && *mark == '_') return {WithoutBars(text.substr(0, at)), last == "s" ? "s" : "N"};
   }
   return {text, ""};
@@ -61,20 +39,11 @@ std::pair<std::string, std::string> Separated(const std::string& header) {
 
 }  // namespace
 
-std::string LowerCaseOf(const std::string& text) {
-  std::string lower;
-  for (size_t i = 0; i < text.size(); ++i) {
-    const unsigned char c = static_cast<unsigned char>(text[i]);
-    lower += static_cast<char>(c < 0x80 ? std::tolower(c) : c);
-  }
-  return lower;
-}
-
 std::string UnitInHeader(const std::string& header) { return Separated(header).second; }
 
 bool IsUnit(const std::string& word) {
   const std::string lower = LowerCaseOf(WithoutBars(word));
-  return UnitWords().count(lower) > 0 || UnreadUnits().count(lower) > 0;
+  return !SpellingOfUnit(lower).empty() || IsUnreadUnit(lower);
 }
 
 NameWithUnreadUnit UnreadUnitIn(const std::string& header) {
@@ -88,7 +57,7 @@ NameWithUnreadUnit UnreadUnitIn(const std::string& header) {
     return {WithoutBars(text.substr(0, first)), inside};
   }
   const size_t at = lower.find_last_of("_ ");
-  if (at == std::string::npos || UnreadUnits().count(lower.substr(at + 1)) == 0) return {};
+  if (at == std::string::npos || !IsUnreadUnit(lower.substr(at + 1))) return {};
   return {WithoutBars(text.substr(0, at)), text.substr(at + 1)};
 }
 

@@ -6,8 +6,6 @@
 
 namespace sagitta {
 
-std::string LowerCaseOf(const std::string& text);
-
 // The unit that a header states, in this project's spelling (mm, cm, m, um, in, deg, rad, mrad, urad,
 // s, degC, N, Nm), "" when there is none: in brackets or parentheses, as a suffix after
 // an underscore or a blank.
