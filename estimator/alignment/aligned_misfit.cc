@@ -48,12 +48,17 @@ std::vector<int> SampleOfRows(const CalibrationProblem& problem) {
   std::map<std::pair<int, int>, std::vector<int>> pairs;
   for (const int i : problem.CalibrationObservations()) {
     const Observation& observation = problem.data().observations[i];
-    pairs[{problem.data().shots[observation.shot].station, observation.marker}].push_back(i);
+    if (observation.is_point())
+      pairs[{problem.data().shots[observation.shot].station, observation.marker}].push_back(i);
   }
   std::vector<int> sample;
   for (const auto& [pair, all] : pairs) {
     const size_t n = std::min<size_t>(kRowsPerPair, all.size());
-    for (size_t k = 0; k < n; ++k) sample.push_back(all[k * all.size() / n]);
+    for (size_t k = 0; k < n; ++k) {
+      const int point = all[k * all.size() / n], rotation = problem.data().observations[point].partner;
+      sample.push_back(point);
+      if (rotation >= 0) sample.push_back(rotation);
+    }
   }
   std::sort(sample.begin(), sample.end());
   return sample;

@@ -15,7 +15,7 @@ namespace sagitta {
 double Reach(const Chain& chain);
 double Reach(const CalibrationProblem& problem);
 
-// Calibration rows that see every station and marker, at most 40 of each pair.
+// Calibration rows that see every station and marker, at most 40 of each pair; of a pose both readings.
 std::vector<int> SampleOfRows(const CalibrationProblem& problem);
 
 // RMS of the 3-D distances, m, of the aligned nominal robot on these rows, with or without what its loads deflect it

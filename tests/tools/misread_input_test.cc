@@ -68,14 +68,14 @@ class MisreadInput : public ProgramTest {
     Write("truth.yaml",
           Replaced(Replaced(kRobot, "a_mm: -425", "a_mm: -424.7"), "alpha_deg: -90", "alpha_deg: -89.98"));
   }
-  Rows Measured(const std::string& extra_header, const std::string& extra) const {
+  Rows Measured(const std::string& extra_header, const std::string& extra, int poses = 60) const {
     std::mt19937_64 random(5);
     const auto angle = [&] {
       return Shown(std::round(1e3 * (static_cast<double>(random() % 2000) / 10.0 - 100.0)) / 1e3);
     };
     std::string text = "config,marker,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,sigma_x_mm,sigma_y_mm,sigma_z_mm";
     text += extra_header + "\n";
-    for (int c = 0; c < 60; ++c) {
+    for (int c = 0; c < poses; ++c) {
       text += "c" + std::to_string(c) + ",M";
       for (int j = 0; j < 6; ++j) text += "," + angle();
       text += ",0.03,0.03,0.03" + extra + "\n";
@@ -88,9 +88,9 @@ class MisreadInput : public ProgramTest {
     Write("scene.yaml", Replaced(kScene, ", rotvec_mrad: [100, 200, 300]", ""));
     return Measured("", "");
   }
-  Rows Poses() const {
+  Rows Poses(int count = 60) const {
     Write("scene.yaml", kScene);
-    return Measured(",sigma_rot_urad", ",50");
+    return Measured(",sigma_rot_urad", ",50", count);
   }
 
   // Rows with the numbers of these columns changed.
@@ -165,6 +165,15 @@ TEST_F(MisreadRotations, RollPitchYaw) {
 
 TEST_F(MisreadRotations, Inverse) {
   ExpectNamed(Changed(Poses(), vector_, vector_,
+                      [](const Numbers& read) -> Numbers {
+                        return {-read[0], -read[1], -read[2]};
+                      }),
+              "as a rotation vector in mrad, of the measurement frame in the target's by");
+}
+
+// A sample of so many poses has the rotations too, not every other reading.
+TEST_F(MisreadRotations, InverseOfFortyPoses) {
+  ExpectNamed(Changed(Poses(40), vector_, vector_,
                       [](const Numbers& read) -> Numbers {
                         return {-read[0], -read[1], -read[2]};
                       }),
