@@ -132,6 +132,30 @@ int WorstJoint(const Chain& chain, const Eigen::VectorXd& q, double* limit) {
   return worst;
 }
 
+// Whatever the joints do: farther from the frame before the first one than the lengths and travels behind it add up to.
+bool IsBeyondReach(const Chain& chain, const Vector3<double>& target) {
+  constexpr double kSlack = 1.01;  // estimated lengths are others by far less
+  Pose<double> foot;
+  double reach = 0.0;
+  bool is_foot = true;
+  for (const ElementaryTransform& transform : chain.transforms) {
+    is_foot &= !transform.has_joint();
+    const Vector3<double> axis = Vector3<double>::Unit(static_cast<int>(transform.axis));
+    if (is_foot && transform.is_rotation()) {
+      foot.rotation = foot.rotation * Eigen::AngleAxisd(transform.nominal, axis);
+    } else if (is_foot) {
+      foot.translation += transform.nominal * (foot.rotation * axis);
+    } else if (!transform.is_rotation() && !transform.has_joint()) {
+      reach += std::abs(transform.nominal);
+    } else if (!transform.is_rotation()) {
+      const Joint& joint = chain.joints[static_cast<size_t>(transform.joint)];
+      if (!joint.min || !joint.max || !chain.couplings.empty()) return false;
+      reach += std::abs(transform.nominal) + std::max(std::abs(*joint.min), std::abs(*joint.max));
+    }
+  }
+  return (target - foot.translation).norm() > kSlack * reach;
+}
+
 TargetStatus JudgeSolution(const Chain& chain, const FlangeSolution& solution) {
   const bool orientation_counts = chain.num_joints() >= 6;
   const bool there =
@@ -280,6 +304,8 @@ FlangeSolution SolveFlange(const Chain& chain, const FlangeFunction& arm, const 
     solution.status = solution.left_position > kOutOfReach * CharacteristicLength(chain) ? TargetStatus::kUnreachable
                                                                                          : TargetStatus::kSingular;
   }
+  const bool is_there = solution.status == TargetStatus::kOk || solution.status == TargetStatus::kEquilibriumDiverged;
+  if (!is_there && IsBeyondReach(chain, target.translation)) solution.status = TargetStatus::kUnreachable;
   return solution;
 }
 

@@ -153,6 +153,16 @@ TEST_F(CompensationTest, WhatCannotBeReachedIsSaid) {
   EXPECT_GT(far.solution.left_position, 7.0);  // it stretches 2.93 m from its shoulder
   EXPECT_THAT(far.words, ::testing::HasSubstr("off"));
 
+  // Wider limits would not help.
+  test::LoadedSetup narrow = setup;
+  for (Joint& joint : narrow.robot.chain.joints) joint.min = -0.5, joint.max = 0.5;
+  for (const double turn : {0.0, 1.0, 2.0, 3.0, 4.0, 5.0}) {
+    const Vector3<double> away(9.0 * std::cos(turn), 9.0 * std::sin(turn), 1.0);
+    targets[0].flange_in_base = Pose<double>{Matrix3<double>::Identity(), away};
+    targets[0].q.reset();
+    EXPECT_EQ(Solve(targets, "none", narrow)[0].solution.status, TargetStatus::kUnreachable) << turn;
+  }
+
   const Eigen::VectorXd q = (Eigen::VectorXd(6) << 0.3, -1.0, 0.9, 0.2, 0.0, 0.4).finished();
   const CompensatedTarget wrist = Solve({{"wrist", q, {}}}, "none", setup)[0];
   EXPECT_THAT(wrist.words, ::testing::HasSubstr(wrist.solution.left_position < 1e-9 ? "singularity" : "off"));
