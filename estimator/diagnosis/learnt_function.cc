@@ -48,7 +48,7 @@ int StrongestFunction(const Evidence& evidence, const WeightedModel& model, Weig
 }
 
 struct Formula {
-  std::string words;
+  std::string words, formula;
   double explained = 0.0;
 };
 
@@ -57,6 +57,7 @@ class FormulaSearch {
  public:
   FormulaSearch(const LearntFunction& learnt)
       : driver_(learnt.what.driver.name),
+        x_name_(learnt.driver == learnt.what.driver.name ? "x" : learnt.driver),
         unit_(learnt.what.driver.unit),
         of_(learnt.unit),
         kind_(learnt.what.driver.kind) {
@@ -72,29 +73,42 @@ class FormulaSearch {
     }
   }
 
-  std::string Nearest() {
+  Formula Nearest() {
     TryLine();
     TryJump();
     if (kind_ == DriverKind::kAngle) TryHarmonics();
     if (kind_ == DriverKind::kTime) TryExponential();
     TryDeadband();
-    if (best_.words.empty()) return "";
-    return best_.words + " (" + Rounded(100.0 * best_.explained) + " % of it)";
+    if (!best_.words.empty()) best_.words += " (" + Rounded(100.0 * best_.explained) + " % of it)";
+    return best_;
   }
 
  private:
-  void Offer(double explained, const std::string& words) {
-    if (best_.words.empty() ? explained > 0.5 : 1.0 - explained < 0.5 * (1.0 - best_.explained)) {
-      best_ = {words, explained};
-    }
-  }
-
   // One of a family of formulas: a constant and these functions of the driver, fitted.
   struct Fitted {
     double explained = 0.0;  // share of the weighted square
     double setting = 0.0;
     Eigen::VectorXd coefficients = Eigen::VectorXd::Zero(2);
   };
+
+  // functions: of x, with their coefficients in `fitted`.
+  void Offer(const Fitted& fitted, const std::string& words, const std::vector<std::string>& functions) {
+    const double explained = fitted.explained;
+    if (best_.words.empty() ? explained > 0.5 : 1.0 - explained < 0.5 * (1.0 - best_.explained)) {
+      best_ = {words, Sum(fitted, functions), explained};
+    }
+  }
+
+  // The constant is the last coefficient.
+  static std::string Sum(const Fitted& fitted, const std::vector<std::string>& functions) {
+    std::string sum;
+    for (size_t k = 0; k <= functions.size(); ++k) {
+      const double value = fitted.coefficients[static_cast<long>(k)];
+      sum += sum.empty() ? (value < 0.0 ? "-" : "") : (value < 0.0 ? " - " : " + ");
+      sum += Significant(std::abs(value), 4) + (k < functions.size() ? "·" + functions[k] : "");
+    }
+    return sum;
+  }
 
   // R^2 = 1 - sum w^2 (y - X c)^2 / sum w^2 (y - mean)^2, w = 1 / sigma.
   Fitted Fit(const Eigen::MatrixXd& functions, double setting = 0.0) const {
@@ -120,7 +134,7 @@ class FormulaSearch {
 
   void TryLine() {
     const Fitted line = Fit(x_);
-    Offer(line.explained, "proportional to " + driver_ + ": " + Size(line) + " per " + unit_);
+    Offer(line, "proportional to " + driver_ + ": " + Size(line) + " per " + unit_, {x_name_});
   }
 
   void TryJump() {
@@ -128,7 +142,8 @@ class FormulaSearch {
     for (long i = 1; i < x_.size(); ++i) places.push_back(0.5 * (x_[i - 1] + x_[i]));
     const Fitted jump =
         Best(places, [&](double at) -> Eigen::MatrixXd { return (x_.array() > at).cast<double>().matrix(); });
-    Offer(jump.explained, "a jump of " + Size(jump) + " at " + driver_ + " = " + Rounded(jump.setting) + " " + unit_);
+    Offer(jump, "a jump of " + Size(jump) + " at " + driver_ + " = " + Rounded(jump.setting) + " " + unit_,
+          {"(" + x_name_ + " > " + Significant(jump.setting, 4) + ")"});
   }
 
   void TryHarmonics() {
@@ -136,7 +151,9 @@ class FormulaSearch {
     std::iota(orders.begin(), orders.end(), 1.0);
     const Fitted wave = Best(orders, [&](double n) { return Wave(n * kDegree * x_); });
     const double size = wave.coefficients.head<2>().norm();
-    Offer(wave.explained, WaveInWords(Rounded(size) + " " + of_, static_cast<int>(wave.setting), driver_));
+    const int order = static_cast<int>(wave.setting);
+    const std::string angle = "(" + std::to_string(order) + "·" + x_name_ + ")";
+    Offer(wave, WaveInWords(Rounded(size) + " " + of_, order, driver_), {"cos" + angle, "sin" + angle});
   }
 
   void TryExponential() {
@@ -145,7 +162,8 @@ class FormulaSearch {
     for (double t = span / 32.0; t <= span; t *= 1.3) times.push_back(t);
     const Fitted fading =
         Best(times, [&](double t) -> Eigen::MatrixXd { return (-(x_.array() - first) / t).exp().matrix(); });
-    Offer(fading.explained, ExponentialInWords(Size(fading), Rounded(fading.setting) + " s"));
+    const std::string since = "-(" + x_name_ + " - " + Significant(first, 4) + ")/" + Significant(fading.setting, 4);
+    Offer(fading, ExponentialInWords(Size(fading), Rounded(fading.setting) + " s"), {"exp(" + since + ")"});
   }
 
   void TryDeadband() {
@@ -154,13 +172,14 @@ class FormulaSearch {
     const Fitted beyond = Best(halves, [&](double half) -> Eigen::MatrixXd {
       return (x_.array().sign() * (x_.array().abs() - half).max(0.0)).matrix();
     });
-    Offer(beyond.explained,
-          DeadbandInWords(Rounded(beyond.setting) + " " + unit_, driver_, Size(beyond) + " per " + unit_));
+    const std::string half = Significant(beyond.setting, 4);
+    Offer(beyond, DeadbandInWords(Rounded(beyond.setting) + " " + unit_, driver_, Size(beyond) + " per " + unit_),
+          {"sign(" + x_name_ + ")·max(0, |" + x_name_ + "| - " + half + ")"});
   }
 
   std::string Size(const Fitted& fitted) const { return Rounded(fitted.coefficients[0]) + " " + of_; }
 
-  std::string driver_, unit_, of_;
+  std::string driver_, x_name_, unit_, of_;
   DriverKind kind_;
   Eigen::VectorXd x_, y_, weights_;
   Formula best_;
@@ -212,7 +231,12 @@ LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& mode
     learnt.table.push_back({what.driver.of_shot[shot], unit * row.dot(coefficients),
                             unit * std::sqrt(std::max(0.0, row.dot(covariance * row)))});
   }
-  learnt.formula = FormulaSearch(learnt).Nearest();
+  const int joint = problem.robot().chain.FindJoint(what.driver.name);
+  const bool is_joint_value = what.driver.kind == DriverKind::kAngle || what.driver.kind == DriverKind::kTravel;
+  learnt.driver = is_joint_value && joint >= 0 ? "q" + std::to_string(joint + 1) : what.driver.name;
+  const Formula nearest = FormulaSearch(learnt).Nearest();
+  learnt.formula = nearest.formula;
+  learnt.words = nearest.words;
   return learnt;
 }
 

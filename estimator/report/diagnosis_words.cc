@@ -309,7 +309,7 @@ std::string GroupInWords(const Diagnosis& d, const EffectGroup& group) {
 std::string UnexplainedInWords(const Diagnosis& d) {
   const LearntFunction& learnt = d.unexplained;
   if (learnt.what.acts_on.empty()) return "no driving variable stands out";
-  std::string words = learnt.what.words + (learnt.formula.empty() ? "" : ": " + learnt.formula);
+  std::string words = learnt.what.words + (learnt.words.empty() ? "" : ": " + learnt.words);
   for (const EffectSpec& piece : learnt.pieces) {  // settings of one effect read alike
     const std::string like = "; " + PartlyLike(piece.effect, piece.target);
     if ((words + ";").find(like + ";") == std::string::npos) words += like;

@@ -252,11 +252,13 @@ Json UnexplainedToJson(const Diagnosis& d) {
   Json table = Json::array();
   for (const FunctionPoint& point : learnt.table) table.push_back({point.at, point.value, point.sigma});
   json["function"] = {{"acts_on", learnt.what.acts_on},
-                      {"driver", learnt.what.driver.name},
+                      {"driver", learnt.driver},
+                      {"driver_words", learnt.what.driver.name},
                       {"driver_unit", learnt.what.driver.unit},
                       {"unit", learnt.unit},
                       {"table", table},
-                      {"formula", learnt.formula}};
+                      {"formula", learnt.formula},
+                      {"words", learnt.words}};
   return json;
 }
 

@@ -1,5 +1,6 @@
 // The diagnosis on data in which an effect is hidden; the measurements come from
 // the generator in tests/support, the effect from its formula written here.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -351,6 +352,10 @@ TEST(Diagnosis, WhatHasNoNameIsLearntAndPredicts) {
   ASSERT_NE(diagnosis.learnt, nullptr);
   const LearntModel& learnt = *diagnosis.learnt;
   EXPECT_GT(learnt.gap.closed, 0.8);
+  // A3 is the third joint; the formula is one of its angle: no words.
+  EXPECT_EQ(diagnosis.unexplained.driver, "q3");
+  EXPECT_THAT(diagnosis.unexplained.formula, ::testing::MatchesRegex("-?[0-9].*q3.*"));
+  EXPECT_EQ(diagnosis.unexplained.formula.find("wave"), std::string::npos);
   EXPECT_LT(HoldoutRms(learnt.model), 0.6 * HoldoutRms(diagnosis.final));
   const auto value = [&](double q) {
     double sum = 0.0;
