@@ -12,6 +12,7 @@
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
 #include "estimator/statistics/distributions.h"
+#include "models/matrix_functions.h"
 #include "problems/failure.h"
 
 namespace sagitta {
@@ -43,6 +44,13 @@ Prediction PredictWith(const CalibrationProblem& problem, const KnownRobot& know
   prediction.covariances = PredictionCovariances(problem, known.uncertainty, all, known.noise.scale,
                                                  prediction.instrument, &prediction.together);
   return prediction;
+}
+
+// A root of S S' + C, as calibrate has it: S chol(1 + S^-1 C S^-T).
+Matrix3<double> RootWith(const Matrix3<double>& instrument, const Matrix3<double>& arm) {
+  if (instrument.isZero(0.0) || arm.isZero(0.0)) return instrument;
+  const Matrix3<double> inverse = instrument.inverse();
+  return instrument * LowerRoot(Matrix3<double>::Identity() + inverse * arm * inverse.transpose());
 }
 
 // m^2, mean square distance of a row that parameters, repeatability and instrument predict; held parameters add
@@ -165,6 +173,9 @@ Validation Validate(const KnownRobot& known, const Measurements& rows) {
   validation.predicted = prediction.points;
   const std::vector<int> all = AllRows(problem);
   const Eigen::Matrix3Xd nominal = PointsOrThrow(problem, NominalParameters(known, problem));
+  for (size_t k = 0; k < all.size(); ++k) {
+    validation.scatter.push_back(RootWith(prediction.instrument[k], prediction.covariances[k].arm));
+  }
   validation.before = MeasureReadings(rows, all, nominal);
   validation.after = MeasureReadings(rows, all, validation.predicted);
   validation.predicted_rms = ExpectedRms(rows, prediction);
@@ -213,6 +224,11 @@ nlohmann::ordered_json ValidationToJson(const Validation& validation, const Prov
 std::string ValidationToCsv(const Measurements& rows, const Validation& validation) {
   std::vector<AddedColumn> added = ReadingColumns("pred_", rows, validation.predicted);
   for (const AddedColumn& column : ResidualColumns(rows, validation.predicted)) added.push_back(column);
+  for (const AddedColumn& column : WhitenedColumns(rows, validation.predicted, validation.scatter))
+    added.push_back(column);
+  const size_t count = rows.observations.size();
+  added.push_back({"leverage", std::vector<std::string>(count, "0")});  // none of them was fitted
+  added.push_back({"set", std::vector<std::string>(count, "validation")});
   return RowsToCsv(rows, added);
 }
 

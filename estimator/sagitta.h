@@ -130,6 +130,7 @@ struct Validation {
   double predicted_rms = 0.0;  // m, per coordinate: noise and parameters; 0: the noise is not known
   double p_value = 1.0;        // that errors as large as these come about although the prediction is right
   Eigen::Matrix3Xd predicted;  // m
+  NoiseRoots scatter;          // root of what one reading scatters by, instrument and joints, m; zero: not known
   std::string contradiction;   // why the robot cannot have made these readings; empty: it can
   std::string refutation;      // that the errors are larger than predicted; empty: they are not, at the significance
   std::vector<std::string> warnings;

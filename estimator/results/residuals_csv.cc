@@ -164,10 +164,27 @@ std::vector<AddedColumn> ResidualColumns(const Measurements& data, const Eigen::
   return ReadingColumns("res_", data, ResidualsOf(data, AllObservations(data), predicted));
 }
 
-Eigen::Matrix3Xd WhitenedResiduals(const CalibrationProblem& problem, const Estimate& estimate) {
-  Eigen::Matrix3Xd whitened = ResidualsOf(problem.data(), AllObservations(problem.data()), estimate.predicted);
-  for (int i = 0; i < whitened.cols(); ++i) whitened.col(i) = estimate.scatter[i].inverse() * whitened.col(i);
+namespace {
+
+Eigen::Matrix3Xd Whitened(const Measurements& data, const Eigen::Matrix3Xd& predicted, const NoiseRoots& scatter) {
+  Eigen::Matrix3Xd whitened = ResidualsOf(data, AllObservations(data), predicted);
+  for (int i = 0; i < whitened.cols(); ++i) {
+    const bool is_known = !Matrix3<double>(scatter[i]).isZero(0.0);
+    if (is_known) whitened.col(i) = scatter[i].inverse() * whitened.col(i);
+    if (!is_known) whitened.col(i).setConstant(std::nan(""));
+  }
   return whitened;
+}
+
+}  // namespace
+
+Eigen::Matrix3Xd WhitenedResiduals(const CalibrationProblem& problem, const Estimate& estimate) {
+  return Whitened(problem.data(), estimate.predicted, estimate.scatter);
+}
+
+std::vector<AddedColumn> WhitenedColumns(const Measurements& data, const Eigen::Matrix3Xd& predicted,
+                                         const NoiseRoots& scatter) {
+  return AxisColumns("whitened_", "", "", data, Whitened(data, predicted, scatter));
 }
 
 std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate) {
@@ -183,7 +200,7 @@ void ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate,
     for (AddedColumn& column : columns) added.push_back(std::move(column));
   };
   append(ResidualColumns(data, estimate.predicted));
-  append(AxisColumns("whitened_", "", "", data, WhitenedResiduals(problem, estimate)));
+  append(WhitenedColumns(data, estimate.predicted, estimate.scatter));
   AddedColumn leverage{"leverage", {}}, set{"set", {}};
   for (size_t i = 0; i < data.observations.size(); ++i) {
     const int partner = data.observations[i].partner;

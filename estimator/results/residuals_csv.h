@@ -32,6 +32,10 @@ std::vector<AddedColumn> ReadingColumns(const std::string& prefix, const Measure
 // measured - predicted, res_x_mm ….
 std::vector<AddedColumn> ResidualColumns(const Measurements& data, const Eigen::Matrix3Xd& predicted);
 
+// measured - predicted over what one reading scatters by, whitened_x …; empty where that is zero.
+std::vector<AddedColumn> WhitenedColumns(const Measurements& data, const Eigen::Matrix3Xd& predicted,
+                                         const NoiseRoots& scatter);
+
 std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate);
 void ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate, const TextSink& write);
 // residuals.csv, made while it is written; both must live until then.

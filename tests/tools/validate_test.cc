@@ -47,6 +47,22 @@ TEST_F(ValidateTest, FiguresAreThoseOfTheHoldOut) {
   EXPECT_THAT(Read("out/residuals.csv"), HasSubstr("res_x_mm"));
 }
 
+// The columns of calibrate's own, which the rows bring along, are made anew: of rows that were not fitted.
+TEST_F(ValidateTest, ResidualsHaveTheColumnsOfTheContract) {
+  const std::string rows = Path("unseen.csv");
+  ASSERT_EQ(Run({"validate", Path("fit/estimate.json"), rows, "--out=" + Path("out"), "--quiet"}).status, 0);
+  const auto before = Cells(Read("unseen.csv")), after = Cells(Read("out/residuals.csv"));
+  ASSERT_EQ(after.size(), before.size());
+  for (size_t r = 1; r < after.size(); ++r) {
+    for (const char* name : {"whitened_x", "whitened_y", "whitened_z"}) {
+      const double expected = std::stod(before[r][Column(before, name)]);
+      EXPECT_NEAR(std::stod(after[r][Column(after, name)]), expected, 1e-5 * (1.0 + std::abs(expected))) << r << name;
+    }
+    EXPECT_EQ(std::stod(after[r][Column(after, "leverage")]), 0.0);
+    EXPECT_EQ(after[r][Column(after, "set")], "validation");
+  }
+}
+
 TEST_F(ValidateTest, RequirementsAndSeenDataAreSaid) {
   const std::string estimate = Path("fit/estimate.json");
   EXPECT_EQ(Run({"validate", estimate, Path("unseen.csv"), "--require=validation.rms_mm<1e-9"}).status, 1);
