@@ -2,6 +2,7 @@
 #include <gflags/gflags.h>
 
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <iostream>
 #include <random>
@@ -194,9 +195,9 @@ std::string LeftOut(const Robot& robot) {
 }
 
 // The largest distance of the flanges and of points 1 m from them, over random joint values.
-double LargestDifference(const Chain& a, const Chain& b) {
+double LargestDifference(const Chain& a, const Chain& b, std::uint64_t seed) {
   const ForwardModel models[2] = {ForwardModel(a), ForwardModel(b)};
-  std::mt19937_64 random(1);
+  std::mt19937_64 random(seed);
   double largest = 0.0;
   for (int trial = 0; trial < 200; ++trial) {
     Eigen::VectorXd q(a.num_joints());
@@ -234,15 +235,19 @@ std::string EndsOf(const std::string& in, const UrdfEnds& asked) {
 }
 
 int RunConvert(const CommandLine& line) {
-  ExpectArguments(line, ConvertCommand(), 2, 2);
+  ExpectArguments(line, ConvertCommand(), FLAGS_out.empty() ? 2 : 1, 2);
+  if (line.arguments.size() == 2 && !FLAGS_out.empty()) {
+    throw InputError({"", 0, "--out"}, "the file to write is given twice", "give OUT or --out=OUT");
+  }
   const std::string& in = line.arguments[0];
-  const std::string& out = line.arguments[1];
+  const std::string& out = FLAGS_out.empty() ? line.arguments[1] : FLAGS_out;
   const OutputFile file(out);
   const WriteOptions options = WriteOptionsFromFlags();
   const RobotReading reading = ReadAnyRobot(in, options.read);
   const Written written = WrittenAs(reading.robot, out, options);
   constexpr double kSame = 1e-9;  // m
-  const double difference = LargestDifference(reading.robot.chain, ReadBack(written.text, out, options).chain);
+  const double difference =
+      LargestDifference(reading.robot.chain, ReadBack(written.text, out, options).chain, FLAGS_seed);
   if (written.is_exact && difference > kSame) {
     throw Failure("the file written would differ from the robot read by " + FormatNumber(1e3 * difference) +
                   " mm; nothing is written");
@@ -267,13 +272,14 @@ int RunConvert(const CommandLine& line) {
 }  // namespace
 
 Command ConvertCommand() {
-  return {"convert",
-          "robot files between formats",
-          R"(sagitta convert IN OUT [--as=chain|dh|mdh|ur] [--template=FILE] [--plain]
+  return {
+      "convert",
+      "robot files between formats",
+      R"(sagitta convert IN OUT [--as=chain|dh|mdh|ur] [--template=FILE] [--plain]
 
 Reads a robot from IN, by its content: robot.yaml, URDF, a DH table as text (any column order, separator and unit),
 calibration.yaml or .conf of Universal Robots, MATLAB text (SerialLink, dhparams, elementary transforms). Writes it to
-OUT, by its ending: .yaml (--as=chain, dh, mdh; --as=ur: calibration.yaml), .urdf, .csv (DH table), .conf (the
+OUT (or --out=OUT), by its ending: .yaml (--as=chain, dh, mdh; --as=ur: calibration.yaml), .urdf, .csv (DH table), .conf (the
 differences from --nominal as a controller of Universal Robots has them). What is written is read again and has to move
 alike to 1e-9 m.
 
@@ -288,8 +294,8 @@ Examples
   sagitta convert calibration.conf robot.yaml --nominal=urcontrol.conf
   sagitta convert results/robot.calibrated.yaml new.conf --nominal=urcontrol.conf --template=calibration.conf
 )",
-          {"as", "template", "plain", "convention", "base_link", "tip_link", "nominal"},
-          RunConvert};
+      {"as", "template", "plain", "convention", "base_link", "tip_link", "nominal", "out", "seed", "threads", "quiet"},
+      RunConvert};
 }
 
 }  // namespace sagitta

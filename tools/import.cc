@@ -328,7 +328,8 @@ Examples
   sagitta import dh.csv series1.csv series2.csv --out=job --strict
   sagitta import robot.yaml export.txt --out=job --map=x_mm=measurement_x,y_mm=measurement_y,z_mm=measurement_z
 )",
-          {"out", "map", "rotation", "strict", "robot", "convention", "base_link", "tip_link", "nominal", "quiet"},
+          {"out", "map", "rotation", "strict", "robot", "convention", "base_link", "tip_link", "nominal", "seed",
+           "threads", "quiet"},
           RunImport};
 }
 
