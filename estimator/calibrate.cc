@@ -50,7 +50,7 @@ void HoldOutForDiagnosis(const Measurements& data, Experiment* experiment) {
   ValidationSpec& validation = experiment->validation;
   bool has_set_column = false;
   for (const MeasurementFile& file : data.files) has_set_column |= file.FindColumn("set") >= 0;
-  if (validation.kind != ValidationSpec::Kind::kSetColumn || has_set_column) return;
+  if (validation.kind != ValidationSpec::Kind::kSetColumn || validation.needs_column || has_set_column) return;
   validation = ValidationSpec();
   validation.kind = ValidationSpec::Kind::kFraction;
   validation.fraction = kFraction;

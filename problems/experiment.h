@@ -123,6 +123,7 @@ struct Prior {
 struct ValidationSpec {
   enum class Kind { kSetColumn, kNone, kColumn, kFraction };
   Kind kind = Kind::kSetColumn;  // the column `set` where the data have one
+  bool needs_column = false;     // `set`: it was asked for
   std::string column;
   std::vector<std::string> values;
   double fraction = 0.0;

@@ -73,6 +73,16 @@ bool IsLearnt(const std::string& name) {
   return definition != nullptr && definition->is_learnt;
 }
 
+// A joint that the robot has, under a selection that leaves it out.
+void RefuseUnlistedCompliance(const CalibrationProblem& problem, const std::string& name, const char* key) {
+  const std::string family = "compliance/";
+  if (name.compare(0, family.size(), family) != 0) return;
+  const std::string joint = name.substr(family.size());
+  if (problem.robot().chain.FindJoint(joint) < 0) return;
+  FailProblem(problem, key, "joint '" + joint + "' has no compliance in this estimate",
+              "add " + joint + " to estimate.compliance, or to compliance: of the robot file");
+}
+
 }  // namespace
 
 std::vector<std::string> CompliantJoints(const Robot& robot, const Measurements& data, const Experiment& experiment) {
@@ -152,6 +162,7 @@ void SetFree(CalibrationProblem* problem) {
     for (const std::string& name : names) {
       const std::vector<int> matches = parameters.Match(name);
       if (matches.empty()) {
+        RefuseUnlistedCompliance(*problem, name, key);
         FailProblem(*problem, key, "there is no parameter '" + name + "'",
                     SpellingHint(name, KnownNextTo(name, parameters)));
       }

@@ -72,6 +72,12 @@ void RequireColumn(const std::string& column, const Measurements& data) {
   }
 }
 
+// Files without it are of calibration.
+void RequireColumnAnywhere(const std::string& column, const Measurements& data) {
+  const auto has_it = [&column](const MeasurementFile& file) { return file.FindColumn(column) >= 0; };
+  if (std::none_of(data.files.begin(), data.files.end(), has_it)) RequireColumn(column, data);
+}
+
 // Hex SHA-256 of "<seed>:<config>".
 std::string HashKey(unsigned long long seed, const std::string& id) { return Sha256(std::to_string(seed) + ":" + id); }
 
@@ -217,6 +223,7 @@ void SplitConfigurations(const ValidationSpec& spec, Measurements* data) {
     case ValidationSpec::Kind::kNone:
       return;
     case ValidationSpec::Kind::kSetColumn:
+      if (spec.needs_column) RequireColumnAnywhere("set", *data);
       SplitByColumn("set", {"validation"}, data);
       break;
     case ValidationSpec::Kind::kColumn:

@@ -15,6 +15,12 @@ void CheckLoadsAreKnown(const KnownRobot& known, const Measurements& data) {
     if (known.loading.load_point && !shot.wrench.IsZero()) continue;
     const Observation& row = data.observations[shot.observations.front()];
     const MeasurementFile& file = data.files[row.file];
+    if (known.loading.load_point) {
+      throw InputError(
+          {file.path, file.rows[row.row].line, "load"},
+          "load '" + shot.load + "' has no weight here: the row states no wrench, and " + known.file + " no mass of it",
+          "add its force and moment: fx_N, fy_N, fz_N, mx_Nm, my_Nm, mz_Nm");
+    }
     throw InputError({file.path, file.rows[row.row].line, "load"},
                      "load '" + shot.load + "' is none of those in " + known.file,
                      loads.empty() ? "it knows no load: calibrate with this one" : SpellingHint(shot.load, loads));

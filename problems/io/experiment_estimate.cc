@@ -196,6 +196,7 @@ ValidationSpec ReadValidation(const YamlValue& value) {
   if (column) {
     if (seed || by) value.Fail("seed and by belong to a fraction");
     validation.column = column->Text();
+    validation.needs_column = true;
     if (!values && validation.column == "set") return validation;
     if (!values) value.Fail("which values are validation?", "values: [...]");
     validation.kind = ValidationSpec::Kind::kColumn;

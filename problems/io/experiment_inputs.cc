@@ -33,6 +33,11 @@ void CheckFilesExist(const Experiment& experiment) {
   const auto has_line = [&text](const std::string& beginning) {
     return text.compare(0, beginning.size(), beginning) == 0 || text.find("\n" + beginning) != std::string::npos;
   };
+  if (has_line("measurements:") && has_line("schema:")) {
+    const auto line = static_cast<int>(std::count(text.begin(), text.begin() + text.find("schema:"), '\n')) + 1;
+    throw InputError({path, line, "schema"}, "this is another schema than that of an experiment",
+                     "schema: sagitta/experiment/1");
+  }
   if (has_line("measurements:"))
     throw InputError({path, 0, "schema"}, "this key is missing", "schema: sagitta/experiment/1");
   if (has_line("config,")) throw InputError({path, 0, ""}, "these are measurements, the robot is missing", hint);

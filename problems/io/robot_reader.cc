@@ -7,6 +7,7 @@
 #include "problems/io/robot_checks.h"
 #include "problems/io/robot_file.h"
 #include "problems/io/robot_parts.h"
+#include "problems/io/text_checks.h"
 #include "problems/io/urdf_robot.h"
 #include "problems/io/yaml_reader.h"
 #include "problems/limits.h"
@@ -72,10 +73,10 @@ DhLink ReadDhLink(const YamlValue& value, const std::vector<Joint>& joints) {
   YamlMap map(value);
   DhLink link;
   link.joint = ReadJointIndex(map.Get("joint"), joints);
-  link.a = map.Length("a").value_or(0.0);
-  link.alpha = map.Angle("alpha").value_or(0.0);
-  link.d = map.Length("d").value_or(0.0);
-  link.theta = map.Angle("theta").value_or(0.0);
+  link.a = map.GetLength("a");  // a number that is left out is no zero: it may be a small one that was forgotten
+  link.alpha = map.GetAngle("alpha");
+  link.d = map.GetLength("d");
+  link.theta = map.GetAngle("theta");
   link.beta = map.Angle("beta").value_or(0.0);
   map.Finish();
   return link;
@@ -216,6 +217,10 @@ UrdfSource ReadUrdfSource(const YamlValue& value, const std::string& stated_in) 
   if (const auto link = map.Find("tip_link")) source.ends.tip_link = link->Text();
   map.Finish();
   source.path = (std::filesystem::path(stated_in).parent_path() / file.Text()).string();
+  std::error_code error;
+  if (!std::filesystem::exists(source.path, error)) {
+    file.Fail("there is no file '" + Printable(source.path) + "'", "paths are relative to this file");
+  }
   return source;
 }
 

@@ -193,7 +193,13 @@ std::string HintForBadYaml(const std::string& text, int line) {
 YamlValue ParseYaml(const std::string& text, const std::string& file) {
   CheckText(text, file);
   try {
-    YAML::Node root = YAML::Load(text);
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    for (size_t k = 1; k < documents.size(); ++k) {
+      if (documents[k].IsNull() || !documents.front().IsMap()) continue;  // a list is no file of ours as it is
+      throw InputError({file, documents[k].Mark().line + 1, ""}, "a second document begins here, behind ---",
+                       "one file, one document: remove the ---, or what is behind it");
+    }
+    const YAML::Node root = documents.empty() ? YAML::Node() : documents.front();
     if (root.IsNull()) throw InputError({file, 0, ""}, "the file is empty");
     size_t values = 0;
     CheckTree(root, file, 0, &values);
@@ -274,6 +280,11 @@ std::optional<Vector3<double>> YamlMap::FindTriple(const std::string& stem, Dime
 double YamlMap::GetLength(const std::string& stem) {
   const Quantity quantity = GetQuantity(stem, Dimension::kLength);
   return InRange(quantity.value, quantity.value.NumberIn(quantity.unit), Dimension::kLength);
+}
+
+double YamlMap::GetAngle(const std::string& stem) {
+  const Quantity quantity = GetQuantity(stem, Dimension::kAngle);
+  return InRange(quantity.value, quantity.value.NumberIn(quantity.unit), Dimension::kAngle);
 }
 
 void YamlMap::ExpectSchema(const std::string& schema) {

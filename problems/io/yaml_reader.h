@@ -85,6 +85,7 @@ class YamlMap {
   std::optional<double> Length(const std::string& stem) { return Find(stem, Dimension::kLength); }
   std::optional<double> Angle(const std::string& stem) { return Find(stem, Dimension::kAngle); }
   double GetLength(const std::string& stem);
+  double GetAngle(const std::string& stem);
 
   // Checks `schema: <name>`.
   void ExpectSchema(const std::string& schema);

@@ -48,7 +48,7 @@ kinematics:
     convention: standard
     links:
       - {joint: j1, a_mm: -425.1, alpha_deg: 90, d_mm: 89.159, theta_deg: 10, beta_deg: 0.01}
-      - {joint: j2, a_mm: 0, alpha_rad: 0.1, d_m: 0.2}
+      - {joint: j2, a_mm: 0, alpha_rad: 0.1, d_m: 0.2, theta_deg: 0}
     flange: {xyz_mm: [1, 2, 3.3], rpy_deg: [10, -20, 30]}
 )";
 
@@ -302,9 +302,11 @@ INSTANTIATE_TEST_SUITE_P(
                  "joint: J2",
                  {"11: kinematics.dh.links[1].joint", "no joint 'J2'", "'j2'"}},
         BadRobot{"link_order", kDhRobot, "joint: j1", "joint: j2", {"10: kinematics.dh.links[0]", "j2", "j1"}},
+        BadRobot{"a_missing", kDhRobot, "a_mm: 0, ", "", {"11: kinematics.dh.links[1].a_mm", "missing", "a_m"}},
+        BadRobot{"theta_missing", kDhRobot, ", theta_deg: 0", "", {"11: kinematics.dh.links[1].theta_deg", "missing"}},
         BadRobot{"link_missing",
                  kDhRobot,
-                 "      - {joint: j2, a_mm: 0, alpha_rad: 0.1, d_m: 0.2}\n",
+                 "      - {joint: j2, a_mm: 0, alpha_rad: 0.1, d_m: 0.2, theta_deg: 0}\n",
                  "",
                  {"9: kinematics.dh.links", "1 links and 2 joints"}},
         BadRobot{"flange", kDhRobot, "[1, 2, 3.3]", "[1, 2]", {"12: kinematics.dh.flange.xyz_mm", "three"}},

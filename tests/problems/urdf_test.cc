@@ -215,7 +215,8 @@ TEST_F(FileTest, RobotFileNamesItsUrdf) {
   const auto error_of = [&](const std::string& from, const std::string& to) {
     return ErrorOf([&] { ReadRobotFile(Write("robot.yaml", Replaced(yaml, from, to))); });
   };
-  EXPECT_TRUE(SaysInOrder(error_of("arm.urdf", "none.urdf"), {"none.urdf", "no such file"}));
+  EXPECT_TRUE(
+      SaysInOrder(error_of("arm.urdf", "none.urdf"), {"robot.yaml:4: kinematics.urdf.file", "no file", "none.urdf"}));
   EXPECT_TRUE(SaysInOrder(error_of("arm.urdf}", "arm.urdf, tip_link: l77}"), {"tip_link", "no link 'l77'", "l0, l1"}));
   EXPECT_TRUE(SaysInOrder(error_of("kinematics", "joints: [{name: q, type: revolute}]\nkinematics"),
                           {"robot.yaml:3", "joints", "not the joints of the URDF", "a1, a2"}));

@@ -97,6 +97,9 @@ TEST_F(RefusalWords, OneFileAlone) {
   EXPECT_THAT(Refusal({"calibrate", Rows()}), HasSubstr("the robot is missing"));
   EXPECT_THAT(Refusal({"calibrate", Write("e.yaml", "robot: r.yaml\nmeasurements: [m.csv]\n")}),
               HasSubstr("e.yaml: schema: this key is missing"));
+  const std::string wrong = "robot: r.yaml\nschema: sagitta/robot/1\nmeasurements: [m.csv]\n";
+  EXPECT_THAT(Refusal({"calibrate", Write("e.yaml", wrong)}),
+              AllOf(HasSubstr("e.yaml:2: schema: this is another schema"), HasSubstr("schema: sagitta/experiment/1")));
 }
 
 TEST_F(RefusalWords, WhatIsNoYaml) {
@@ -106,6 +109,30 @@ TEST_F(RefusalWords, WhatIsNoYaml) {
   EXPECT_THAT(indent, HasSubstr("r.yaml:9"));
   EXPECT_THAT(indent, HasSubstr("the same indent"));
   EXPECT_THAT(indent, Not(HasSubstr("illegal map value")));
+}
+
+TEST_F(RefusalWords, ASecondDocument) {
+  EXPECT_THAT(Refusal({"calibrate", Robot(std::string(kRobot) + "---\nfoo: bar\n"), Rows()}),
+              AllOf(HasSubstr("r.yaml:13: a second document begins here"), HasSubstr("remove the ---")));
+  const std::string closed = Robot("---\n" + std::string(kRobot) + "...\n---\n");
+  EXPECT_EQ(Run({"inspect", closed, Rows(), "--quiet"}).status, 0);
+}
+
+TEST_F(RefusalWords, AUrdfThatIsNotThere) {
+  const std::string robot = "schema: sagitta/robot/1\nname: x\nkinematics:\n  urdf: {file: nope.urdf}\n";
+  EXPECT_THAT(Refusal({"calibrate", Robot(robot), Rows()}),
+              AllOf(HasSubstr("r.yaml:4: kinematics.urdf.file: there is no file"), HasSubstr("nope.urdf")));
+}
+
+// Every command has these flags.
+TEST_F(RefusalWords, ConvertHasTheFlagsOfAllCommands) {
+  const Outcome outcome = Run({"convert", Robot(), "--out=" + Path("copy.yaml"), "--seed=3", "--threads=1", "--quiet"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(Exists("copy.yaml"));
+  EXPECT_THAT(Run({"convert", Robot(), Path("a.yaml"), "--out=" + Path("b.yaml")}).err, HasSubstr("given twice"));
+  EXPECT_THAT(Run({"convert", Robot()}).err, HasSubstr("an argument is missing"));
+  EXPECT_THAT(Run({"import", Robot(), "--seed=1", "--threads=1", "--out=" + Path("job")}).err,
+              Not(HasSubstr("--seed")));
 }
 
 TEST_F(RefusalWords, TablesOfSpreadsheets) {
@@ -146,6 +173,37 @@ TEST_F(RefusalWords, LoadsThatTheEstimateDoesNotKnow) {
     EXPECT_THAT(words, HasSubstr(":2: load: load 'V250' is none of those in"));
     EXPECT_THAT(words, Not(HasSubstr("--load_point_mm")));
   }
+}
+
+// The estimate knows where the load acts; what is missing is the row's wrench.
+TEST_F(RefusalWords, ALoadWithoutItsWrench) {
+  std::string loaded = ReplacedEverywhere(kRows, "\n", ",V,0,0,-100\n");
+  loaded = Replaced(loaded, "z_mm,V,0,0,-100", "z_mm,load,fx_N,fy_N,fz_N");
+  ASSERT_EQ(
+      Run({"calibrate", Robot(), Rows(loaded), "--quiet", "--load_point_mm=0,0,50", "--out=" + Path("known")}).status,
+      0);
+  const std::string rows = Write("l.csv", "config,marker,q1_deg,q2_deg,load\na,M1,1,4,V\n");
+  EXPECT_THAT(
+      Refusal({"predict", Path("known/estimate.json"), rows}),
+      AllOf(HasSubstr(":2: load: load 'V' has no weight here"), HasSubstr("fx_N"), Not(HasSubstr("knows no load"))));
+}
+
+TEST_F(RefusalWords, AComplianceThatIsNotListed) {
+  std::string loaded = ReplacedEverywhere(kRows, "\n", ",V,0,0,-100\n");
+  Rows(Replaced(loaded, "z_mm,V,0,0,-100", "z_mm,load,fx_N,fy_N,fz_N"));
+  Robot();
+  const std::string experiment =
+      Experiment("measurements: [m.csv]\nload_point_mm: [0, 0, 50]\nestimate: {compliance: [A1]}\n");
+  EXPECT_THAT(Refusal({"calibrate", experiment, "--free=compliance/A2"}),
+              AllOf(HasSubstr("joint 'A2' has no compliance in this estimate"), HasSubstr("estimate.compliance")));
+  EXPECT_THAT(Refusal({"calibrate", experiment, "--free=compliance/A9"}), HasSubstr("no parameter 'compliance/A9'"));
+}
+
+TEST_F(RefusalWords, AValidationColumnThatIsMissing) {
+  Robot();
+  Rows();
+  const std::string words = Refusal({"calibrate", Experiment("measurements: [m.csv]\nvalidation: {column: set}\n")});
+  EXPECT_THAT(words, HasSubstr("the validation column 'set' is not in this file"));
 }
 
 constexpr char kGantry[] = R"(schema: sagitta/robot/1
