@@ -73,13 +73,13 @@ std::vector<Eigen::Vector3d> HalfOfAllDirections(int count) {
 
 namespace {
 
-constexpr long kRowsTogether = 256;  // of some hundred columns, in the cache
+constexpr long kShotsPerProduct = 256;  // of some hundred columns, in the cache
 
 // F'F
 Eigen::MatrixXd ProductsOf(const Eigen::MatrixXd& functions) {
   Eigen::MatrixXd products = Eigen::MatrixXd::Zero(functions.cols(), functions.cols());
-  for (long first = 0; first < functions.rows(); first += kRowsTogether) {
-    products += SelfProduct(functions.middleRows(first, std::min(kRowsTogether, functions.rows() - first)));
+  for (long first = 0; first < functions.rows(); first += kShotsPerProduct) {
+    products += SelfProduct(functions.middleRows(first, std::min(kShotsPerProduct, functions.rows() - first)));
   }
   return products;
 }
