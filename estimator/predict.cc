@@ -43,6 +43,10 @@ Prediction PredictWith(const CalibrationProblem& problem, const KnownRobot& know
   for (const int k : all) prediction.instrument.push_back(known.noise.scale * problem.SqrtCovariance(k));
   prediction.covariances = PredictionCovariances(problem, known.uncertainty, all, known.noise.scale,
                                                  prediction.instrument, &prediction.together);
+  for (const int k : all) {
+    PredictionCovariance& covariance = prediction.covariances[k];
+    if (problem.data().observations[k].is_point()) covariance.model = AddedByRest(covariance.mean(), known.rest);
+  }
   return prediction;
 }
 

@@ -138,7 +138,8 @@ void Compensator::AddUncertainty(int shot, CompensatedTarget* result) const {
     const Eigen::MatrixXd held = columns.rightCols(known.held.size()) + estimated * known.slopes;
     covariance += held * known.second_moment * held.transpose();
   }
-  result->u95_position = Radius95(covariance.topLeftCorner<3, 3>());
+  const Matrix3<double> position = covariance.topLeftCorner<3, 3>();
+  result->u95_position = Radius95(position + AddedByRest(position, input_.rest));
   result->u95_rotation = Radius95(covariance.bottomRightCorner<3, 3>());
 }
 

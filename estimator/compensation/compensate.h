@@ -21,6 +21,7 @@ struct CompensationInput {
   CalibrationProblem problem;        // the estimated robot; one shot per target
   Chain nominal;                     // what the controller computes with: rigid, without errors
   ParameterUncertainty uncertainty;  // of the estimate, with its model error
+  double rest = 0.0;                 // m, RMS distance: what is left on points that were not fitted (AddedByRest)
 };
 
 // A target with the joint values that reach it, and what is left.

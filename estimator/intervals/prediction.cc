@@ -1,5 +1,6 @@
 #include "estimator/intervals/prediction.h"
 
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -98,6 +99,10 @@ PredictionTraces TracesOf(const CalibrationProblem& problem, const PredictedRows
 }
 
 }  // namespace
+
+Matrix3<double> AddedByRest(const Matrix3<double>& covariance, double rest) {
+  return std::max(0.0, rest * rest - covariance.trace()) / 3.0 * Matrix3<double>::Identity();
+}
 
 ParameterUncertainty UncertaintyOf(const Estimate& estimate) {
   ParameterUncertainty uncertainty;

@@ -37,8 +37,13 @@ struct PredictionCovariance {
   Matrix3<double> parameters = Matrix3<double>::Zero();  // m^2
   Matrix3<double> held = Matrix3<double>::Zero();
   Matrix3<double> arm = Matrix3<double>::Zero();
-  Matrix3<double> mean() const { return parameters + held; }
+  Matrix3<double> model = Matrix3<double>::Zero();  // what a rest that no parameter shows adds (AddedByRest)
+  Matrix3<double> mean() const { return parameters + held + model; }
 };
+
+// What is added to a point's covariance, alike in all directions, so that its root mean square distance is no less than
+// `rest` (m): what the model lacks and no parameter's covariance shows, as where it is alike in all parts of the data.
+Matrix3<double> AddedByRest(const Matrix3<double>& covariance, double rest);
 
 // Of the errors V of all points together, m^2 and m^4.
 struct PredictionTraces {

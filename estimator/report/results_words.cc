@@ -6,10 +6,18 @@
 namespace sagitta {
 
 std::string ModelErrorInWords(const KnownRobot& known) {
-  if (!(known.model_error > 1.0)) return "";
-  return "Standard deviations carry the model error that the calibration found: those of the parameters are about " +
-         Significant(known.model_error, 2) + " times as large as noise alone makes them (model_error in " + known.file +
-         ").";
+  std::string words;
+  if (known.model_error > 1.0) {
+    words = "Standard deviations carry the model error that the calibration found: those of the parameters are about " +
+            Significant(known.model_error, 2) + " times as large as noise alone makes them (model_error in " +
+            known.file + ").";
+  }
+  if (known.rest > 0.0) {
+    words += std::string(words.empty() ? "" : " ") +
+             "No point is said to be better known than what the calibration left on points that were not fitted, " +
+             InMillimetres(known.rest) + " RMS beyond what noise and parameters explain.";
+  }
+  return words;
 }
 
 std::string PosesOutsideMeasured(size_t outside, size_t poses, const std::vector<std::string>& joints) {

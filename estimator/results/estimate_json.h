@@ -49,7 +49,8 @@ struct KnownRobot {
   ParameterUncertainty uncertainty;
   PredictionNoise noise;
   double model_error =
-      1.0;  // factor on standard deviations away from the calibrated configurations (agreement.inflation)
+      1.0;            // factor on standard deviations away from the calibrated configurations (agreement.inflation)
+  double rest = 0.0;  // m, RMS distance: what is left on points that were not fitted beyond noise and parameters
   struct Parameter {
     double value = 0.0, nominal = 0.0;  // SI
   };

@@ -190,6 +190,7 @@ class EstimateReader {
     const auto json = root_.Find("model_error");
     if (!json || correlation.size() == 0) return correlation;
     known_.model_error = FactorOf(json->Get("factor"));
+    if (const auto rest = json->Find("rest_mm")) known_.rest = 1e-3 * rest->NotNegativeNumber();
     const auto excess = json->Find("excess");
     const double square = std::pow(excess ? FactorOf(*excess) : known_.model_error, 2);
     const auto between = json->Find("between_parts");

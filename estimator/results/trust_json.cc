@@ -82,6 +82,7 @@ Json Iso9283ToJson(const Trust& trust) {
 // between_parts: T of each two coordinates over their standard deviations of noise alone, as in `correlation`.
 Json ModelErrorToJson(const Estimate& estimate, const Trust& trust) {
   Json json = {{"factor", trust.model_error}, {"words", trust.model_error_words}, {"excess", trust.excess}};
+  json["rest_mm"] = 1e3 * trust.noise.beyond_noise;
   const Eigen::MatrixXd& covariance = trust.between.covariance;
   json["between_parts"] = covariance.size() > 0 ? Json::array() : Json(nullptr);
   const Eigen::VectorXd deviations = estimate.covariance.diagonal().cwiseSqrt();

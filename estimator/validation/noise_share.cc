@@ -21,10 +21,12 @@ NoiseShare ShareOfNoise(const Estimate& estimate, const std::vector<int>& points
   const double square = unseen.distance_rms * unseen.distance_rms;
   const double deviation = square * std::sqrt(2.0 / unseen.freedom);
   const double two_sided = NormalQuantile(0.975), one_sided = NormalQuantile(0.95);
+  share.of_residuals = !estimate.sigma.stated && estimate.noise_report.components.empty();
+  const double lacking = square - noise / (1.0 - unseen.parameters_share);
+  if (!share.of_residuals && lacking > two_sided * deviation) share.beyond_noise = std::sqrt(lacking);
   // More noise than there are errors: it is stated too large, which is said elsewhere.
   if (!(noise >= kConsiderable * kConsiderable * square) || noise > square + two_sided * deviation) return share;
   share.noise = std::sqrt(noise);
-  share.of_residuals = !estimate.sigma.stated && estimate.noise_report.components.empty();
   share.rms_known_to = 0.5 * two_sided * deviation / square;
   const double rest = square - noise;
   share.rest_is_bound = rest < two_sided * deviation;

@@ -19,6 +19,10 @@ struct NoiseShare {
   bool rest_is_bound = false;  // 95 %, one-sided
   double rms_known_to = 0.0;   // share of the RMS, half a 95 % interval
   bool of_residuals = false;   // what the model lacks is in the noise
+  // m, RMS distance: what is left of q^2 once the readings' noise as stated and what uncertain parameters add to it are
+  // subtracted, where that is beyond its uncertainty; 0: the model is not known to lack anything. No prediction of a
+  // point is better on average, whatever the covariance of the parameters says.
+  double beyond_noise = 0.0;
 };
 
 // points: those of `unseen`.

@@ -291,6 +291,7 @@ Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, 
   const std::vector<int> quoted =
       trust.holdout.points > 0 ? problem.ValidationObservations() : problem.CalibrationObservations();
   trust.noise = ShareOfNoise(*estimate, problem.data().PointsAmong(quoted), trust.Quoted());
+  if (!problem.latent.empty()) trust.noise.beyond_noise = 0.0;  // what joints deviate by at an arrival is part of it
   trust.repeatability = MeasurePoseRepeatability(problem);
   trust.nominal = trust.holdout.points > 0 ? NominalOnHoldout(problem, *estimate) : trust.cross_validation.nominal;
   trust.gain = CompareRms(trust.nominal, trust.Quoted(), problem.experiment().significance, kBetter);

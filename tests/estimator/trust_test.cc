@@ -254,12 +254,22 @@ TEST(NoiseShare, IsWhatTheReadingsAreOffBy) {
   EXPECT_NEAR(share.rest, 3.0, 1e-12);
   EXPECT_FALSE(share.rest_is_bound);
   EXPECT_NEAR(share.rms_known_to, 0.0098, 1e-4);
+  EXPECT_NEAR(share.beyond_noise, 3.0, 1e-12);
+  unseen.parameters_share = 0.2;  // they add a quarter of the noise's square
+  EXPECT_NEAR(ShareOfNoise(estimate, {0, 1, 2, 3, 4, 5}, unseen).beyond_noise, std::sqrt(5.0), 1e-12);
+  unseen.parameters_share = 0.0;
   unseen.freedom = 8.0;
   share = ShareOfNoise(estimate, {0, 1, 2, 3, 4, 5}, unseen);
   EXPECT_TRUE(share.rest_is_bound);
   EXPECT_NEAR(share.rest, std::sqrt(9.0 + 1.644854 * 12.5), 1e-5);
   estimate.noise = NoiseRoots(6, Matrix3<double>::Identity());  // 1.7 of 5: no considerable part
-  EXPECT_EQ(ShareOfNoise(estimate, {0, 1, 2, 3, 4, 5}, unseen).noise, 0.0);
+  EXPECT_EQ(share.beyond_noise, 0.0);                           // 9 is within 1.96 * 12.5
+  unseen.freedom = 20000.0;
+  share = ShareOfNoise(estimate, {0, 1, 2, 3, 4, 5}, unseen);
+  EXPECT_EQ(share.noise, 0.0);
+  EXPECT_NEAR(share.beyond_noise, std::sqrt(22.0), 1e-12);
+  estimate.sigma.stated = false;  // what the model lacks is in the noise
+  EXPECT_EQ(ShareOfNoise(estimate, {0, 1, 2, 3, 4, 5}, unseen).beyond_noise, 0.0);
 }
 
 TEST(NoiseShare, OfUnstatedNoiseTheRobotHasAnUnknownPart) {
