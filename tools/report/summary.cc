@@ -168,6 +168,12 @@ bool IsConditional(const ParameterEstimate& row, const Identifiability& identifi
   return false;
 }
 
+// With the interval that people are shown: what held parameters may be is in it.
+ParameterEstimate AsShown(ParameterEstimate row, const Identifiability& identifiability) {
+  if (IsConditional(row, identifiability)) row.ci95 = row.unconditional_ci95;
+  return row;
+}
+
 std::string StateOf(const ParameterEstimate& row, const Estimate& estimate) {
   if (!row.identifiable) return StatedTooLarge(estimate) > 1.0 ? "held" : "not measured";
   if (!row.free) return "fixed";
@@ -216,7 +222,8 @@ Section ParameterSection(const CalibrationProblem& problem, const Estimate& esti
   section.title = "Parameters";
   section.header = {"name", "nominal", "correction", "calibrated", "±", "unit", ""};
   bool any_at_bound = false;
-  for (const ParameterEstimate& row : estimate.table) {
+  for (const ParameterEstimate& own : estimate.table) {
+    const ParameterEstimate row = AsShown(own, estimate.identifiability);
     const double correction = row.value - row.nominal, nominal = NominalOf(problem, row);
     if (!row.free && row.identifiable && correction == 0.0) continue;
     const QuantityTraits& traits = TraitsOf(row.quantity);
@@ -236,7 +243,8 @@ Section ParameterSection(const CalibrationProblem& problem, const Estimate& esti
     section.paragraphs.push_back(
         std::string(StatedTooLarge(estimate) > 1.0 ? "held: at the stated noise" : "not measured: held") +
         " where the data fit best; the value means nothing by itself. conditional: moves together with one that is "
-        "held; its ± assumes that one to be exact (`unconditional` in estimate.json does not).");
+        "held; its ± allows for what that one may be (`unconditional` in estimate.json; `ci95` there assumes it to be "
+        "exact).");
   }
   if (any_at_bound) {
     section.paragraphs.push_back(
