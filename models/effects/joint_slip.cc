@@ -1,11 +1,12 @@
 // Encoder side: the zero of a joint jumps once.
 #include "models/effects/catalogue.h"
+#include "models/effects/joint_error.h"
 
 namespace sagitta {
 namespace joint_slip {
 
-std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"jump", Quantity::kSmallAngle, 100e-6}};
+std::vector<EffectParameter> Parameters(const Robot& robot, const EffectSpec& spec) {
+  return {JointError("jump", robot, spec, 100e-6, 100e-6)};
 }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
@@ -23,7 +24,10 @@ const EffectDefinition& JointSlip() {
     effect.driven_by = EffectDriver::kTime;
     effect.separate_by = kSeparateByReturn;
     effect.largest = 1.0;
-    effect.sizes = "mastering repeats to some 0.005 deg (87 urad), makers' instructions";
+    effect.on_prismatic = true;
+    effect.sizes =
+        "mastering repeats to some 0.005 deg (87 urad), makers' instructions; a linear axis is referenced to some "
+        "0.1 mm (switch and index pulse)";
     return effect;
   }();
   return definition;

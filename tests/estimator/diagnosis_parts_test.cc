@@ -96,6 +96,8 @@ TEST(Candidates, WhatCannotBeTestedIsListedWithItsReason) {
   EXPECT_TRUE(is_candidate("encoder_gain", "A3"));
   EXPECT_FALSE(is_candidate("joint_harmonic", "A3"));
   EXPECT_EQ(need_of("joint_harmonic", "A3"), "a revolute joint");
+  EXPECT_EQ(need_of("joint_slip", "A3"), "time_s that varies");  // a joint that slides may slip, too
+  EXPECT_EQ(need_of("backlash", "A3"), "approach3");
   EXPECT_FALSE(is_candidate("joint_slip", "A1"));
   EXPECT_EQ(need_of("joint_slip", "A1"), "time_s that varies");
   EXPECT_EQ(need_of("thermal_growth", "robot"), "temperature_degC");

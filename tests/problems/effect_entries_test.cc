@@ -109,6 +109,20 @@ TEST(EffectEntries, SettingsAtTheirDefaultAreSilent) {
             "effect/marker_acceptance[axis=z]/M1");
 }
 
+// The zero of an axis that slides jumps by a length.
+TEST(EffectEntries, ErrorsOfAJointThatSlidesAreLengths) {
+  std::string rail = kRobot;
+  rail.replace(rail.find("{name: A2, type: revolute}"), 26, "{name: A2, type: prismatic}");
+  rail.replace(rail.find("{Ry: A2, error: dq2}"), 20, "{Ty: A2, error: dq2}");
+  const auto value = [&rail](const std::string& entry) {
+    return ReadRobotText(rail + ("  - " + entry + "\n"), "robot.yaml").effects[0].values[0];
+  };
+  EXPECT_NEAR(value("{effect: joint_slip, joint: A2, after_s: 10, jump_um: 80}"), 80e-6, 1e-18);
+  EXPECT_NEAR(value("{effect: backlash, joint: A2, half_gap_um: 25}"), 25e-6, 1e-18);
+  EXPECT_NEAR(value("{effect: joint_slip, joint: A1, after_s: 10, jump_urad: 80}"), 80e-6, 1e-18);
+  EXPECT_THROW(value("{effect: joint_slip, joint: A2, after_s: 10, jump_urad: 80}"), InputError);
+}
+
 TEST(EffectEntries, SettingsHaveTheirRanges) {
   EXPECT_NE(Refusal("{effect: hysteresis, joint: A2, width_deg: 0}").find("above 0"), std::string::npos);
   EXPECT_NE(Refusal("{effect: hysteresis, joint: A2}").find("width_deg"), std::string::npos);
