@@ -1,5 +1,7 @@
 #include "estimator/diagnosis/diagnosed_model.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 
 #include "estimator/explanations/compensator_shapes.h"
@@ -34,6 +36,7 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
     }
     for (const std::string& name : candidate.loose) {
       const int i = problem.parameters.FindCoordinate(name);
+      CHECK_GE(i, 0) << name;
       Coordinate& coordinate = problem.parameters.coordinate(i);
       coordinate.free = coordinate.free && sizes[i] > 0.0;  // nothing excites it
       if (coordinate.free) coordinate.prior_sigma = candidate.prior_scale * sizes[i];

@@ -15,6 +15,7 @@ namespace {
 // Steps, equal in the logarithm: a quarter of a step that leaves 1 - 0.95^2 of a chi-square leaves a sixteenth of that,
 // and the parabola through three of them less than is in doubt.
 constexpr int kBetweenListed = 4;
+constexpr double kSameSetting = 1e-6;  // relative
 constexpr int kDigits = 3;  // of a setting that is found: no rows determine a time constant or a width to 0.5 %
 
 const SettingDefinition* ScannedDefinition(const Robot& robot, const EffectSpec& spec) {
@@ -52,21 +53,27 @@ std::vector<double> WithBetween(const std::vector<double>& values) {
   return all;
 }
 
-// From the listed value below to the one above.
-std::vector<double> AroundIt(const SettingDefinition& setting, double own) {
-  const std::vector<double> listed = ListedValues(setting);
-  const double slack = 1e-6 * own;
-  const auto above = std::upper_bound(listed.begin(), listed.end(), own + slack);
-  const auto below = std::lower_bound(listed.begin(), listed.end(), own - slack);
-  std::vector<double> ends = {own};
-  if (below != listed.begin()) ends.insert(ends.begin(), *(below - 1));
-  if (above != listed.end()) ends.push_back(*above);
-  return WithBetween(ends);
+// All of these, ascending, and the effect's own.
+std::vector<double> ScanOf(const SettingDefinition& setting, double own) {
+  std::vector<double> values = WithBetween(ListedValues(setting));
+  const auto is_own = [own](double value) { return std::abs(value - own) < kSameSetting * own; };
+  values.erase(std::remove_if(values.begin(), values.end(), is_own), values.end());
+  values.insert(std::upper_bound(values.begin(), values.end(), own), own);
+  return values;
 }
 
 EffectSpec At(EffectSpec spec, const std::string& setting, double value) {
   spec.settings[setting] = Significant(value, kDigits);
   return spec;
+}
+
+// Parameters are called by the effect with its settings.
+void ChangeTo(const EffectSpec& changed, Candidate* candidate) {
+  const size_t length = candidate->spec.Path().size();
+  for (std::vector<std::string>* names : {&candidate->poorly_determined, &candidate->loose}) {
+    for (std::string& name : *names) name.replace(0, length, changed.Path());
+  }
+  candidate->spec = changed;
 }
 
 // The model refitted at each value; without those where it does not converge.
@@ -75,7 +82,7 @@ std::vector<FitAt> FitSettings(const DiagnosedModel& model, const EffectSpec& sp
   std::vector<FitAt> fits;
   for (const double value : values) {
     const EffectSpec changed = At(spec, setting, value);
-    const bool is_own = std::abs(value - spec.NumberSetting(setting, value)) < 1e-6 * value;
+    const bool is_own = value == spec.NumberSetting(setting, 0.0);
     const DiagnosedModel other = WithInstead(model, spec, is_own ? spec : changed);
     QuickRefit refit = RefitQuickly(*other.problem, other.estimate.parameters);
     if (IsUsable(refit.estimate.status)) fits.push_back({value, is_own ? spec : changed, std::move(refit)});
@@ -110,10 +117,10 @@ double TuneSettings(const Evidence& evidence, const JointOptions& joint, Refitte
     const SettingDefinition* setting = ScannedDefinition(evidence.robot(), spec);
     if (setting == nullptr) continue;
     const double own = spec.NumberSetting(setting->name, 0.0);
-    const std::vector<FitAt> fits = FitSettings(refitted->with_effects, spec, setting->name, AroundIt(*setting, own));
+    const std::vector<FitAt> fits = FitSettings(refitted->with_effects, spec, setting->name, ScanOf(*setting, own));
     if (fits.empty()) continue;
     RefittedSet tuned = *refitted;
-    tuned.effects[k].candidate.spec = At(spec, setting->name, LeastOf(fits));
+    ChangeTo(At(spec, setting->name, LeastOf(fits)), &tuned.effects[k].candidate);
     tuned.with_effects = Extend(tuned.lacking, CandidatesOf(tuned.effects), joint);
     if (!tuned.IsUsable()) continue;
     const double better = LogFullOverLinear(evidence, tuned) - LogFullOverLinear(evidence, *refitted);
@@ -130,9 +137,7 @@ void AllowForSetting(const DiagnosedModel& final, const EffectSpec& spec, std::v
   const SettingDefinition* setting = ScannedDefinition(final.problem->robot(), spec);
   if (setting == nullptr) return;
   const double own = spec.NumberSetting(setting->name, 0.0);
-  std::vector<double> values = WithBetween(ListedValues(*setting));
-  values.push_back(own);
-  const std::vector<FitAt> fits = FitSettings(final, spec, setting->name, values);
+  const std::vector<FitAt> fits = FitSettings(final, spec, setting->name, ScanOf(*setting, own));
   if (fits.empty()) return;
   for (ParameterEstimate& row : *rows) Widen(fits, own, spec, &row);
 }

@@ -70,6 +70,33 @@ TEST(ScannedSettings, AWidthBetweenThoseListedIsFound) {
   EXPECT_NEAR(spec.NumberSetting("width_deg", 0.0), kWidth, 2.0);
 }
 
+// The instrument's stand shifts by exp(-t / 850 s), 850 between 600 and 1200 of the list, a pose a minute. What such
+// rows hardly determine of the effect (how it turns) keeps its prior under the new number, too.
+TEST(ScannedSettings, WhatIsDeterminedPoorlyGoesWithTheEffect) {
+  test::Kr270Design design;
+  design.configurations = 60;
+  design.stations = 1;
+  design.sigma = kSigma;
+  Measurements data = test::DesignMeasurements(design);
+  test::MeasureKr270(test::Kr270Truth(), kSigma, 5, &data);
+  for (Shot& shot : data.shots) {
+    shot.has_time = true;
+    shot.time = 60.0 * shot.configuration;
+  }
+  for (Observation& row : data.observations)
+    row.point_in_station += std::exp(-data.shots[row.shot].time / 850.0) * Vector3<double>(6e-4, -4.5e-4, 3e-4);
+  const CalibrationProblem problem =
+      MakeCalibrationProblem(test::Kr270ProblemOf(data, Experiment()).robot(), data, Experiment());
+  const DiagnosedModel baseline = FitFully(problem, JointOptions());
+  const LeadingSet found = FindIn(problem, baseline);
+  ASSERT_TRUE(found.is_named);
+  ASSERT_EQ(found.refitted.effects.size(), 1u);
+  const Candidate& candidate = found.refitted.effects[0].candidate;
+  EXPECT_EQ(candidate.spec.effect, "warm_up");
+  EXPECT_NEAR(candidate.spec.NumberSetting("tau_s", 0.0), 850.0, 100.0);
+  for (const std::string& name : candidate.loose) EXPECT_TRUE(IsParameterOf(candidate.spec, name)) << name;
+}
+
 struct Amplitude {
   ParameterEstimate before, after;
 };
