@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kSigma = 1e-5;       // m
 constexpr double kAmplitude = 60e-6;  // rad
-constexpr double kWidth = 17.0;       // deg, between 10 and 30 of the list
+constexpr double kWidth = 15.0;       // deg, between 10 and 30 of the list
 constexpr int kJoint = 4;             // A5
 
 // Joint A5 wanders by 6 deg from pose to pose. A stop that is dragged along by a fork of this width, written as a
