@@ -67,7 +67,8 @@ double ExpectedSquare(const Prediction& prediction, size_t k) {
   return prediction.covariances[k].held.trace() + SquareWithoutHeld(prediction, k);
 }
 
-// m, RMS distance of each observation that the prediction itself lets expect.
+// m, RMS distance of each observation that noise, joints and parameters let expect. What the calibration left on unseen
+// points (PredictionCovariance::model) is not in it: rows are judged by whether they contradict the model.
 std::vector<double> ExpectedDistances(const Prediction& prediction) {
   std::vector<double> expected;
   for (size_t k = 0; k < prediction.covariances.size(); ++k)

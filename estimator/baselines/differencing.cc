@@ -250,6 +250,7 @@ Estimate EstimateByDifferencing(const CalibrationProblem& problem,
   estimate.status = unloaded.status;
   estimate.message = std::to_string(context.num_differences) + " differences fitted";
   ComputeStatistics(problem, &estimate);
+  if (!IsUsable(estimate.status)) return estimate;
   StateIntervals(context, elastic, solution, unloaded, &estimate);
   return estimate;
 }

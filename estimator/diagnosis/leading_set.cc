@@ -77,8 +77,9 @@ double GainOfFunctions(const Evidence& evidence, const WeightedSet& all, const W
 void AppendTuned(const Evidence& evidence, const RefittedSet& refitted, std::vector<Candidate>* between) {
   for (const SelectedEffect& effect : refitted.effects) {
     const EffectSpec& spec = effect.candidate.spec;
-    if (!IsNewSpring(spec) && spec.Path() != evidence.list().SpecOf(effect.explanation).Path())
-      between->push_back({spec});
+    const auto is_it = [&spec](const Candidate& listed) { return listed.spec.Path() == spec.Path(); };
+    const std::vector<Candidate>& listed = evidence.list().candidates;  // those between too
+    if (!IsNewSpring(spec) && std::none_of(listed.begin(), listed.end(), is_it)) between->push_back({spec});
   }
 }
 
@@ -104,8 +105,9 @@ LeadingSet FindLeading(const SearchInput& input, const Evidence* before) {
     const double gain = TuneSettings(*found.evidence, input.joint, &effects);
     VLOG(1) << "diagnosis: the linear model is off by " << error << " of the leading effects' log evidence";
     const LinearizedAbout about{SpecsOf(CandidatesOf(effects.effects)), effects.with_effects.estimate.parameters};
-    found.is_refuted = Refutes(std::max(error, gain), effects, found);
-    if (!found.is_refuted || again == kMostAgain || !known.insert(PathsOf(about)).second) break;
+    found.is_refuted = Refutes(error, effects, found);
+    if (!Refutes(std::max(error, gain), effects, found)) break;
+    if (again == kMostAgain || !known.insert(PathsOf(about)).second) break;
     AppendTuned(*found.evidence, effects, &between);
     if (input.progress) input.progress(WeighingAboutWhatWasFound());
     LeadingSet anew = WeighAndRefit(input, between, found.evidence.get(), about);

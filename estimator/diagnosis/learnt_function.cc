@@ -55,9 +55,10 @@ struct Formula {
 // Offered in the order of simplicity: a later one has to explain half of what the one before leaves.
 class FormulaSearch {
  public:
-  FormulaSearch(const LearntFunction& learnt)
+  // x_name: of the driver, in formulas.
+  FormulaSearch(const LearntFunction& learnt, const std::string& x_name)
       : driver_(learnt.what.driver.name),
-        x_name_(learnt.driver == learnt.what.driver.name ? "x" : learnt.driver),
+        x_name_(x_name),
         unit_(learnt.what.driver.unit),
         of_(learnt.unit),
         kind_(learnt.what.driver.kind) {
@@ -233,8 +234,9 @@ LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& mode
   }
   const int joint = problem.robot().chain.FindJoint(what.driver.name);
   const bool is_joint_value = what.driver.kind == DriverKind::kAngle || what.driver.kind == DriverKind::kTravel;
-  learnt.driver = is_joint_value && joint >= 0 ? "q" + std::to_string(joint + 1) : what.driver.name;
-  const Formula nearest = FormulaSearch(learnt).Nearest();
+  const std::string joint_value = is_joint_value && joint >= 0 ? "q" + std::to_string(joint + 1) : "";
+  learnt.driver = joint_value.empty() ? what.driver.name : joint_value;
+  const Formula nearest = FormulaSearch(learnt, joint_value.empty() ? "x" : joint_value).Nearest();
   learnt.formula = nearest.formula;
   learnt.words = nearest.words;
   return learnt;

@@ -2,7 +2,6 @@
 // values, the model refitted at each: its likelihood, and what an effect's parameters may be for any of them.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "estimator/diagnosis/diagnosed_model.h"

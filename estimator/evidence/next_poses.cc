@@ -119,7 +119,7 @@ std::vector<ProposedPose> NotBelowWhatWasMeasured(const CalibrationProblem& prob
   std::vector<double> lowest(extended.data().stations.size(), kInfinity);
   std::vector<bool> is_below(drawn.size(), false);
   for (size_t i = 0; i < rows.size(); ++i) {
-    if (!rows[i].is_point()) continue;
+    if (!rows[i].is_point() || (i < measured && rows[i].excluded)) continue;
     const Shot& shot = extended.data().shots[rows[i].shot];
     const double height = HeightOf(extended, parameters, rows[i]);
     double& least = lowest[shot.station];

@@ -40,7 +40,8 @@ std::string NeededInWords(const NextPoses& next) {
   const std::string wanted = WholePercent(kWanted);
   if (next.needed == 0) {
     return " Even " + std::to_string(kMostNeeded) + " poses chosen like these would not reach " + wanted + ": " +
-           (next.depends_on_when
+           (next.again ? "more markers, more readings of each or an instrument of less noise are needed."
+            : next.depends_on_when
                 ? "the same poses on another day, or with the arm some kelvin warmer, are more informative."
                 : "a heavier load, another marker or another station is more informative.");
   }

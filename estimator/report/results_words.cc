@@ -15,7 +15,7 @@ std::string ModelErrorInWords(const KnownRobot& known) {
   if (known.rest > 0.0) {
     words += std::string(words.empty() ? "" : " ") +
              "No point is said to be better known than what the calibration left on points that were not fitted, " +
-             InMillimetres(known.rest) + " RMS beyond what noise and parameters explain.";
+             InMillimetres(known.rest) + " RMS beyond what the stated noise and parameters explain.";
   }
   return words;
 }

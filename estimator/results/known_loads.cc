@@ -19,7 +19,8 @@ void CheckLoadsAreKnown(const KnownRobot& known, const Measurements& data) {
       throw InputError(
           {file.path, file.rows[row.row].line, "load"},
           "load '" + shot.load + "' has no weight here: the row states no wrench, and " + known.file + " no mass of it",
-          "add its force and moment: fx_N, fy_N, fz_N, mx_Nm, my_Nm, mz_Nm");
+          "add its force and moment: fx_N, fy_N, fz_N, mx_Nm, my_Nm, mz_Nm" +
+              (loads.empty() ? "" : "; or " + SpellingHint(shot.load, loads)));
     }
     throw InputError({file.path, file.rows[row.row].line, "load"},
                      "load '" + shot.load + "' is none of those in " + known.file,
