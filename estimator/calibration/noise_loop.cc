@@ -220,8 +220,7 @@ CalibrationProblem JudgeRound(Loop* loop, Estimate* estimate) {
     if (!loop->stated) ToMetres(&loop->report.components[0]);
   }
   if (WeightsFollow(experiment) && estimate->covariance.size() > 0) {
-    estimate->noise_report.groups = loop->report.groups;
-    const Eigen::MatrixXd factor = FollowedByWeights(judged, *estimate, loop->groups);
+    const Eigen::MatrixXd factor = FollowedByWeights(judged, *estimate, loop->groups, loop->report.groups);
     ReplaceCovariance(judged, factor * estimate->covariance * factor.transpose(), estimate->interval_dof, estimate);
   }
   if (loop->loss != LossKind::kNone || loop->choice.interval_dof.size() > 0) {

@@ -113,13 +113,13 @@ NoiseRoots Eq14Roots(const NoiseRoots& spread, double sigma0, double lambda) {
   return roots;
 }
 
-Eigen::MatrixXd FollowedByWeights(const CalibrationProblem& problem, const Estimate& estimate,
-                                  const RowGroups& groups) {
+Eigen::MatrixXd FollowedByWeights(const CalibrationProblem& problem, const Estimate& estimate, const RowGroups& groups,
+                                  const std::vector<NoiseGroup>& found) {
   const std::vector<int> rows = problem.CalibrationObservations();
   Linearization here =
       Linearize(problem, estimate.parameters, rows, estimate.estimated, FitRoots(problem, rows, kFallbackSigma));
   std::map<std::string, double> freedom;
-  for (const NoiseGroup& group : estimate.noise_report.groups) freedom[group.name] = group.freedom;
+  for (const NoiseGroup& group : found) freedom[group.name] = group.freedom;
   const NoiseSpec& noise = problem.experiment().noise;
   Linearization moved = here;
   for (int i = 0; i < here.num_rows(); ++i) {

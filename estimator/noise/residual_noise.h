@@ -44,8 +44,9 @@ NoiseRoots Eq14Roots(const NoiseRoots& spread, double sigma0, double lambda);
 //
 //   F = (J' W (1 - 2 lambda s / (tau nu)) J)^-1 J' W J     (estimating equations: Huber 1967)
 //
-// problem: with the weights and the noise that were found. Of the estimated coordinates.
-Eigen::MatrixXd FollowedByWeights(const CalibrationProblem& problem, const Estimate& estimate, const RowGroups& groups);
+// problem: with the weights and the noise that were found; found: those of the groups. Of the estimated coordinates.
+Eigen::MatrixXd FollowedByWeights(const CalibrationProblem& problem, const Estimate& estimate, const RowGroups& groups,
+                                  const std::vector<NoiseGroup>& found);
 
 // Puts a covariance in place of the estimate's: sigmas, intervals and weak marks follow. `dof` of each interval,
 // infinite for normal ones.

@@ -132,9 +132,8 @@ std::string IsOneOfSeveral(const std::vector<std::vector<EffectSpec>>& instead) 
 
 std::string ProbabilitiesAreRough() {
   return "Effects are so large that the linear model by which everything was weighed is wrong for them, also about "
-         "what "
-         "was found: the probabilities are rough. Bring the robot nearer to its nominal model, or add to it what is "
-         "known, and diagnose again.";
+         "what was found: the probabilities are rough. Bring the robot nearer to its nominal model, or add to it what "
+         "is known, and diagnose again.";
 }
 
 std::string HalvesContradict(const std::vector<EffectSpec>& effects) {

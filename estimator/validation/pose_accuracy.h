@@ -8,8 +8,7 @@
 //
 // As restated by Slamani, Nubiola and Bonev (Industrial Robot 39(1), 2012) and in J. Leland's ISO9283TestAnalyzer (MIT
 // Media Lab, 2016: mean of l plus three corrected sample standard deviations). The standard asks for n = 30 arrivals;
-// how many there were is stated next to the figures, and
-// of fewer than kFewestArrivals there are none.
+// how many there were is stated next to the figures, and of fewer than kFewestArrivals there are none.
 #pragma once
 
 #include <vector>

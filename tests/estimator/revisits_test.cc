@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "problems/simulation.h"
-#include "tests/support/kr270_experiment.h"
+#include "tests/support/moved_kr270.h"
 
 namespace sagitta::revisits_test {
 namespace {
@@ -16,11 +16,7 @@ constexpr double kSigma = 1e-4;  // m, of the instrument
 
 // Joints deviate by this much (rad) at every visit.
 CalibrationProblem Deviating(double deviation) {
-  test::Kr270Design design;
-  design.configurations = 25;
-  design.stations = 1;
-  design.sigma = kSigma;
-  Measurements data = test::DesignMeasurements(design);
+  Measurements data = test::DesignMeasurements(test::CampaignOf(25, 1, kSigma, 1));
   test::MeasureKr270(test::Kr270Truth(), kSigma, 1, &data);
   Experiment experiment;
   experiment.repeatability.angle.common = deviation;

@@ -8,7 +8,7 @@
 
 #include "estimator/diagnosis/leading_set.h"
 #include "models/constants.h"
-#include "tests/support/kr270_experiment.h"
+#include "tests/support/moved_kr270.h"
 #include "tests/support/random_vector.h"
 
 namespace sagitta::scanned_settings_test {
@@ -22,12 +22,7 @@ constexpr int kJoint = 4;             // A5
 // Joint A5 wanders by 6 deg from pose to pose. A stop that is dragged along by a fork of this width, written as a
 // machine would do it: it moves when one of the fork's two ends meets it.
 CalibrationProblem Dragged(std::uint64_t seed) {
-  test::Kr270Design design;
-  design.configurations = 80;
-  design.stations = 1;
-  design.sigma = kSigma;
-  design.seed = seed;
-  Measurements data = test::DesignMeasurements(design);
+  Measurements data = test::DesignMeasurements(test::CampaignOf(80, 1, kSigma, seed));
   test::RandomNumbers steps(seed + 1);
   double angle = 0.0;
   for (Configuration& configuration : data.configurations) {
@@ -73,11 +68,7 @@ TEST(ScannedSettings, AWidthBetweenThoseListedIsFound) {
 // The instrument's stand shifts by exp(-t / 850 s), 850 between 600 and 1200 of the list, a pose a minute. What such
 // rows hardly determine of the effect (how it turns) keeps its prior under the new number, too.
 TEST(ScannedSettings, WhatIsDeterminedPoorlyGoesWithTheEffect) {
-  test::Kr270Design design;
-  design.configurations = 60;
-  design.stations = 1;
-  design.sigma = kSigma;
-  Measurements data = test::DesignMeasurements(design);
+  Measurements data = test::DesignMeasurements(test::CampaignOf(60, 1, kSigma, 1));
   test::MeasureKr270(test::Kr270Truth(), kSigma, 5, &data);
   for (Shot& shot : data.shots) {
     shot.has_time = true;
