@@ -91,12 +91,12 @@ double Posterior::MoreThan(size_t names) const {
   return sum;
 }
 
-// From nothing on, S: the first effect e has to be more probable than that what is there has no name; a further one is
-// added where P(S alone | S) < 1 - gate.
+// From nothing on, S: an effect e is added where P(nothing more | S) < 1 - gate and e is more probable than that what
+// more is there has no name. Of the first the former is asked before (is something missing?).
 size_t Posterior::Leading(double gate) const {
   std::vector<int> chosen;
   while (true) {
-    double alone = 0.0, all = 0.0;
+    double alone = 0.0, without_name = 0.0, all = 0.0;
     size_t first = sets.size();  // of those that hold no other effect: the most probable
     std::map<int, double> with;
     for (size_t s = 0; s < sets.size(); ++s) {
@@ -105,6 +105,7 @@ size_t Posterior::Leading(double gate) const {
       all += set.probability;
       if (set.effects == chosen) {
         alone += set.probability;
+        if (set.has_unnamed) without_name += set.probability;
         first = std::min(first, s);
       }
       for (const int effect : set.effects) {
@@ -113,7 +114,8 @@ size_t Posterior::Leading(double gate) const {
     }
     const auto best =
         std::max_element(with.begin(), with.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-    const bool is_enough = best == with.end() || (chosen.empty() ? best->second < alone : alone >= (1.0 - gate) * all);
+    const bool any_more = chosen.empty() || alone - without_name < (1.0 - gate) * all;
+    const bool is_enough = best == with.end() || !any_more || best->second < (chosen.empty() ? alone : without_name);
     if (is_enough && first < sets.size()) return first;
     chosen = EachOnce(chosen, {best->first});
   }

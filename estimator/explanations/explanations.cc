@@ -83,7 +83,7 @@ class ListBuilder {
               const std::string& excludes) {
     list_.name.push_back(IsGravityCompensator(start) ? start.effect + "/" + start.target : excludes);
     if (unnamed >= 0) group.num_scales = kNumUsualScales;
-    list_.math.push_back({std::move(group), 0.0, Number(excludes)});
+    list_.math.push_back({std::move(group), 0.0, Number(excludes), unnamed >= 0});
     list_.candidate.push_back(candidate);
     list_.unnamed.push_back(unnamed);
     list_.start.push_back(start);

@@ -19,6 +19,9 @@ constexpr size_t kMostMembers = 20;
 constexpr size_t kAveragedTogether = 3;  // members: 6^3 combinations; of more, each with the best of the others
 constexpr double kUnsettled = 1e-3;      // of the probability: a tenth of what is reported
 constexpr size_t kMostSwaps = 1000;   // of one set: where a thousand sets share the probability they differ in details
+constexpr int kSeveralColumns = 3;    // of a member: with fewer it stands for no two others
+constexpr size_t kMostBrokenUp = 6;   // members: a set of more is of what the catalogue does not hold (kMostMembers)
+constexpr int kMostCauses = 5;        // in the place of a general one: the prior has 0.3^4 = 1 % for more
 constexpr size_t kMostSettled = 100;  // where a hundred sets share it, each has about a hundredth
 
 // What turns one set into another: places among the members.
@@ -52,29 +55,6 @@ WeightedSet Grown(WeightedSet set, int candidate, double scale) {
 }
 
 }  // namespace
-
-WeightedSet Without(WeightedSet set, size_t place) {
-  set.members.erase(set.members.begin() + static_cast<long>(place));
-  set.scales.erase(set.scales.begin() + static_cast<long>(place));
-  return set;
-}
-
-void FoundSets::Put(WeightedSet set) {
-  const std::vector<int> members = set.members;
-  const auto known = by_members_.find(members);
-  if (known != by_members_.end()) {
-    by_weight_.erase({&known->second});
-    known->second = std::move(set);
-    by_weight_.insert({&known->second});
-    return;
-  }
-  by_weight_.insert({&by_members_.emplace(members, std::move(set)).first->second});
-}
-
-const WeightedSet* FoundSets::Find(const std::vector<int>& members) const {
-  const auto known = by_members_.find(members);
-  return known == by_members_.end() ? nullptr : &known->second;
-}
 
 FewExplanations WithTheirColumns(const std::vector<Explanation>& list, const std::vector<int>& chosen) {
   FewExplanations few;
@@ -368,6 +348,52 @@ bool SetSearch::Exchange(const WeightedSet& set) {
   return Best().members != set.members;
 }
 
+WeightedSet SetSearch::WithBestCause(const WeightedSet& set, int columns) {
+  std::vector<double> scales;
+  std::vector<double> weights = AdditionsTo(set, SweepOf(set), &scales);
+  for (size_t k = 0; k < weights.size(); ++k) {
+    const bool is_smaller = explanations_[k].group.size() < columns && !explanations_[k].is_general;
+    if (!is_smaller) weights[k] = -kInfinity;
+  }
+  const auto best = std::max_element(weights.begin(), weights.end()) - weights.begin();
+  if (weights[best] == -kInfinity) return set;
+  return Settled(Grown(set, static_cast<int>(best), scales[best]));
+}
+
+// Two periodic errors of one joint, for example: a smooth function of its angle explains both, each alone half, and
+// next to the function neither adds anything. Without it they are found one after the other, and each anew given the
+// others, because what is best alone may follow both.
+bool SetSearch::BreakUp(const WeightedSet& set) {
+  if (set.members.size() > kMostBrokenUp || !broken_up_.insert(set.members).second) return false;
+  for (size_t m = 0; m < set.members.size(); ++m) {
+    const int columns = explanations_[set.members[m]].group.size();
+    if (columns < kSeveralColumns) continue;
+    const WeightedSet others = Settled(Without(set, m));
+    WeightedSet causes = others;
+    for (int left = kMostCauses - 1; left >= 0; --left) {
+      const double before = SweepOf(causes).residual();
+      WeightedSet more = WithBestCause(causes, columns);
+      const double after = SweepOf(more).residual();
+      // The best come first: those that are left explain no more than this one each.
+      const double at_best = std::max(0.0, after - left * (before - after));
+      const double most = more.log_weight + likelihood_.Log(at_best) - likelihood_.Log(after);
+      if (!(more.log_weight > causes.log_weight) || most < set.log_weight) break;
+      causes = EachAnew(std::move(more), others, columns);
+    }
+  }
+  return Best().members != set.members;
+}
+
+WeightedSet SetSearch::EachAnew(WeightedSet causes, const WeightedSet& others, int columns) {
+  for (const int old : Key(causes.members)) {
+    const size_t place = PlaceIn(causes.members, old);
+    if (causes.members.size() < 2 || std::count(others.members.begin(), others.members.end(), old) > 0) continue;
+    const WeightedSet anew = WithBestCause(Settled(Without(causes, place)), columns);
+    if (anew.log_weight > causes.log_weight) causes = anew;
+  }
+  return causes;
+}
+
 // The swaps and drops that make the set better by themselves, best first, one for each place: each is kept if the set
 // is better still with it.
 void SetSearch::SwapTogether(const WeightedSet& set, const Members& all, const std::vector<Swap>& swaps) {
@@ -400,7 +426,7 @@ bool SetSearch::Climb(WeightedSet from, int most_moves) {
   from = Settled(from);
   for (int move = 0; move < most_moves; ++move) {
     Expand(from);
-    if (Best().members == from.members && !Exchange(from)) return true;
+    if (Best().members == from.members && !Exchange(from) && !BreakUp(from)) return true;
     do {
       from = Settled(Best());
     } while (Best().members != from.members);

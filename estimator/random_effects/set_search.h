@@ -8,14 +8,16 @@
 #include <set>
 #include <vector>
 
+#include "estimator/random_effects/found_sets.h"
 #include "estimator/random_effects/sweep.h"
 
 namespace sagitta {
 
 struct Explanation {
   ColumnGroup group;
-  double share = 0.0;  // of the probability that something is missing; all of a list sum to 1
-  int excludes = 0;    // explanations of one number exclude each other: settings of one effect on one target
+  double share = 0.0;       // of the probability that something is missing; all of a list sum to 1
+  int excludes = 0;         // explanations of one number exclude each other: settings of one effect on one target
+  bool is_general = false;  // any smooth function of a driver: it follows several causes at once
 };
 
 // Some of a list, and the columns they need, ascending: their groups count within those.
@@ -36,44 +38,6 @@ struct SetPrior {
   double further = 0.3;
 
   double Log(const std::vector<double>& shares) const;
-};
-
-// A set of explanations and how probable it is.
-struct WeightedSet {
-  std::vector<int> members;     // ascending
-  std::vector<double> scales;   // the best of each
-  double log_likelihood = 0.0;  // averaged over the scales (of more than three members: each with the best)
-  double log_weight = 0.0;      // prior included
-};
-
-// A set without the member at a place, the others at their scales; its weights are to be found.
-WeightedSet Without(WeightedSet set, size_t place);
-
-// Sets that were met: by members, and by weight.
-class FoundSets {
- public:
-  // In place of what was known of its members.
-  void Put(WeightedSet set);
-  const WeightedSet* Find(const std::vector<int>& members) const;
-  const WeightedSet& Best() const { return *by_weight_.begin()->set; }
-  // Best first, down to so many log units below the best; calls until `see` is false.
-  template <typename See>
-  void BestFirst(double within, const See& see) const {
-    for (const Place& place : by_weight_) {
-      if (place.set->log_weight < Best().log_weight - within || !see(*place.set)) return;
-    }
-  }
-
- private:
-  struct Place {
-    const WeightedSet* set;
-    bool operator<(const Place& other) const {
-      if (set->log_weight != other.set->log_weight) return set->log_weight > other.set->log_weight;
-      return set->members < other.set->members;
-    }
-  };
-  std::map<std::vector<int>, WeightedSet> by_members_;
-  std::set<Place> by_weight_;
 };
 
 // Climbs and grows sets of explanations by their marginal likelihood.
@@ -131,6 +95,12 @@ class SetSearch {
   // Sweeps that swap or drop a member. True: a better set was found.
   bool Exchange(const WeightedSet& set);
   std::vector<Swap> SwapsOf(const WeightedSet& set, const Sweep& sweep, const std::vector<WeightedSet>& without);
+  // Several smaller causes in the place of a member, which no single move exchanges. True: a better set was found.
+  bool BreakUp(const WeightedSet& set);
+  // The set with the best in addition that has fewer columns than so many and is not general.
+  WeightedSet WithBestCause(const WeightedSet& set, int columns);
+  // The causes that are not among the others each exchanged for the best given the rest, once around.
+  WeightedSet EachAnew(WeightedSet causes, const WeightedSet& others, int columns);
   void SwapTogether(const WeightedSet& set, const Members& all, const std::vector<Swap>& swaps);
   bool Climb(WeightedSet from, int most_moves = std::numeric_limits<int>::max());
   void SettleAll();
@@ -141,7 +111,7 @@ class SetSearch {
   SetPrior prior_;
   ResidualLikelihood likelihood_;
   FoundSets found_;
-  std::set<Key> expanded_, settled_, exchanged_;
+  std::set<Key> expanded_, settled_, exchanged_, broken_up_;
   mutable std::vector<Eigen::MatrixXd> own_;  // of candidates, as they are asked for
   struct Place {
     WeightedSet set;

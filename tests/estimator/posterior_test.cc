@@ -13,6 +13,13 @@ NameSet Set(std::vector<int> names, double probability) {
   return set;
 }
 
+TEST(SetPrior, ThePriorIsThatOfDrawsInAnyOrder) {
+  const SetPrior prior{0.5, 0.3};
+  EXPECT_NEAR(prior.Log({}), std::log(0.5), 1e-12);
+  EXPECT_NEAR(prior.Log({0.1}), std::log(0.5 * 0.1), 1e-12);
+  EXPECT_NEAR(prior.Log({0.1, 0.2}), std::log(0.5 * 0.3 * 2.0 * 0.1 * 0.2), 1e-12);
+}
+
 TEST(Posterior, NamesWhatHasEvenOddsOrMoreThanWhatHasNoName) {
   Posterior posterior;
   posterior.unnamed = 0.2;
@@ -58,6 +65,21 @@ TEST(Posterior, TheLeadingSetHoldsOneOfTwoThatDoTheSame) {
   EXPECT_EQ(posterior.sets[posterior.Leading(0.9)].effects, (std::vector<int>{1, 2}));
   posterior.sets = {Set({2}, 0.4), Set({3}, 0.35), Set({1}, 0.15), Nameless(50, 0.1)};
   EXPECT_EQ(posterior.Leading(0.9), 0u);
+}
+
+// Given the first effect something more is there: with a name, if that is more probable than that it has none.
+TEST(Posterior, TheLeadingSetHoldsWhatMoreThanTheFirstHasAName) {
+  Posterior posterior;
+  NameSet with_function = Set({1}, 0.4);
+  with_function.has_unnamed = true;
+  posterior.sets = {Set({1, 2, 3}, 0.55), with_function, Set({1}, 0.05)};
+  EXPECT_EQ(posterior.sets[posterior.Leading(0.9)].effects, (std::vector<int>{1, 2, 3}));
+  posterior.sets = {Set({1, 2, 3}, 0.4), with_function, Set({1}, 0.2)};  // nothing more, perhaps
+  EXPECT_EQ(posterior.sets[posterior.Leading(0.9)].effects, (std::vector<int>{1}));
+  posterior.sets[0].probability = 0.35;
+  posterior.sets[1].probability = 0.6;
+  posterior.sets[2].probability = 0.05;
+  EXPECT_EQ(posterior.Leading(0.9), 1u);
 }
 
 // What has no name is more probable than any effect.

@@ -1,0 +1,28 @@
+#include "estimator/random_effects/found_sets.h"
+
+namespace sagitta {
+
+WeightedSet Without(WeightedSet set, size_t place) {
+  set.members.erase(set.members.begin() + static_cast<long>(place));
+  set.scales.erase(set.scales.begin() + static_cast<long>(place));
+  return set;
+}
+
+void FoundSets::Put(WeightedSet set) {
+  const std::vector<int> members = set.members;
+  const auto known = by_members_.find(members);
+  if (known != by_members_.end()) {
+    by_weight_.erase({&known->second});
+    known->second = std::move(set);
+    by_weight_.insert({&known->second});
+    return;
+  }
+  by_weight_.insert({&by_members_.emplace(members, std::move(set)).first->second});
+}
+
+const WeightedSet* FoundSets::Find(const std::vector<int>& members) const {
+  const auto known = by_members_.find(members);
+  return known == by_members_.end() ? nullptr : &known->second;
+}
+
+}  // namespace sagitta
