@@ -168,9 +168,8 @@ void WriteCalibration(const Calibration& calibration, const std::string& folder,
   const CalibrationProblem& problem = calibration.problem;
   const Estimate& estimate = calibration.estimate;
   std::vector<NamedText> files;
-  files.emplace_back(
-      "robot.calibrated.yaml",
-      RunComment(provenance) + RobotToYaml(problem.model().WithValues(estimate.parameters.ModelValues())));
+  files.emplace_back("robot.calibrated.yaml",
+                     RunComment(provenance) + RobotToYaml(problem.RobotWith(estimate.parameters)));
   files.emplace_back("estimate.json", DumpJson(CalibrationToJson(calibration, provenance)));
   const OutputFolder out(folder, {"robot.calibrated.yaml", "residuals.csv", "estimate.json"});
   out.Write(files, {ResidualsFile(problem, estimate)});

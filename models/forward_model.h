@@ -35,6 +35,7 @@ struct ModelParameter {
   int index = -1;        // the transform, index into compliances, CompensatorPart, index into effects
   double nominal = 0.0;  // SI, as the robot file states it; 0 for geometric errors
   double lower = -std::numeric_limits<double>::infinity();
+  double prior_sigma = 0.0;  // SI, about 0: of an effect, as the robot file states it; 0: none
 };
 
 // What one shot commands and hangs on the arm; data, no unknowns.

@@ -71,6 +71,7 @@ void ForwardModel::AddEffects() {
       const double value = p < spec.values.size() ? spec.values[p] : 0.0;
       parameters_.push_back({spec.Path() + "/" + parameters[p].name, parameters[p].quantity, ParameterLaw::kEffect,
                              static_cast<int>(i), value});
+      if (p < spec.prior_sigmas.size()) parameters_.back().prior_sigma = spec.prior_sigmas[p];
     }
     // Which slots deflect does not depend on the shot: ask with an empty one.
     ShotConditions nothing;

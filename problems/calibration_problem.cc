@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "models/effects/catalogue.h"
 #include "problems/experiment_checks.h"
 #include "problems/free_selection.h"
 #include "problems/input_error.h"
@@ -134,6 +135,7 @@ void SetPriors(CalibrationProblem* problem) {
     }
     coordinate.prior_value = prior.value * TraitsOf(coordinate.quantity).si_per_unit;
     coordinate.prior_sigma = prior.sigma * TraitsOf(coordinate.quantity).si_per_unit;
+    coordinate.effect_prior = 0.0;  // the experiment's is asked for
   }
 }
 
@@ -216,6 +218,21 @@ std::vector<int> CalibrationProblem::CalibrationObservations() const {
 }
 
 std::vector<int> CalibrationProblem::ValidationObservations() const { return ObservationsOf(*data_, true); }
+
+Robot CalibrationProblem::RobotWith(const ParameterSet& own) const {
+  Robot robot = model_->WithValues(own.ModelValues());
+  for (EffectSpec& spec : robot.effects) {
+    const std::vector<EffectParameter> parts = FindEffect(robot, spec.effect)->parameters(robot, spec);
+    std::vector<double> priors;
+    for (const EffectParameter& part : parts) {
+      const int i = own.FindCoordinate(spec.Path() + "/" + part.name);
+      priors.push_back(i < 0 ? 0.0 : own.coordinates()[i].effect_prior);
+    }
+    const bool any = std::any_of(priors.begin(), priors.end(), [](double sigma) { return sigma > 0.0; });
+    spec.prior_sigmas = any ? std::move(priors) : std::vector<double>();
+  }
+  return robot;
+}
 
 CalibrationProblem CalibrationProblem::WithEffects(const std::vector<EffectSpec>& specs) const {
   Robot extended = robot();

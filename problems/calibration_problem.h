@@ -93,6 +93,8 @@ class CalibrationProblem {
   // flags. A `gravity_compensator` (values L, a_x, a_y, s0, Kc) goes to its home;
   // its L is held: the scale gauge.
   CalibrationProblem WithEffects(const std::vector<EffectSpec>& specs) const;
+  // The robot with these values, and with the priors of its effects that these parameters have.
+  Robot RobotWith(const ParameterSet& own) const;
 
   // Observations that are fitted, and those of held-out configurations, by index; none that is excluded.
   std::vector<int> CalibrationObservations() const;

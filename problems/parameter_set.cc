@@ -86,6 +86,7 @@ ParameterSet::ParameterSet(const std::vector<std::string>& stations, const std::
     add_block(parameter.name, BlockKind::kModelParameter, i, {parameter.nominal}, {parameter.name}, parameter.quantity,
               KindOfLaw(parameter.law));
     coordinates_.back().lower = parameter.lower;
+    coordinates_.back().prior_sigma = coordinates_.back().effect_prior = parameter.prior_sigma;
     if (parameter.law == ParameterLaw::kCompensator) {
       coordinates_.back().compensator_part = static_cast<CompensatorPart>(parameter.index);
     }
@@ -190,6 +191,7 @@ void ParameterSet::CopyByName(const ParameterSet& other) {
       own.held = theirs.held;
       own.prior_value = theirs.prior_value;
       own.prior_sigma = theirs.prior_sigma;
+      own.effect_prior = theirs.effect_prior;
       own.hold_limit = theirs.hold_limit;
     }
   }

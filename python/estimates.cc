@@ -29,9 +29,7 @@ struct CalibratedExperiment {
 
   std::string Json() const { return DumpJson(CalibrationToJson(calibration, provenance)); }
   std::string ReportHtml() const { return CalibrationToHtml(calibration, provenance); }
-  std::string RobotYaml() const {
-    return RobotToYaml(calibration.problem.model().WithValues(calibration.estimate.parameters.ModelValues()));
-  }
+  std::string RobotYaml() const { return RobotToYaml(calibration.problem.RobotWith(calibration.estimate.parameters)); }
   // The files of `sagitta calibrate`, all or none.
   void Write(const std::string& folder) const {
     const std::vector<NamedText> files = {{"robot.calibrated.yaml", RunComment(provenance) + RobotYaml()},

@@ -39,8 +39,7 @@ struct ResultFiles {
 
   ResultFiles(const Calibration& calibration, const std::vector<Section>& sections, const Provenance& provenance)
       : json(CalibrationToJson(calibration, provenance)),
-        robot(RunComment(provenance) +
-              RobotToYaml(calibration.problem.model().WithValues(calibration.estimate.parameters.ModelValues()))),
+        robot(RunComment(provenance) + RobotToYaml(calibration.problem.RobotWith(calibration.estimate.parameters))),
         report(CalibrationToHtml(calibration, sections, provenance)) {}
 
   static std::vector<std::string> Names() {

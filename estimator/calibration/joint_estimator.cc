@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "estimator/alignment/starting_values.h"
+#include "estimator/calibration/effect_priors.h"
 #include "estimator/calibration/held_rest.h"
 #include "estimator/calibration/judge.h"
 #include "estimator/calibration/load_remedy.h"
@@ -33,6 +34,7 @@ constexpr int kMaxBoundedSteps = 60;
 constexpr int kMaxWarmSteps = 12;
 constexpr double kWarmReach = 1e3;        // standard deviations, from the round before
 constexpr double kConvergedSteps = 1e-5;  // Gauss-Newton step left at the optimum, standard deviations
+constexpr double kExactFit = 1e-9;        // of the stated noise: nothing is left to explain
 
 void ReportStage(const JointOptions& options, const std::string& what) {
   if (options.progress) options.progress(what);
@@ -98,6 +100,15 @@ bool DecideHeld(const CalibrationProblem& problem, const NormalEquations& equati
   return changed;
 }
 
+// Weighs the priors of effects against the rows as these scatter here; true where that moves them.
+bool WeighEffectPriors(const NormalEquations& equations, ParameterSet* parameters) {
+  if (!AnyEffectPrior(*parameters)) return false;
+  const FittedRows here = RowsOf(equations, *parameters, parameters->EstimatedCoordinates());
+  if (!here.rows.valid) return false;
+  const double scale = ResidualScale(SolveLinearization(here.rows), here.rows.num_columns(), here.equations);
+  return ScaleEffectPriors(std::max(kExactFit, scale), parameters);
+}
+
 // Gauss-Newton step that is left, in standard deviations.
 double RemainingStep(const LinearSolution& solution, double noise_scale) {
   if (!solution.full_rank) return std::numeric_limits<double>::infinity();
@@ -156,7 +167,7 @@ Eigen::VectorXd BoundedGaussNewton(const CalibrationProblem& problem, const Fitt
   certificate->columns = static_cast<int>(kept.size());
   certificate->full_rank = solution.full_rank;
   const double scale = std::max(1e-12, ScaleOfRows(problem, solution, certificate->columns, fitted.equations));
-  certificate->exact_fit = here.residual.norm() < 1e-9 * std::sqrt(fitted.equations);
+  certificate->exact_fit = here.residual.norm() < kExactFit * std::sqrt(fitted.equations);
   certificate->step = RemainingStep(solution, scale);
   for (const int c : pinned) {
     certificate->step = std::max(certificate->step, std::abs(delta[c]) * here.jacobian.col(c).norm() / scale);
@@ -339,6 +350,7 @@ Estimate EstimateFitted(const CalibrationProblem& problem, const Fitted& fitted,
 
   const ResidualSelection& residuals = fitted.residuals;
   const NormalEquations& equations = fitted.equations;
+  WeighEffectPriors(equations, &estimate.parameters);
   DecideHeld(problem, equations, /*only_add=*/false, /*at_start=*/true, &estimate);
 
   MinimizeSummary minimized;
@@ -348,7 +360,10 @@ Estimate EstimateFitted(const CalibrationProblem& problem, const Fitted& fitted,
     minimized = SolveAtRest(problem, residuals, equations, fitted.exact_joints(), options, estimate.aligned,
                             &estimate.parameters);
     estimate.iterations += minimized.iterations;
-    if (!DecideHeld(problem, equations, /*only_add=*/round >= kFreshRounds, /*at_start=*/false, &estimate)) break;
+    const bool moves = WeighEffectPriors(equations, &estimate.parameters);
+    if (!DecideHeld(problem, equations, /*only_add=*/round >= kFreshRounds, /*at_start=*/false, &estimate) && !moves) {
+      break;
+    }
   }
   Finish(problem, equations, minimized, &estimate);
   estimate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -39,7 +39,7 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
       CHECK_GE(i, 0) << name;
       Coordinate& coordinate = problem.parameters.coordinate(i);
       coordinate.free = coordinate.free && sizes[i] > 0.0;  // nothing excites it
-      if (coordinate.free) coordinate.prior_sigma = candidate.prior_scale * sizes[i];
+      if (coordinate.free) coordinate.prior_sigma = coordinate.effect_prior = candidate.prior_scale * sizes[i];
     }
     if (IsGravityCompensator(candidate.spec)) BoundCompensatorShape(candidate.keeps_shape, &problem.parameters);
   }

@@ -160,7 +160,7 @@ class Learner {
   }
 
   static EffectSpec WithValues(EffectSpec spec, const DiagnosedModel& model) {
-    const Robot robot = model.problem->model().WithValues(model.estimate.parameters.ModelValues());
+    const Robot robot = model.problem->RobotWith(model.estimate.parameters);
     for (const EffectSpec& own : robot.effects) {
       if (own.Path() == spec.Path()) return own;
     }

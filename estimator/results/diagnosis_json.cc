@@ -346,7 +346,7 @@ std::string NextToCsv(const Diagnosis& d) {
 }
 
 Robot RobotOf(const DiagnosedModel& model) {
-  Robot robot = model.problem->model().WithValues(model.estimate.parameters.ModelValues());
+  Robot robot = model.problem->RobotWith(model.estimate.parameters);
   std::vector<EffectSpec> others;
   for (const EffectSpec& spec : robot.effects) {
     if (spec.effect != JointComplianceEffect().name || !MoveHome(spec, &robot)) others.push_back(spec);

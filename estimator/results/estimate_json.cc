@@ -243,7 +243,7 @@ Json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,
   const Json torques = TorquesToJson(problem, CompareTorques(problem, estimate.parameters));
   if (!torques.empty()) json["torques"] = torques;
   json["warnings"] = WarningsOf(problem, estimate);
-  json["robot"] = RobotToJson(problem.model().WithValues(estimate.parameters.ModelValues()));
+  json["robot"] = RobotToJson(problem.RobotWith(estimate.parameters));
   json["stations"] = StationsToJson(problem, estimate.parameters);
   json["markers"] = MarkersToJson(problem, estimate.parameters);
   json["measured_joints"] = MeasuredJointsToJson(problem);

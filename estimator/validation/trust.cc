@@ -77,6 +77,13 @@ Widening BetweenPartsWiden(double noise, double dof, double between, double draw
   return widening;
 }
 
+// However much parts contradict each other, a parameter is no less known than its effect's prior has it.
+double WithinPrior(const Estimate& estimate, size_t p) {
+  const double prior = estimate.parameters.coordinates()[estimate.estimated[p]].effect_prior;
+  const auto i = static_cast<Eigen::Index>(p);
+  return prior > 0.0 ? std::max(1.0, prior / std::sqrt(estimate.covariance(i, i))) : kInfinity;
+}
+
 // One per estimated coordinate. What no parts determine is widened like the median of the others.
 std::vector<Widening> WideningsOf(const Estimate& estimate, const BetweenParts& between, double excess) {
   std::vector<Widening> all(estimate.estimated.size());
@@ -92,8 +99,9 @@ std::vector<Widening> WideningsOf(const Estimate& estimate, const BetweenParts& 
   for (size_t p = 0; p < all.size(); ++p) {
     const bool is_known = !between.known() || between.draws[static_cast<Eigen::Index>(p)] > 0.0;
     if (!is_known && !sigmas.empty()) all[p] = {Median(sigmas), Median(intervals)};
-    all[p].sigma = std::max(all[p].sigma, excess);
-    all[p].interval = std::max(all[p].interval, excess);
+    const double most = WithinPrior(estimate, p);
+    all[p].sigma = std::min(std::max(all[p].sigma, excess), most);
+    all[p].interval = std::min(std::max(all[p].interval, excess), most);
   }
   return all;
 }

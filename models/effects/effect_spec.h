@@ -12,6 +12,9 @@ struct EffectSpec {
   std::string target;                           // "base", "robot" where there is only one
   std::map<std::string, std::string> settings;  // order: 2, driver: A2, by: torque, after_s: 120
   std::vector<double> values;                   // SI, one per parameter
+  // SI, one per parameter, of priors about 0, no effect; 0: none. Empty: none at all. What data determine poorly of an
+  // effect stays of the size that such an effect has.
+  std::vector<double> prior_sigmas = {};
 
   // effect/joint_harmonic[order=1]/A3
   std::string Path() const;

@@ -13,6 +13,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr const char* kPriorSigma = "prior_sigma";
+
 std::vector<std::string> JointNames(const Robot& robot) {
   std::vector<std::string> names;
   for (const Joint& joint : robot.chain.joints) names.push_back(joint.name);
@@ -73,6 +75,20 @@ std::optional<double> ReadParameter(const EffectParameter& parameter, YamlMap* m
   return value->Number() * TraitsOf(parameter.quantity).si_per_unit;
 }
 
+// {s2z_urad: 1200}: priors of some parameters.
+std::vector<double> ReadPriors(const std::vector<EffectParameter>& parameters, YamlMap* effect) {
+  const auto value = effect->Find(kPriorSigma);
+  if (!value) return {};
+  YamlMap map(*value);
+  std::vector<double> sigmas;
+  for (const EffectParameter& parameter : parameters) {
+    sigmas.push_back(ReadParameter(parameter, &map).value_or(0.0));
+    if (sigmas.back() < 0.0) value->Fail("a standard deviation is positive; 0: no prior");
+  }
+  map.Finish();
+  return sigmas;
+}
+
 EffectSpec ReadEffect(const YamlValue& item, const Robot& robot) {
   YamlMap map(item);
   const std::string name = map.Get("effect").Text();
@@ -100,9 +116,11 @@ EffectSpec ReadEffect(const YamlValue& item, const Robot& robot) {
       spec.settings[setting.name] = setting.fallback;
     }
   }
-  for (const EffectParameter& parameter : definition->parameters(robot, spec)) {
+  const std::vector<EffectParameter> parameters = definition->parameters(robot, spec);
+  for (const EffectParameter& parameter : parameters) {
     spec.values.push_back(ReadParameter(parameter, &map).value_or(0.0));
   }
+  spec.prior_sigmas = ReadPriors(parameters, &map);
   map.Finish();
   return spec;
 }
@@ -174,14 +192,19 @@ Json SettingsToJson(const Robot& robot, const EffectSpec& spec) {
 Json EffectToJson(const Robot& robot, const EffectSpec& spec) {
   const EffectDefinition& definition = *FindEffect(robot, spec.effect);
   Json json = {{"effect", spec.effect}};
-  const std::string key = TargetKey(definition.target);
-  if (!key.empty()) json[key] = spec.target;
+  const std::string target = TargetKey(definition.target);
+  if (!target.empty()) json[target] = spec.target;
   json.update(SettingsToJson(robot, spec));
   const std::vector<EffectParameter> parameters = definition.parameters(robot, spec);
+  Json priors = Json::object();
   for (size_t p = 0; p < parameters.size(); ++p) {
+    const std::string key = ParameterKey(parameters[p].name, parameters[p].quantity);
     const double value = p < spec.values.size() ? spec.values[p] : 0.0;
-    json[ParameterKey(parameters[p].name, parameters[p].quantity)] = InItsUnit(parameters[p].quantity, value);
+    json[key] = InItsUnit(parameters[p].quantity, value);
+    const double prior = p < spec.prior_sigmas.size() ? spec.prior_sigmas[p] : 0.0;
+    if (prior > 0.0) priors[key] = InItsUnit(parameters[p].quantity, prior);
   }
+  if (!priors.empty()) json[kPriorSigma] = std::move(priors);
   return json;
 }
 

@@ -75,6 +75,22 @@ TEST(EffectEntries, EveryEffectOfTheCatalogueReadsBackAsWritten) {
   }
 }
 
+// How large a parameter may be, in its unit: of those that have such a prior.
+TEST(EffectEntries, PriorsReadBackAsWritten) {
+  const Robot robot =
+      WithEntry("{effect: joint_harmonic, joint: A2, order: 2, cos_urad: 210, prior_sigma: {sin_mrad: 0.3}}");
+  ASSERT_EQ(robot.effects[0].prior_sigmas.size(), 2u);
+  EXPECT_EQ(robot.effects[0].prior_sigmas[0], 0.0);
+  EXPECT_NEAR(robot.effects[0].prior_sigmas[1], 3e-4, 1e-15);
+  const Robot again = ReadRobotText(RobotToYaml(robot), "again.yaml");
+  EXPECT_EQ(again.effects[0].prior_sigmas, robot.effects[0].prior_sigmas);
+  EXPECT_TRUE(WithEntry("{effect: joint_harmonic, joint: A2, order: 2}").effects[0].prior_sigmas.empty());
+  const std::string start = "{effect: joint_harmonic, joint: A2, order: 2, prior_sigma: ";
+  EXPECT_NE(Refusal(start + "{sin_urad: -3}}").find("positive"), std::string::npos);
+  EXPECT_NE(Refusal(start + "{tan_urad: 3}}").find("tan_urad"), std::string::npos);
+  EXPECT_NE(Refusal(start + "3}").find("robot.yaml"), std::string::npos);
+}
+
 TEST(EffectEntries, UnitsAreThoseOfTheFormat) {
   const Robot robot = WithEntry("{effect: joint_harmonic, joint: A2, order: 2, cos_urad: 210, sin_urad: 0}");
   EXPECT_EQ(robot.effects[0].Path(), "effect/joint_harmonic[order=2]/A2");

@@ -135,7 +135,7 @@ size_t SizeOfFirstScreen(const Calibration& calibration) {
 
 std::vector<Section> CorrectedTable(const Calibration& calibration) {
   const Robot& nominal = calibration.problem.robot();
-  const Robot robot = calibration.problem.model().WithValues(calibration.estimate.parameters.ModelValues());
+  const Robot robot = calibration.problem.RobotWith(calibration.estimate.parameters);
   if (!nominal.dh || !robot.dh) return {};
   Section section;
   const bool standard = robot.dh->convention == DhConvention::kStandard;

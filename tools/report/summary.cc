@@ -174,11 +174,21 @@ ParameterEstimate AsShown(ParameterEstimate row, const Identifiability& identifi
   return row;
 }
 
+constexpr const char* kByPrior = "prior";
+
+// Half and more of the prior's standard deviation: the data say less than the robot file.
+bool IsRuledByPrior(const ParameterEstimate& row, const Estimate& estimate) {
+  const int i = estimate.parameters.FindCoordinate(row.name);
+  return i >= 0 && row.free && 2.0 * row.sigma > estimate.parameters.coordinates()[i].effect_prior &&
+         estimate.parameters.coordinates()[i].effect_prior > 0.0;
+}
+
 std::string StateOf(const ParameterEstimate& row, const Estimate& estimate) {
   if (!row.identifiable) return StatedTooLarge(estimate) > 1.0 ? "held" : "not measured";
   if (!row.free) return "fixed";
   if (IsConditional(row, estimate.identifiability)) return "conditional";
   if (row.at_bound) return "at bound";
+  if (IsRuledByPrior(row, estimate)) return kByPrior;
   return row.weak && StatedTooLarge(estimate) == 1.0 ? "weak" : "";
 }
 
@@ -221,7 +231,7 @@ Section ParameterSection(const CalibrationProblem& problem, const Estimate& esti
   Section section;
   section.title = "Parameters";
   section.header = {"name", "nominal", "correction", "calibrated", "±", "unit", ""};
-  bool any_at_bound = false;
+  bool any_at_bound = false, any_by_prior = false;
   for (const ParameterEstimate& own : estimate.table) {
     const ParameterEstimate row = AsShown(own, estimate.identifiability);
     const double correction = row.value - row.nominal, nominal = NominalOf(problem, row);
@@ -235,6 +245,7 @@ Section ParameterSection(const CalibrationProblem& problem, const Estimate& esti
                             known ? Arms(row, traits.si_per_unit, decimals) : "-", ShownUnit(traits.unit),
                             StateOf(row, estimate)});
     any_at_bound |= row.at_bound;
+    any_by_prior |= section.rows.back().back() == kByPrior;
   }
   section.paragraphs = {UncertaintyInWords(estimate, model_error),
                         "nominal: of the robot file; of base poses and markers, which have none, where the nominal "
@@ -245,6 +256,10 @@ Section ParameterSection(const CalibrationProblem& problem, const Estimate& esti
         " where the data fit best; the value means nothing by itself. conditional: moves together with one that is "
         "held; its ± allows for what that one may be (`unconditional` in estimate.json; `ci95` there assumes it to be "
         "exact).");
+  }
+  if (any_by_prior) {
+    section.paragraphs.push_back(
+        "prior: hardly measured; how large it may be is stated in the robot file (prior_sigma).");
   }
   if (any_at_bound) {
     section.paragraphs.push_back(
