@@ -86,7 +86,7 @@ void JudgeCalibration(const CalibrateOptions& options, std::shared_ptr<const Row
   Estimate& estimate = result->estimate;
   AddIntervals(result->problem, {options.num_threads, options.progress}, &estimate);
   BetweenParts between;
-  const FittedStream fitted(result->problem, std::move(rows));
+  const FittedStream fitted(result->problem, std::move(rows), options.num_threads);
   // The folds' steps are those of the joint fit, at whose minimum the exact halves end too.
   FoldPlan folds;
   folds.is_of_joint_fit = options.method == Method::kJoint || options.method == Method::kTwoStep;

@@ -45,12 +45,12 @@ struct ResultFiles {
   static std::vector<std::string> Names() {
     return {"robot.calibrated.yaml", "residuals.csv", "report.html", "estimate.json"};
   }
-  void Write(const OutputFolder& folder, const Calibration& calibration) {
+  void Write(const OutputFolder& folder, const Calibration& calibration, int num_threads) {
     std::vector<NamedText> files;
     files.emplace_back("robot.calibrated.yaml", robot);
     files.emplace_back("report.html", std::move(report));
     files.emplace_back("estimate.json", DumpJson(json));
-    folder.Write(files, {ResidualsFile(calibration.problem, calibration.estimate)});
+    folder.Write(files, {ResidualsFile(calibration.problem, calibration.estimate, num_threads)});
   }
 };
 
@@ -83,7 +83,7 @@ int RunCalibrate(const CommandLine& line) {
   if (FLAGS_out.empty()) {
     std::cout << NothingIsWritten();
   } else {
-    files.Write(*out, result);
+    files.Write(*out, result, FLAGS_threads);
     std::cout << "\n"
               << ResultsIn(FLAGS_out, {"report.html", "estimate.json", "robot.calibrated.yaml", "residuals.csv"});
   }

@@ -111,17 +111,16 @@ std::array<std::vector<int>, 2> WithDegrees(const Whole& whole, const std::array
   return listed;
 }
 
-// Calls add(position, three rows of [J r]) for each observation.
-bool ForEachRow(const Whole& whole, const std::function<void(int, const double*)>& add) {
+// Adds the rows of every observation. False: an equilibrium diverges.
+bool AddAllRows(const Whole& whole, PartSums* sums) {
   if (!whole.are_held) {
-    return whole.stream->ForEach(whole.estimate.parameters, whole.columns, [&](const RowPiece& piece) {
-      for (int i = 0; i < piece.num_observations(); ++i) add(piece.positions[i], &piece.rows(3 * i, 0));
-    });
+    return whole.stream->ForEachShared(whole.estimate.parameters, whole.columns,
+                                       [&](const RowPiece& piece, const Share& share) { sums->Add(piece, share); });
   }
   RowMajorMatrix rows(3, whole.num_columns() + 1);
   for (int k = 0; k < static_cast<int>(whole.observations.size()); ++k) {
     rows << whole.rows.jacobian.middleRows<3>(3 * k), whole.rows.residual.segment<3>(3 * k);
-    add(k, rows.data());
+    sums->Add(k, rows.data());
   }
   return true;
 }
@@ -154,7 +153,7 @@ Whole::Whole(const CalibrationProblem& given, const Estimate& at, const FittedSt
     const auto noise = [&given](const std::vector<int>& listed) {
       return ObservationNoise(given, listed, kFallbackSigma);
     };
-    own_stream.emplace(given, noise);
+    own_stream.emplace(given, noise, nullptr, fitted != nullptr ? fitted->num_threads() : 1);
     stream = &*own_stream;
     return;
   }
@@ -190,7 +189,7 @@ SumsOfParts SumParts(const std::vector<Split>& splits, Whole* whole, AlsoSummed*
   for (const Split& split : splits) summed.Divide(PartitionOf(split, whole->observations.size()));
   const bool are_shared = also != nullptr && !whole->own_stream && !whole->are_held;
   if (are_shared) summed.Divide(also->partition);
-  whole->valid = ForEachRow(*whole, [&](int position, const double* rows) { summed.Add(position, rows); });
+  whole->valid = AddAllRows(*whole, &summed);
   SummedParts totals = summed.Totals();
   if (are_shared && whole->valid) also->sums = std::move(totals.parts.back());
   totals.parts.resize(splits.size());
@@ -255,9 +254,11 @@ RobustCovariance AddSandwiches(const Whole& whole, const std::vector<Split>& spl
   Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(n, n);
   whole.turns.TurnColumns(&turn);
   const Eigen::MatrixXd normal = whole.turns.TurnBack(of_all.solution.covariance);
-  ClusterSandwich sandwich(whole.num_columns(), num_clusters, normal, std::move(asked), turn);
-  whole.stream->ForEachOfClusters(whole.estimate.parameters, whole.columns,
-                                  [&](const RowPiece& piece) { sandwich.Add(piece, whole.clusters); });
+  ClusterSandwich sandwich(whole.num_columns(), num_clusters, normal, std::move(asked), turn,
+                           whole.stream->num_threads());
+  whole.stream->ForEachOfClusters(
+      whole.estimate.parameters, whole.columns,
+      [&](const RowPiece& piece, const Share& share) { sandwich.Add(piece, whole.clusters, share); });
   for (size_t i = 0; i < compared.size(); ++i) {
     const int first = 1 + 2 * static_cast<int>(i);
     std::array<PartFit, 2>& both = (*fits)[compared[i]];

@@ -100,16 +100,17 @@ class RowJudge {
   RowJudge(const CalibrationProblem& problem, const Eigen::MatrixXd& normal_root, double scale, Estimate* estimate)
       : problem_(problem), normal_root_(normal_root), scale_(scale), estimate_(estimate) {
     const size_t n = problem.data().observations.size();
-    estimate->leverage.resize(static_cast<Eigen::Index>(n));
+    estimate->leverage.setZero(static_cast<Eigen::Index>(n));
     estimate->scatter.resize(n);
     if (problem.ValidationObservations().empty()) return;
+    held_out_.resize(n);
     by_covariance_ = RootOf(estimate->covariance);
     by_model_ = RootOf(estimate->model_covariance);
     by_held_ = RootOf(estimate->held.second_moment);
   }
 
   // fitted: rows of all observations as the instrument's noise whitens them, or null.
-  void Judge(const RowBatches* fitted) {
+  void Judge(const RowBatches* fitted, int num_threads) {
     std::vector<int> columns = estimate_->estimated;
     columns.insert(columns.end(), estimate_->held.coordinates.begin(), estimate_->held.coordinates.end());
     std::vector<int> all(problem_.data().observations.size()), visits;
@@ -117,6 +118,8 @@ class RowJudge {
     for (const Observation& observation : problem_.data().observations) {  // rows of one visit go together
       if (!problem_.latent.empty()) visits.push_back(problem_.latent.visit_of_shot[observation.shot]);
     }
+    transposed_root_.setZero(normal_root_.cols(), static_cast<Eigen::Index>(columns.size()) + 1);
+    transposed_root_.leftCols(normal_root_.rows()) = normal_root_.transpose();
     const auto noise = [this](const std::vector<int>& listed) {
       NoiseRoots roots;
       for (const int k : listed) roots.push_back(estimate_->noise[k]);
@@ -125,30 +128,39 @@ class RowJudge {
     const auto judge = [this](const RowPiece& piece) { Judge(piece); };
     estimate_->predicted.setConstant(3, static_cast<Eigen::Index>(all.size()), std::nan(""));
     if (fitted != nullptr) {
-      ForEachPiece(*fitted, estimate_->parameters, columns, judge);
+      ForEachPiece(*fitted, estimate_->parameters, columns, num_threads, judge);
     } else {
-      RowStream(problem_, all, noise, LatentTreatment::kIgnore, visits).ForEach(estimate_->parameters, columns, judge);
+      RowStream(problem_, all, noise, LatentTreatment::kIgnore, visits)
+          .ForEach(estimate_->parameters, columns, judge, num_threads);
     }
     std::vector<int> others;  // rotations, and what was not measured
     for (const int k : all) {
       if (!estimate_->predicted.col(k).allFinite()) others.push_back(k);
     }
     estimate_->predicted(Eigen::all, others) = PredictPoints(problem_, estimate_->parameters, others);
-    estimate_->noise_floor = coordinates_ > 0 ? std::sqrt(floor_ / coordinates_) : 0.0;
-    estimate_->validation_predicted_rms = coordinates_ > 0 ? std::sqrt(sum_ / coordinates_) : 0.0;
+    HeldOut sum;  // in the order of the observations, whichever was looked at first
+    for (const HeldOut& own : held_out_) {
+      sum.predicted += own.predicted;
+      sum.floor += own.floor;
+      sum.coordinates += own.coordinates;
+    }
+    estimate_->noise_floor = sum.coordinates > 0 ? std::sqrt(sum.floor / sum.coordinates) : 0.0;
+    estimate_->validation_predicted_rms = sum.coordinates > 0 ? std::sqrt(sum.predicted / sum.coordinates) : 0.0;
   }
 
  private:
+  // Squares that are expected of an observation that is held out, m^2, summed over its axes.
+  struct HeldOut {
+    double predicted = 0.0, floor = 0.0;
+    int coordinates = 0;
+  };
+
   // R' J', a column per row of the piece: these lie one behind the other as they are. What follows J in a row (columns
   // of what is held, the residual) meets zeros.
-  Eigen::MatrixXd TimesNormalRoot(const RowPiece& piece) {
+  Eigen::MatrixXd TimesNormalRoot(const RowPiece& piece) const {
     const Eigen::Index numbers = piece.rows.cols(), estimated = normal_root_.rows();
     if (!piece.rows.rightCols(numbers - estimated).allFinite()) {  // what was not measured: zero times it is no number
       return TallProduct(piece.rows.leftCols(estimated), normal_root_).transpose();
-    }
-    if (transposed_root_.cols() != numbers) {
-      transposed_root_.setZero(normal_root_.cols(), numbers);
-      transposed_root_.leftCols(estimated) = normal_root_.transpose();
     }
     Eigen::MatrixXd product(transposed_root_.rows(), piece.rows.rows());
     const auto size = [](Eigen::Index number) { return static_cast<std::size_t>(number); };
@@ -157,7 +169,7 @@ class RowJudge {
     return product;
   }
 
-  void Judge(const RowPiece& piece) {
+  void Judge(const RowPiece& piece) {  // on several threads at once
     Estimate& estimate = *estimate_;
     const std::vector<int>& observations = piece.positions;
     const auto estimated = static_cast<Eigen::Index>(estimate.estimated.size());
@@ -200,9 +212,8 @@ class RowJudge {
       const auto variance = [&](const Eigen::MatrixXd& by_root) {
         return (own * RowBlock(by_root, row, 3)).squaredNorm();
       };
-      sum_ += scale_ * scale_ * scatter + variance(by_covariance) + variance(by_held);
-      floor_ += scatter + variance(by_model) / (scale_ * scale_);
-      coordinates_ += 3;
+      held_out_[static_cast<size_t>(k)] = {scale_ * scale_ * scatter + variance(by_covariance) + variance(by_held),
+                                           scatter + variance(by_model) / (scale_ * scale_), 3};
     }
     if (!problem_.latent.empty() && problem_.weight_roots.empty()) {
       LeverageGivenDeviations(problem_, piece, jacobian, TallProduct(by_normal.transpose(), normal_root_.transpose()),
@@ -216,8 +227,7 @@ class RowJudge {
   Estimate* estimate_;
   Eigen::MatrixXd transposed_root_;                     // R' and zeros
   Eigen::MatrixXd by_covariance_, by_model_, by_held_;  // roots; empty where nothing is held out
-  double sum_ = 0.0, floor_ = 0.0;
-  int coordinates_ = 0;
+  std::vector<HeldOut> held_out_;                       // of each observation, where any is held out
 };
 
 // A linearization with the information that the estimate has at unit scale: what is weak is so under its own weights.
@@ -352,13 +362,14 @@ const RowBatches* RowsOfAll(const CalibrationProblem& problem, const NormalEquat
 }
 
 // All points at the aligned nominal robot; none where nothing was aligned. of_all: or null.
-Eigen::Matrix3Xd PredictAligned(const CalibrationProblem& problem, const RowBatches* of_all, const Estimate& estimate) {
+Eigen::Matrix3Xd PredictAligned(const CalibrationProblem& problem, const RowBatches* of_all, int num_threads,
+                                const Estimate& estimate) {
   const std::vector<Observation>& observations = problem.data().observations;
   if (estimate.aligned.num_coordinates() == 0) return {};
   const auto is_point = [](const Observation& observation) { return observation.is_point(); };
   if (of_all != nullptr && std::all_of(observations.begin(), observations.end(), is_point)) {
     Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(observations.size()));
-    const bool valid = ForEachPiece(*of_all, estimate.aligned, {}, [&](const RowPiece& piece) {
+    const bool valid = ForEachPiece(*of_all, estimate.aligned, {}, num_threads, [&](const RowPiece& piece) {
       for (int i = 0; i < piece.num_observations(); ++i) {
         const int k = piece.positions[i];
         points.col(k) = piece.PredictedPoint(i, observations[k], estimate.noise[k]);
@@ -411,8 +422,9 @@ void JudgeFit(const CalibrationProblem& problem, const NormalEquations* equation
   for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
   estimate->noise = ObservationNoise(problem, all, kFallbackSigma);
   const RowBatches* const of_all = RowsOfAll(problem, equations);
-  RowJudge(problem, normal_root, scale, estimate).Judge(of_all);
-  estimate->predicted_aligned = PredictAligned(problem, of_all, *estimate);
+  const int num_threads = equations != nullptr ? equations->num_threads() : 1;
+  RowJudge(problem, normal_root, scale, estimate).Judge(of_all, num_threads);
+  estimate->predicted_aligned = PredictAligned(problem, of_all, num_threads, *estimate);
   if (!estimate->sigma.stated) {
     for (NoiseRoots* roots : {&estimate->noise, &estimate->scatter}) {
       for (Matrix3<double>& root : *roots) root *= estimate->sigma.estimated / kFallbackSigma;

@@ -57,12 +57,12 @@ void Pad(const Eigen::MatrixXd& matrix, int padded, std::vector<double>* numbers
 }  // namespace
 
 ClusterSandwich::ClusterSandwich(int columns, int clusters, const Eigen::MatrixXd& normal, std::vector<ClusterFit> fits,
-                                 const Eigen::MatrixXd& turn)
+                                 const Eigen::MatrixXd& turn, int shares)
     : columns_(columns),
       padded_((columns + kGramBlock - 1) / kGramBlock * kGramBlock),
       clusters_(clusters),
       in_fits_(static_cast<size_t>(clusters), 0),
-      lanes_(kBatchLanes) {
+      scratch_(static_cast<size_t>(shares)) {
   Pad(UpperRoot(normal), padded_, &root_);
   const Eigen::MatrixXd along = turn.size() > 0 ? turn : Eigen::MatrixXd::Identity(columns, columns);
   const auto count = padded_ / kGramBlock;
@@ -92,35 +92,39 @@ ClusterSandwich::ClusterSandwich(int columns, int clusters, const Eigen::MatrixX
   }
 }
 
-void ClusterSandwich::Add(const RowMajorMatrix& rows, const std::vector<int>& cluster_of) {
+void ClusterSandwich::Add(const RowMajorMatrix& rows, const std::vector<int>& cluster_of, const Share& share) {
+  Scratch& scratch = scratch_[static_cast<size_t>(share.number)];
+  std::vector<int>& by_cluster = scratch.by_cluster;
+  std::vector<Member>& members = scratch.members;
   // Clusters that the same fits have side by side, by their numbers of rows.
-  by_cluster_.resize(cluster_of.size());
-  std::iota(by_cluster_.begin(), by_cluster_.end(), 0);
+  by_cluster.resize(cluster_of.size());
+  std::iota(by_cluster.begin(), by_cluster.end(), 0);
   const auto is_before = [&](int a, int b) { return cluster_of[a] < cluster_of[b]; };
   if (!std::is_sorted(cluster_of.begin(), cluster_of.end())) {
-    std::stable_sort(by_cluster_.begin(), by_cluster_.end(), is_before);
+    std::stable_sort(by_cluster.begin(), by_cluster.end(), is_before);
   }
-  members_.clear();
-  for (size_t i = 0; i < by_cluster_.size(); ++i) {
-    const int cluster = cluster_of[by_cluster_[i]];
-    if (members_.empty() || members_.back().cluster != cluster) members_.push_back({in_fits_[cluster], cluster, i, 0});
-    ++members_.back().count;
+  members.clear();
+  for (size_t i = 0; i < by_cluster.size(); ++i) {
+    const int cluster = cluster_of[by_cluster[i]];
+    if (members.empty() || members.back().cluster != cluster) members.push_back({in_fits_[cluster], cluster, i, 0});
+    ++members.back().count;
   }
-  std::sort(members_.begin(), members_.end(), [](const Member& a, const Member& b) {
+  std::sort(members.begin(), members.end(), [](const Member& a, const Member& b) {
     return std::tie(a.fits, a.count, a.cluster) < std::tie(b.fits, b.count, b.cluster);
   });
-  for (size_t first = 0; first < members_.size(); first += kBatchLanes) {
-    const size_t count = std::min<size_t>(kBatchLanes, members_.size() - first);
-    for (size_t i = 0; i < count; ++i) Fill(members_[first + i], rows, &lanes_[i]);
-    AddLanes(count);
+  for (size_t first = 0; first < members.size(); first += kBatchLanes) {
+    const size_t count = std::min<size_t>(kBatchLanes, members.size() - first);
+    for (size_t i = 0; i < count; ++i) Fill(members[first + i], rows, by_cluster, &scratch.lanes[i]);
+    AddLanes(count, share, &scratch);
   }
 }
 
-void ClusterSandwich::Fill(const Member& member, const RowMajorMatrix& rows, Lane* lane) const {
+void ClusterSandwich::Fill(const Member& member, const RowMajorMatrix& rows, const std::vector<int>& by_cluster,
+                           Lane* lane) const {
   lane->cluster = member.cluster;
   lane->rows.clear();
   for (size_t i = member.first; i < member.first + member.count; ++i) {
-    for (int axis = 0; axis < 3; ++axis) lane->rows.push_back(&rows(3 * by_cluster_[i] + axis, 0));
+    for (int axis = 0; axis < 3; ++axis) lane->rows.push_back(&rows(3 * by_cluster[i] + axis, 0));
   }
   if (lane->rows.size() <= static_cast<size_t>(columns_) + 1) return;
   lane->shortened = Shortened(RowsOf(*lane));
@@ -140,31 +144,37 @@ void ClusterSandwich::Add(const RowStream& stream, const ParameterSet& parameter
   stream.ForEach(parameters, columns, [&](const RowPiece& piece) { Add(piece, cluster_of); });
 }
 
-void ClusterSandwich::Add(const RowPiece& piece, const std::vector<int>& cluster_of) {
-  clusters_of_piece_.clear();
-  for (const int k : piece.positions) clusters_of_piece_.push_back(cluster_of[k]);
-  Add(piece.rows, clusters_of_piece_);
+void ClusterSandwich::Add(const RowPiece& piece, const std::vector<int>& cluster_of, const Share& share) {
+  std::vector<int>& own = scratch_[static_cast<size_t>(share.number)].clusters_of_piece;
+  own.clear();
+  for (const int k : piece.positions) own.push_back(cluster_of[k]);
+  Add(piece.rows, own, share);
 }
 
-void ClusterSandwich::AddLanes(std::size_t count) {
+void ClusterSandwich::AddLanes(std::size_t count, const Share& share, Scratch* scratch) {
+  const std::vector<Lane>& lanes = scratch->lanes;
   ClusterLanes cells;
-  for (size_t i = 0; i < count; ++i) cells.rows = std::max(cells.rows, lanes_[i].rows.size());
+  for (size_t i = 0; i < count; ++i) cells.rows = std::max(cells.rows, lanes[i].rows.size());
   cells.columns = static_cast<std::size_t>(padded_);
   cells.stride = cells.columns + 1;
-  double* const memory = cells_.Reserve(cells.rows * cells.stride * kBatchLanes);
+  double* const memory = scratch->cells.Reserve(cells.rows * cells.stride * kBatchLanes);
   cells.cells = memory;
   for (size_t i = 0; i < count; ++i) {
-    for (size_t r = 0; r < lanes_[i].rows.size(); ++r) {
+    for (size_t r = 0; r < lanes[i].rows.size(); ++r) {
       double* const cell = memory + r * cells.stride * kBatchLanes + i;
-      const double* const row = lanes_[i].rows[r];
+      const double* const row = lanes[i].rows[r];
       for (int c = 0; c < columns_; ++c) cell[c * kBatchLanes] = row[c];
       cell[cells.columns * kBatchLanes] = row[columns_];
     }
   }
+  for (size_t f = 0; f < fits_.size(); ++f) {
+    if (share.Has(f)) Score(cells, count, scratch, &fits_[f]);
+  }
+  if (!share.Has(static_cast<size_t>(share.count) - 1))
+    return;  // the last draws the sample: the first has the fit of all
   double leverages[kBatchLanes];
   LeveragesOf(cells, root_.data(), leverages);
-  for (size_t i = 0; i < count; ++i) Draw(lanes_[i], leverages[i]);
-  for (Fit& fit : fits_) Score(cells, count, &fit);
+  for (size_t i = 0; i < count; ++i) Draw(lanes[i], leverages[i]);
 }
 
 // sum_g h_g = tr H = p: about kSampled clusters are drawn. Each stands for 1 / probability of them, which leaves every
@@ -178,20 +188,20 @@ void ClusterSandwich::Draw(const Lane& lane, double leverage) {
   if (Chance(lane.cluster) < Expected(leverage, false)) sample_.push_back({lane.cluster, leverage, RowsOf(lane)});
 }
 
-void ClusterSandwich::Score(const ClusterLanes& lanes, std::size_t count, Fit* fit) {
+void ClusterSandwich::Score(const ClusterLanes& lanes, std::size_t count, Scratch* scratch, Fit* fit) const {
   double counts[kBatchLanes] = {};
   bool any = false;
   for (size_t i = 0; i < count; ++i) {
-    if (Has(*fit, lanes_[i].cluster)) counts[i] = 1.0, any = true;
+    if (Has(*fit, scratch->lanes[i].cluster)) counts[i] = 1.0, any = true;
   }
   if (!any) return;
   if (fit->num_held == kHeldScores) Flush(fit);
   double* const scores = fit->held + static_cast<size_t>(fit->num_held++) * padded_ * kBatchLanes;
-  double* const work = work_.Reserve((2 * lanes.rows + 2 * lanes.columns) * kBatchLanes);
+  double* const work = scratch->work.Reserve((2 * lanes.rows + 2 * lanes.columns) * kBatchLanes);
   const unsigned too_long = ScoreClusters(lanes, {fit->inverse_normal.data(), fit->step.data(), counts}, work, scores);
   for (size_t i = 0; i < count && too_long != 0; ++i) {
     if ((too_long >> i & 1u) == 0) continue;
-    const RowMajorMatrix rows = RowsOf(lanes_[i]);
+    const RowMajorMatrix rows = RowsOf(scratch->lanes[i]);
     const Eigen::MatrixXd j = rows.leftCols(columns_);
     Eigen::VectorXd residual = rows.col(columns_);
     residual += j * Eigen::VectorXd::Map(fit->step.data(), columns_);
@@ -202,7 +212,7 @@ void ClusterSandwich::Score(const ClusterLanes& lanes, std::size_t count, Fit* f
   }
 }
 
-void ClusterSandwich::Flush(Fit* fit) {
+void ClusterSandwich::Flush(Fit* fit) const {
   std::vector<const double*> rows;
   for (int i = 0; i < fit->num_held; ++i) rows.push_back(fit->held + static_cast<size_t>(i) * padded_ * kBatchLanes);
   fit->products.Add(rows, 0, 0);

@@ -25,14 +25,16 @@ struct ClusterFit {
 class ClusterSandwich {
  public:
   // columns: of the rows, without the residual. normal: (J'J)^-1 of the fit of all clusters. turn: fits have the rows'
-  // columns times this; empty: those themselves.
+  // columns times this; empty: those themselves. shares: that rows are added in.
   ClusterSandwich(int columns, int clusters, const Eigen::MatrixXd& normal, std::vector<ClusterFit> fits,
-                  const Eigen::MatrixXd& turn = {});
+                  const Eigen::MatrixXd& turn = {}, int shares = 1);
 
   // rows: [J r] of whole clusters, three per observation; cluster_of: of each observation, 0 .. clusters - 1.
-  void Add(const RowMajorMatrix& rows, const std::vector<int>& cluster_of);
+  // To the share's fits.
+  void Add(const RowMajorMatrix& rows, const std::vector<int>& cluster_of, const Share& share = {});
 
-  void Add(const RowPiece& piece, const std::vector<int>& cluster_of);  // of each observation of the piece's list
+  // cluster_of: of each observation of the piece's list.
+  void Add(const RowPiece& piece, const std::vector<int>& cluster_of, const Share& share = {});
   // All rows of a stream whose groups are clusters; cluster_of: of each of its observations.
   void Add(const RowStream& stream, const ParameterSet& parameters, const std::vector<int>& columns,
            const std::vector<int>& cluster_of);
@@ -71,11 +73,22 @@ class ClusterSandwich {
 
   bool Has(const Fit& fit, int cluster) const { return fit.given.has.empty() || fit.given.has[cluster] != 0; }
   double Expected(double leverage, bool of_part) const;
-  void Fill(const Member& member, const RowMajorMatrix& rows, Lane* lane) const;
-  void AddLanes(std::size_t count);
-  void Score(const ClusterLanes& lanes, std::size_t count, Fit* fit);
+  // What the rows of a piece are put side by side in.
+  struct Scratch {
+    Scratch() : lanes(kBatchLanes) {}
+
+    std::vector<int> clusters_of_piece;
+    std::vector<int> by_cluster;  // observations of the piece
+    std::vector<Member> members;
+    std::vector<Lane> lanes;
+    BatchBuffer cells, work;
+  };
+
+  void Fill(const Member& member, const RowMajorMatrix& rows, const std::vector<int>& by_cluster, Lane* lane) const;
+  void AddLanes(std::size_t count, const Share& share, Scratch* scratch);
+  void Score(const ClusterLanes& lanes, std::size_t count, Scratch* scratch, Fit* fit) const;
   void Draw(const Lane& lane, double leverage);
-  void Flush(Fit* fit);
+  void Flush(Fit* fit) const;
   RowMajorMatrix RowsOf(const Lane& lane) const;
 
   int columns_, padded_, clusters_;
@@ -83,11 +96,7 @@ class ClusterSandwich {
   std::vector<Fit> fits_;
   std::vector<int> in_fits_;  // of each cluster: equal numbers, the same fits
   std::vector<Sample> sample_;
-  std::vector<int> clusters_of_piece_;
-  std::vector<int> by_cluster_;  // observations of the piece
-  std::vector<Member> members_;
-  std::vector<Lane> lanes_;
-  BatchBuffer cells_, work_;
+  std::vector<Scratch> scratch_;  // of each share
 };
 
 }  // namespace sagitta

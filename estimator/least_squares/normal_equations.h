@@ -21,6 +21,7 @@ class NormalEquations {
                   LatentTreatment treatment, int num_threads);
   ~NormalEquations();
 
+  int num_threads() const { return num_threads_; }
   const RowBatches& batches() const { return *batches_; }
   const std::shared_ptr<const RowBatches>& shared_batches() const { return batches_; }
 

@@ -13,6 +13,12 @@ namespace sagitta {
 // which thread, for buffers of its own. The first exception is thrown again here.
 void ParallelFor(int n, int threads, const std::function<void(int i, int worker)>& work);
 
+// Calls make(i, slot) once for every i in 0..n-1, each on one of the threads, and use(slot, user) for i after i, by
+// every user in 0..threads-1 on a thread of its own. slots: how many i are made and not yet used by all; slot i % slots
+// has i. The first exception is thrown again here.
+void MakeAndUse(int n, int threads, int slots, const std::function<void(int i, int slot)>& make,
+                const std::function<void(int slot, int user)>& use);
+
 // The result of the smallest i in 0..n-1 for which work(i) has one; those beyond it are tried by the way only.
 template <typename Result>
 std::optional<Result> FirstFound(int n, int threads, const std::function<std::optional<Result>(int i)>& work) {

@@ -34,8 +34,10 @@ class PartSums::Cells {
     return true;
   }
 
-  void Add(int position, const double* rows, int numbers) {
-    Cell& own = cells_[static_cast<std::size_t>(cell_of_[static_cast<std::size_t>(position)])];
+  void Add(int position, const double* rows, int numbers, const Share& share) {
+    const auto cell = static_cast<std::size_t>(cell_of_[static_cast<std::size_t>(position)]);
+    if (!share.Has(cell)) return;
+    Cell& own = cells_[cell];
     if (!own.sum) own.sum.emplace(numbers);
     for (int axis = 0; axis < 3; ++axis) own.sum->Add(rows + axis * numbers);
     own.rows += 3;
@@ -82,8 +84,12 @@ void PartSums::Divide(const Partition& partition) {
   cells_.back()->Take(partition);
 }
 
-void PartSums::Add(int position, const double* rows) {
-  for (const std::unique_ptr<Cells>& own : cells_) own->Add(position, rows, none_.num_columns() + 1);
+void PartSums::Add(int position, const double* rows, const Share& share) {
+  for (const std::unique_ptr<Cells>& own : cells_) own->Add(position, rows, none_.num_columns() + 1, share);
+}
+
+void PartSums::Add(const RowPiece& piece, const Share& share) {
+  for (int i = 0; i < piece.num_observations(); ++i) Add(piece.positions[i], &piece.rows(3 * i, 0), share);
 }
 
 SummedParts PartSums::Totals() {

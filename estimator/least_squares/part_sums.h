@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "estimator/least_squares/row_stream.h"
 #include "estimator/least_squares/row_sums.h"
 
 namespace sagitta {
@@ -35,8 +36,9 @@ class PartSums {
   ~PartSums();
 
   void Divide(const Partition& partition);
-  // The three rows [J r] of an observation, one after the other.
-  void Add(int position, const double* rows);
+  // The three rows [J r] of an observation, one after the other, where the share has the sums that they belong to.
+  void Add(int position, const double* rows, const Share& share = {});
+  void Add(const RowPiece& piece, const Share& share);
   SummedParts Totals();
 
  private:

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <numeric>
 #include <utility>
 
+#include "estimator/least_squares/parallel.h"
 #include "estimator/least_squares/sandwich.h"
 
 namespace sagitta {
@@ -67,9 +69,8 @@ struct PieceMemory {
 // Rows of batches at one point, written into pieces.
 class PieceWriter {
  public:
-  PieceWriter(const RowBatches& batches, const ParameterSet& parameters, const std::vector<int>& columns,
-              PieceMemory* memory)
-      : batches_(batches), request_(batches, parameters, columns), numbers_(columns.size() + 1), memory_(*memory) {}
+  PieceWriter(const RowBatches& batches, const ParameterSet& parameters, const std::vector<int>& columns)
+      : batches_(batches), request_(batches, parameters, columns), numbers_(columns.size() + 1) {}
 
   // Zero rows for the piece's positions.
   void Clear(RowPiece* piece) const {
@@ -78,14 +79,14 @@ class PieceWriter {
   }
   // Those of some batches of a group; unit_of(batch, lane): places in the piece. False: an equilibrium diverges.
   template <typename UnitOf>
-  bool Write(int group, int first, int last, const UnitOf& unit_of, RowPiece* piece) {
+  bool Write(int group, int first, int last, const UnitOf& unit_of, PieceMemory* memory, RowPiece* piece) const {
     const BatchColumns& layout = request_.columns(group);
     const int rows_of_unit = batches_.rows_of_unit(group);
     Unpacker unpacker(layout, rows_of_unit, piece);
     // Zeros where no number of these batches goes: each writes the same places.
-    double* const rows = memory_.buffer.Reserve(static_cast<size_t>(rows_of_unit) * layout.columns * kBatchLanes);
+    double* const rows = memory->buffer.Reserve(static_cast<size_t>(rows_of_unit) * layout.columns * kBatchLanes);
     for (int b = first; b < last; ++b) {
-      if (!batches_.Evaluate(request_, group, b, &memory_.scratch, rows)) return false;
+      if (!batches_.Evaluate(request_, group, b, &memory->scratch, rows)) return false;
       std::array<RowBatches::Unit, kBatchLanes> units;
       for (int lane = 0; lane < kBatchLanes; ++lane) units[lane] = unit_of(b, lane);
       unpacker.Unpack(units, rows);
@@ -97,14 +98,104 @@ class PieceWriter {
   const RowBatches& batches_;
   const RowBatches::Request request_;
   const size_t numbers_;
-  PieceMemory& memory_;
 };
+
+// A piece and what it is made in; of one thread at a time.
+struct PieceSlot {
+  RowPiece piece;
+  int group = -1;           // of batches that the piece's numbers are from, or -1
+  std::vector<int> places;  // one unit behind the other
+  PieceMemory memory;
+};
+
+// Pieces of batches that are at hand.
+class PiecesOfBatches {
+ public:
+  PiecesOfBatches(const RowBatches& batches, const ParameterSet& parameters, const std::vector<int>& columns)
+      : batches_(batches), writer_(batches, parameters, columns) {
+    for (int g = 0; g < batches.num_groups(); ++g) {
+      const int at_once = std::max(1, static_cast<int>(kObservationsAtOnce / (kBatchLanes * PerUnit(g))));
+      for (int first = 0; first < batches.num_batches(g); first += at_once) {
+        runs_.push_back({g, first, std::min(first + at_once, batches.num_batches(g))});
+      }
+    }
+  }
+  int count() const { return static_cast<int>(runs_.size()); }
+
+  bool Make(int i, PieceSlot* slot) const {
+    const auto& [group, first, last] = runs_[static_cast<size_t>(i)];
+    RowPiece& piece = slot->piece;
+    piece.positions.clear();
+    for (int k = 0; k < (last - first) * kBatchLanes; ++k) {
+      const RowBatches::Unit unit = batches_.UnitOf(group, first + k / kBatchLanes, k % kBatchLanes);
+      piece.positions.insert(piece.positions.end(), unit.begin(), unit.end());
+    }
+    std::vector<int>& places = slot->places;
+    places.resize(piece.positions.size());
+    std::iota(places.begin(), places.end(), 0);
+    const auto unit_of = [&, begin = first, per_unit = PerUnit(group)](int batch, int lane) -> RowBatches::Unit {
+      const size_t own = (static_cast<size_t>(batch - begin) * kBatchLanes + static_cast<size_t>(lane)) * per_unit;
+      return own < places.size() ? RowBatches::Unit(places.data() + own, per_unit) : RowBatches::Unit();
+    };
+    // Pieces of one size and group have their numbers at the same places.
+    const bool is_like_before =
+        slot->group == group && piece.rows.rows() == static_cast<Eigen::Index>(3 * places.size());
+    if (!is_like_before) writer_.Clear(&piece);
+    slot->group = group;
+    return writer_.Write(group, first, last, unit_of, &slot->memory, &piece);
+  }
+
+ private:
+  struct Run {
+    int group = 0, first = 0, last = 0;  // batches
+  };
+  size_t PerUnit(int group) const { return static_cast<size_t>(batches_.rows_of_unit(group) / 3); }
+
+  const RowBatches& batches_;
+  const PieceWriter writer_;
+  std::vector<Run> runs_;
+};
+
+template <typename Pieces>
+bool VisitEach(const Pieces& pieces, int num_threads, const PieceVisit& visit) {
+  std::vector<PieceSlot> slots(static_cast<size_t>(std::max(1, std::min(num_threads, pieces.count()))));
+  std::atomic<bool> valid{true};
+  ParallelFor(pieces.count(), num_threads, [&](int i, int worker) {
+    PieceSlot& slot = slots[static_cast<size_t>(worker)];
+    if (pieces.Make(i, &slot)) {
+      visit(slot.piece);
+    } else {
+      valid = false;
+    }
+  });
+  return valid;
+}
+
+template <typename Pieces>
+bool VisitShared(const Pieces& pieces, int num_threads, const SharedVisit& visit) {
+  constexpr int kPiecesOfThread = 4;
+  std::vector<PieceSlot> slots(static_cast<size_t>(num_threads == 1 ? 1 : kPiecesOfThread * num_threads));
+  std::vector<char> are_made(slots.size());
+  std::atomic<bool> valid{true};
+  MakeAndUse(
+      pieces.count(), num_threads, static_cast<int>(slots.size()),
+      [&](int i, int slot) {
+        are_made[slot] = pieces.Make(i, &slots[slot]) ? 1 : 0;
+        if (are_made[slot] == 0) valid = false;
+      },
+      [&](int slot, int share) {
+        if (are_made[slot] != 0) visit(slots[slot].piece, {share, num_threads});
+      });
+  return valid;
+}
 
 // Steps of a register's units, next to the columns of their rows.
 class StepLanes {
  public:
   StepLanes(const BatchColumns& columns, int rows_of_unit)
-      : columns_(columns), steps_(static_cast<size_t>(rows_of_unit / 3 * columns.columns) * kBatchLanes, 0.0) {}
+      : columns_(columns),
+        rows_(rows_of_unit),
+        steps_(static_cast<size_t>(rows_of_unit / 3 * columns.columns) * kBatchLanes, 0.0) {}
 
   void Set(size_t lane, const Eigen::VectorXd& step) {
     for (size_t at = lane, c = 0; at < steps_.size(); at += kBatchLanes, ++c) {
@@ -113,6 +204,19 @@ class StepLanes {
       if (own >= 0) steps_[at] = step[own];
     }
   }
+  void Visit(const std::array<RowBatches::Unit, kBatchLanes>& units, const double* rows,
+             const std::function<void(int position, const Vector3<double>& moved)>& visit) const {
+    const size_t stride = static_cast<size_t>(columns_.columns) * kBatchLanes;
+    for (int r = 0; r < rows_; r += 3) {
+      std::array<std::array<double, kBatchLanes>, 3> moved;
+      for (int axis = 0; axis < 3; ++axis) moved[axis] = Moved(r + axis, rows + (r + axis) * stride);
+      for (size_t lane = 0; lane < units.size(); ++lane) {
+        if (!units[lane].empty()) visit(units[lane][r / 3], {moved[0][lane], moved[1][lane], moved[2][lane]});
+      }
+    }
+  }
+
+ private:
   // J d of a row of each lane.
   std::array<double, kBatchLanes> Moved(int row, const double* numbers) const {
     std::array<double, kBatchLanes> moved{};
@@ -123,8 +227,8 @@ class StepLanes {
     return moved;
   }
 
- private:
   const BatchColumns& columns_;
+  const int rows_;
   std::vector<double> steps_;
 };
 
@@ -175,115 +279,109 @@ std::unique_ptr<RowBatches> RowStream::BatchesOf(size_t piece) const {
   return std::make_unique<RowBatches>(problem_, own, noise_(own), treatment_);
 }
 
-bool RowStream::ForEach(const ParameterSet& parameters, const std::vector<int>& columns,
-                        const std::function<void(const RowPiece& piece)>& visit) const {
-  PieceMemory memory;
-  RowPiece piece;
-  for (size_t i = 0; i + 1 < pieces_.size(); ++i) {
-    piece.positions.assign(order_.begin() + static_cast<long>(pieces_[i]),
-                           order_.begin() + static_cast<long>(pieces_[i + 1]));
-    const std::unique_ptr<RowBatches> made = BatchesOf(i);
-    const RowBatches& batches = *made;
-    PieceWriter writer(batches, parameters, columns, &memory);
-    writer.Clear(&piece);
-    for (int g = 0; g < batches.num_groups(); ++g) {
-      const auto unit_of = [&](int batch, int lane) { return batches.UnitOf(g, batch, lane); };
-      if (!writer.Write(g, 0, batches.num_batches(g), unit_of, &piece)) return false;
+struct RowStream::Maker {
+  int count() const { return static_cast<int>(stream.pieces_.size()) - 1; }
+
+  bool Make(int i, PieceSlot* slot) const {
+    const auto own = static_cast<size_t>(i);
+    slot->piece.positions.assign(stream.order_.begin() + static_cast<long>(stream.pieces_[own]),
+                                 stream.order_.begin() + static_cast<long>(stream.pieces_[own + 1]));
+    const std::unique_ptr<RowBatches> batches = stream.BatchesOf(own);
+    const PieceWriter writer(*batches, parameters, columns);
+    writer.Clear(&slot->piece);
+    for (int g = 0; g < batches->num_groups(); ++g) {
+      const auto unit_of = [&](int batch, int lane) { return batches->UnitOf(g, batch, lane); };
+      if (!writer.Write(g, 0, batches->num_batches(g), unit_of, &slot->memory, &slot->piece)) return false;
     }
-    visit(piece);
+    return true;
   }
-  return true;
+
+  const RowStream& stream;
+  const ParameterSet& parameters;
+  const std::vector<int>& columns;
+};
+
+bool RowStream::ForEach(const ParameterSet& parameters, const std::vector<int>& columns, const PieceVisit& visit,
+                        int num_threads) const {
+  return VisitEach(Maker{*this, parameters, columns}, num_threads, visit);
+}
+
+bool RowStream::ForEachShared(const ParameterSet& parameters, const std::vector<int>& columns, int num_threads,
+                              const SharedVisit& visit) const {
+  return VisitShared(Maker{*this, parameters, columns}, num_threads, visit);
 }
 
 bool ForEachPiece(const RowBatches& batches, const ParameterSet& parameters, const std::vector<int>& columns,
-                  const std::function<void(const RowPiece& piece)>& visit) {
-  PieceMemory memory;
-  PieceWriter writer(batches, parameters, columns, &memory);
-  RowPiece piece;
-  std::vector<int> places;  // one unit behind the other
-  for (int g = 0; g < batches.num_groups(); ++g) {
-    const auto per_unit = static_cast<size_t>(batches.rows_of_unit(g) / 3);
-    const int at_once = std::max(1, static_cast<int>(kObservationsAtOnce / (kBatchLanes * per_unit)));
-    for (int first = 0; first < batches.num_batches(g); first += at_once) {
-      const int last = std::min(first + at_once, batches.num_batches(g));
-      piece.positions.clear();
-      for (int i = 0; i < (last - first) * kBatchLanes; ++i) {
-        const RowBatches::Unit unit = batches.UnitOf(g, first + i / kBatchLanes, i % kBatchLanes);
-        piece.positions.insert(piece.positions.end(), unit.begin(), unit.end());
-      }
-      places.resize(piece.positions.size());
-      std::iota(places.begin(), places.end(), 0);
-      const auto unit_of = [&](int batch, int lane) -> RowBatches::Unit {
-        const size_t own = (static_cast<size_t>(batch - first) * kBatchLanes + static_cast<size_t>(lane)) * per_unit;
-        return own < places.size() ? RowBatches::Unit(places.data() + own, per_unit) : RowBatches::Unit();
-      };
-      // Pieces of one size and group have their numbers at the same places.
-      const bool is_like_before = first > 0 && piece.rows.rows() == static_cast<Eigen::Index>(3 * places.size());
-      if (!is_like_before) writer.Clear(&piece);
-      if (!writer.Write(g, first, last, unit_of, &piece)) return false;
-      visit(piece);
-    }
-  }
-  return true;
+                  int num_threads, const PieceVisit& visit) {
+  return VisitEach(PiecesOfBatches(batches, parameters, columns), num_threads, visit);
 }
 
 FittedStream::FittedStream(const CalibrationProblem& problem, RowStream::Noise noise,
-                           std::shared_ptr<const RowBatches> at_hand)
+                           std::shared_ptr<const RowBatches> at_hand, int num_threads)
     : problem_(problem),
       noise_(std::move(noise)),
       clusters_(ConfigurationClusters(problem.data(), problem.CalibrationObservations())),
-      batches_(std::move(at_hand)) {
+      batches_(std::move(at_hand)),
+      num_threads_(num_threads) {
   if (batches_ != nullptr) return;
   const std::vector<int> fitted = problem.CalibrationObservations();
   batches_ = std::make_shared<RowBatches>(problem, fitted, noise_(fitted), LatentTreatment::kMarginalise);
 }
 
-FittedStream::FittedStream(const CalibrationProblem& problem, std::shared_ptr<const RowBatches> at_hand)
+FittedStream::FittedStream(const CalibrationProblem& problem, std::shared_ptr<const RowBatches> at_hand,
+                           int num_threads)
     : FittedStream(
           problem, [&problem](const std::vector<int>& listed) { return FitRoots(problem, listed, kFallbackSigma); },
-          std::move(at_hand)) {}
+          std::move(at_hand), num_threads) {}
 
 bool FittedStream::ForEach(const ParameterSet& parameters, const std::vector<int>& columns,
-                           const std::function<void(const RowPiece& piece)>& visit) const {
-  return ForEachPiece(*batches_, parameters, columns, visit);
+                           const PieceVisit& visit) const {
+  return ForEachPiece(*batches_, parameters, columns, num_threads_, visit);
+}
+
+bool FittedStream::ForEachShared(const ParameterSet& parameters, const std::vector<int>& columns,
+                                 const SharedVisit& visit) const {
+  return VisitShared(PiecesOfBatches(*batches_, parameters, columns), num_threads_, visit);
 }
 
 bool FittedStream::ForEachMoved(const ParameterSet& parameters, const std::vector<int>& columns,
                                 const std::function<const Eigen::VectorXd&(int position)>& step_of,
                                 const std::function<void(int position, const Vector3<double>& moved)>& visit) const {
-  PieceMemory memory;
+  constexpr int kBatchesAtOnce = 64;
   const RowBatches::Request request(*batches_, parameters, columns);
+  std::vector<PieceMemory> memories(static_cast<size_t>(num_threads_));
+  std::atomic<bool> valid{true};
   for (int g = 0; g < batches_->num_groups(); ++g) {
     const BatchColumns& layout = request.columns(g);
-    const int rows_of_unit = batches_->rows_of_unit(g);
+    const int rows_of_unit = batches_->rows_of_unit(g), batches = batches_->num_batches(g);
     const size_t stride = static_cast<size_t>(layout.columns) * kBatchLanes;
-    StepLanes steps(layout, rows_of_unit);
-    double* const rows = memory.buffer.Reserve(static_cast<size_t>(rows_of_unit) * stride);
-    for (int b = 0; b < batches_->num_batches(g); ++b) {
-      if (!batches_->Evaluate(request, g, b, &memory.scratch, rows)) return false;
-      for (int lane = 0; lane < kBatchLanes; ++lane) {
-        const RowBatches::Unit unit = batches_->UnitOf(g, b, lane);
-        if (!unit.empty()) steps.Set(static_cast<size_t>(lane), step_of(unit[0]));
-      }
-      for (int r = 0; r < rows_of_unit; r += 3) {
-        std::array<std::array<double, kBatchLanes>, 3> moved;
-        for (int axis = 0; axis < 3; ++axis) moved[axis] = steps.Moved(r + axis, rows + (r + axis) * stride);
-        for (int lane = 0; lane < kBatchLanes; ++lane) {
-          const RowBatches::Unit unit = batches_->UnitOf(g, b, lane);
-          if (!unit.empty()) visit(unit[r / 3], {moved[0][lane], moved[1][lane], moved[2][lane]});
+    ParallelFor((batches + kBatchesAtOnce - 1) / kBatchesAtOnce, num_threads_, [&](int block, int worker) {
+      PieceMemory& memory = memories[static_cast<size_t>(worker)];
+      StepLanes steps(layout, rows_of_unit);
+      double* const rows = memory.buffer.Reserve(static_cast<size_t>(rows_of_unit) * stride);
+      for (int b = kBatchesAtOnce * block; b < std::min(batches, kBatchesAtOnce * (block + 1)); ++b) {
+        if (!batches_->Evaluate(request, g, b, &memory.scratch, rows)) {
+          valid = false;
+          return;
         }
+        std::array<RowBatches::Unit, kBatchLanes> units;
+        for (int lane = 0; lane < kBatchLanes; ++lane) {
+          units[lane] = batches_->UnitOf(g, b, lane);
+          if (!units[lane].empty()) steps.Set(static_cast<size_t>(lane), step_of(units[lane][0]));
+        }
+        steps.Visit(units, rows, visit);
       }
-    }
+    });
   }
-  return true;
+  return valid;
 }
 
 bool FittedStream::ForEachOfClusters(const ParameterSet& parameters, const std::vector<int>& columns,
-                                     const std::function<void(const RowPiece& piece)>& visit) const {
+                                     const SharedVisit& visit) const {
   const int clusters = clusters_.empty() ? 0 : 1 + *std::max_element(clusters_.begin(), clusters_.end());
-  if (batches_->num_units() == clusters) return ForEach(parameters, columns, visit);  // each is one unit
+  if (batches_->num_units() == clusters) return ForEachShared(parameters, columns, visit);  // each is one unit
   return RowStream(problem_, observations(), noise_, LatentTreatment::kMarginalise, clusters_)
-      .ForEach(parameters, columns, visit);
+      .ForEachShared(parameters, columns, num_threads_, visit);
 }
 
 Eigen::Matrix3Xd FittedStream::Predict(const CalibrationProblem& problem, const ParameterSet& parameters,

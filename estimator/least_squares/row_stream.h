@@ -26,10 +26,22 @@ struct RowPiece {
   }
 };
 
-// Calls visit(piece) for piece after piece of batches that are at hand; positions in their list. False: an equilibrium
-// diverges, and the rest was left out.
+// One thread's share of what is summed in one order: sums of their own numbers, which other shares leave alone.
+struct Share {
+  int number = 0, count = 1;
+
+  bool Has(std::size_t sum) const { return static_cast<int>(sum % static_cast<std::size_t>(count)) == number; }
+};
+
+// Each on several threads at once, a piece on one of them: what it writes is of its piece alone.
+using PieceVisit = std::function<void(const RowPiece& piece)>;
+// Every share is called with every piece, in their order, each on a thread of its own.
+using SharedVisit = std::function<void(const RowPiece& piece, const Share& share)>;
+
+// Calls visit(piece) for every piece of batches that are at hand; positions in their list. False: equilibria diverge,
+// and their pieces were left out.
 bool ForEachPiece(const RowBatches& batches, const ParameterSet& parameters, const std::vector<int>& columns,
-                  const std::function<void(const RowPiece& piece)>& visit);
+                  int num_threads, const PieceVisit& visit);
 
 // Rows of listed observations, piece by piece.
 class RowStream {
@@ -45,11 +57,16 @@ class RowStream {
 
   const std::vector<int>& observations() const { return observations_; }
 
-  // Calls visit(piece) for piece after piece. False: an equilibrium diverges, and the rest was left out.
-  bool ForEach(const ParameterSet& parameters, const std::vector<int>& columns,
-               const std::function<void(const RowPiece& piece)>& visit) const;
+  // Calls visit(piece) for every piece; on one thread, for piece after piece. False: equilibria diverge, and their
+  // pieces were left out.
+  bool ForEach(const ParameterSet& parameters, const std::vector<int>& columns, const PieceVisit& visit,
+               int num_threads = 1) const;
+  // The same in num_threads shares.
+  bool ForEachShared(const ParameterSet& parameters, const std::vector<int>& columns, int num_threads,
+                     const SharedVisit& visit) const;
 
  private:
+  struct Maker;
   std::unique_ptr<RowBatches> BatchesOf(size_t piece) const;
 
   const CalibrationProblem& problem_;
@@ -65,22 +82,25 @@ class FittedStream {
  public:
   // at_hand: those of the fit, or null: they are put side by side here, half a kB per shot. The problem must outlive
   // this, and its observations stay as they are.
-  explicit FittedStream(const CalibrationProblem& problem, std::shared_ptr<const RowBatches> at_hand = nullptr);
+  explicit FittedStream(const CalibrationProblem& problem, std::shared_ptr<const RowBatches> at_hand = nullptr,
+                        int num_threads = 1);
   // The same rows with noise of one's own.
   FittedStream(const CalibrationProblem& problem, RowStream::Noise noise,
-               std::shared_ptr<const RowBatches> at_hand = nullptr);
+               std::shared_ptr<const RowBatches> at_hand = nullptr, int num_threads = 1);
 
   // The configuration of each observation, from 0 in the order in which they appear (sandwich.h).
   const std::vector<int>& clusters() const { return clusters_; }
   const std::vector<int>& observations() const { return batches_->observations(); }
+  int num_threads() const { return num_threads_; }  // and shares
 
-  // As those of a RowStream, in an order of their own; of the latter, rows of one configuration are in one piece.
-  bool ForEach(const ParameterSet& parameters, const std::vector<int>& columns,
-               const std::function<void(const RowPiece& piece)>& visit) const;
+  // As those of a RowStream, in an order of their own; of the last, rows of one configuration are in one piece.
+  bool ForEach(const ParameterSet& parameters, const std::vector<int>& columns, const PieceVisit& visit) const;
+  bool ForEachShared(const ParameterSet& parameters, const std::vector<int>& columns, const SharedVisit& visit) const;
   bool ForEachOfClusters(const ParameterSet& parameters, const std::vector<int>& columns,
-                         const std::function<void(const RowPiece& piece)>& visit) const;
+                         const SharedVisit& visit) const;
 
-  // Calls visit(position, J d) for every observation: what a step d, SI, of these columns moves its rows by. step_of:
+  // Calls visit(position, J d) for every observation, on several threads at once: what a step d, SI, of these columns
+  // moves its rows by. step_of:
   // of an observation, the same for all of one shot (of one visit, where its deviations are marginalised).
   bool ForEachMoved(const ParameterSet& parameters, const std::vector<int>& columns,
                     const std::function<const Eigen::VectorXd&(int position)>& step_of,
@@ -96,6 +116,7 @@ class FittedStream {
   const RowStream::Noise noise_;
   const std::vector<int> clusters_;
   std::shared_ptr<const RowBatches> batches_;
+  const int num_threads_;
 };
 
 }  // namespace sagitta

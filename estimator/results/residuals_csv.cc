@@ -7,13 +7,14 @@
 #include <utility>
 
 #include "estimator/least_squares/linearization.h"
-#include "problems/interruption.h"
+#include "estimator/least_squares/parallel.h"
 #include "problems/io/text_checks.h"
 
 namespace sagitta {
 namespace {
 
-constexpr size_t kPiece = 1 << 16;  // bytes that are handed on together
+constexpr int kLinesOfPiece = 256;  // that are handed on together
+constexpr int kPiecesOfWriter = 8;  // per thread, made before they are written
 
 std::vector<std::string> UnionOfColumns(const Measurements& data, const std::vector<AddedColumn>& added) {
   std::vector<std::string> names;
@@ -104,6 +105,57 @@ size_t CountOwn(const std::vector<int>& index, const std::vector<const AddedColu
   return own;
 }
 
+// Lines of the file, each by itself.
+class CsvLines {
+ public:
+  CsvLines(const Measurements& data, const std::vector<AddedColumn>& added)
+      : data_(data), names_(UnionOfColumns(data, added)), index_(data.files.size()) {
+    for (const std::string& name : names_) {
+      replaced_.push_back(FindAdded(added, name));
+      for (size_t f = 0; f < data.files.size(); ++f) index_[f].push_back(data.files[f].FindColumn(name));
+    }
+    for (const std::vector<int>& of_file : index_) own_columns_.push_back(CountOwn(of_file, replaced_));
+  }
+
+  std::string Header() const {
+    std::string csv;
+    for (const std::string& name : names_) csv += (csv.empty() ? "" : ",") + CsvCell(name);
+    return csv + "\n";
+  }
+
+  // numbers: memory for their texts.
+  void Append(size_t i, std::string* numbers, std::string* csv) const {
+    const Observation& observation = data_.observations[i];
+    if (!observation.is_point()) return;  // in the line of its point
+    const MeasurementRows::Cells cells = data_.files[observation.file].rows[observation.row].cells;
+    const size_t together = own_columns_[observation.file];
+    const bool are_taken = together > 0 && AddCsvCells(FirstCells(cells, together), together, csv);
+    for (size_t c = are_taken ? together : 0; c < names_.size();) {
+      const size_t next = AddNumbers(replaced_, c, i, numbers, csv);
+      if (next > c) {
+        c = next;
+        continue;
+      }
+      if (c > 0) *csv += ',';
+      const int source = index_[observation.file][c];
+      if (replaced_[c] != nullptr) {
+        AddCsvCell(replaced_[c]->cells[i], csv);
+      } else if (source >= 0) {
+        AddCsvCell(cells[source], csv);
+      }
+      ++c;
+    }
+    *csv += '\n';
+  }
+
+ private:
+  const Measurements& data_;
+  const std::vector<std::string> names_;
+  std::vector<const AddedColumn*> replaced_;
+  std::vector<std::vector<int>> index_;  // of each column in each file, -1: none
+  std::vector<size_t> own_columns_;      // of each file, that come first
+};
+
 }  // namespace
 
 std::string RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added) {
@@ -112,47 +164,26 @@ std::string RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& 
   return csv;
 }
 
-void RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added, const TextSink& write) {
-  const std::vector<std::string> names = UnionOfColumns(data, added);
-  std::vector<const AddedColumn*> replaced;
-  std::vector<std::vector<int>> index(data.files.size());  // of each column in each file, -1: none
-  std::string csv, numbers;
-  for (const std::string& name : names) {
-    csv += (csv.empty() ? "" : ",") + CsvCell(name);
-    replaced.push_back(FindAdded(added, name));
-    for (size_t f = 0; f < data.files.size(); ++f) index[f].push_back(data.files[f].FindColumn(name));
-  }
-  csv += "\n";
-  std::vector<size_t> own_columns;  // of each file, that come first
-  for (const std::vector<int>& of_file : index) own_columns.push_back(CountOwn(of_file, replaced));
-  for (size_t i = 0; i < data.observations.size(); ++i) {
-    CheckInterruption();
-    const Observation& observation = data.observations[i];
-    if (!observation.is_point()) continue;  // in the line of its point
-    const MeasurementRows::Cells cells = data.files[observation.file].rows[observation.row].cells;
-    const size_t together = own_columns[observation.file];
-    const bool are_taken = together > 0 && AddCsvCells(FirstCells(cells, together), together, &csv);
-    for (size_t c = are_taken ? together : 0; c < names.size();) {
-      const size_t next = AddNumbers(replaced, c, i, &numbers, &csv);
-      if (next > c) {
-        c = next;
-        continue;
-      }
-      if (c > 0) csv += ',';
-      const int source = index[observation.file][c];
-      if (replaced[c] != nullptr) {
-        AddCsvCell(replaced[c]->cells[i], &csv);
-      } else if (source >= 0) {
-        AddCsvCell(cells[source], &csv);
-      }
-      ++c;
-    }
-    csv += '\n';
-    if (csv.size() < kPiece) continue;
-    write(csv);
-    csv.clear();
-  }
-  write(csv);
+void RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added, const TextSink& write,
+               int num_threads) {
+  struct Piece {
+    std::string csv, numbers;
+  };
+  const CsvLines lines(data, added);
+  const int count = static_cast<int>(data.observations.size());
+  std::vector<Piece> pieces(static_cast<size_t>(num_threads == 1 ? 1 : kPiecesOfWriter * num_threads));
+  write(lines.Header());
+  MakeAndUse((count + kLinesOfPiece - 1) / kLinesOfPiece, num_threads, static_cast<int>(pieces.size()),
+             [&](int p, int slot) {
+               Piece& piece = pieces[static_cast<size_t>(slot)];
+               piece.csv.clear();
+               for (int i = p * kLinesOfPiece; i < std::min(count, (p + 1) * kLinesOfPiece); ++i) {
+                 lines.Append(static_cast<size_t>(i), &piece.numbers, &piece.csv);
+               }
+             },
+             [&](int slot, int user) {
+               if (user == 0) write(pieces[static_cast<size_t>(slot)].csv);
+             });
 }
 
 std::vector<AddedColumn> ReadingColumns(const std::string& prefix, const Measurements& data,
@@ -193,7 +224,8 @@ std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& es
   return csv;
 }
 
-void ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate, const TextSink& write) {
+void ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate, const TextSink& write,
+                    int num_threads) {
   const Measurements& data = problem.data();
   std::vector<AddedColumn> added = ReadingColumns("pred_", data, estimate.predicted);
   const auto append = [&added](std::vector<AddedColumn> columns) {  // a tracker stream's are not copied
@@ -211,11 +243,13 @@ void ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate,
   added.push_back(std::move(leverage));
   added.push_back(std::move(set));
   if (estimate.noise_report.loss != LossKind::kNone) added.push_back(OutlierColumn(data, estimate.noise_report));
-  RowsToCsv(data, added, write);
+  RowsToCsv(data, added, write, num_threads);
 }
 
-LongText ResidualsFile(const CalibrationProblem& problem, const Estimate& estimate) {
-  return {"residuals.csv", [&](const TextSink& write) { ResidualsToCsv(problem, estimate, write); }};
+LongText ResidualsFile(const CalibrationProblem& problem, const Estimate& estimate, int num_threads) {
+  return {"residuals.csv", [&problem, &estimate, num_threads](const TextSink& write) {
+            ResidualsToCsv(problem, estimate, write, num_threads);
+          }};
 }
 
 }  // namespace sagitta

@@ -23,7 +23,8 @@ struct AddedColumn {
 // files: every column of any of them, in order of first appearance.
 std::string RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added);
 // The same piece by piece: the rows of a tracker stream are not held as text.
-void RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added, const TextSink& write);
+void RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added, const TextSink& write,
+               int num_threads = 1);
 
 // Readings of all observations (3 x N: points, m, and rotation vectors, rad) as columns <prefix>x_mm … and, where any
 // row is a pose, <prefix>rx_mrad ….
@@ -37,9 +38,10 @@ std::vector<AddedColumn> WhitenedColumns(const Measurements& data, const Eigen::
                                          const NoiseRoots& scatter);
 
 std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate);
-void ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate, const TextSink& write);
+void ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate, const TextSink& write,
+                    int num_threads = 1);
 // residuals.csv, made while it is written; both must live until then.
-LongText ResidualsFile(const CalibrationProblem& problem, const Estimate& estimate);
+LongText ResidualsFile(const CalibrationProblem& problem, const Estimate& estimate, int num_threads = 1);
 
 // measured - predicted over its standard deviation, joint repeatability included, 3 x N: each row by itself (rows of
 // one visit share what their joints did).

@@ -137,11 +137,12 @@ size_t PlaceAmong(const std::vector<int>& quoted, const FittedStream& fitted, in
   return place < quoted.size() && quoted[place] == k ? place : quoted.size();
 }
 
-// Calls visit(place among `quoted`, S, rows) for every fitted point of these: S times its rows are in m. Joints that
-// deviate have no part in what a step moves.
+// Calls visit(place among `quoted`, S, rows) for every fitted point of these: S times its rows are in m; on the thread
+// of the share that has it. Joints that deviate have no part in what a step moves.
 void ForEachPoint(
     const CalibrationProblem& problem, const ParameterSet& parameters, const std::vector<int>& columns,
     const FittedStream& fitted, const std::vector<int>& quoted, const NoiseRoots& weighed,
+    const std::function<bool(size_t place, const Share& share)>& has,
     const std::function<void(size_t place, const Matrix3<double>& root, const RowsOfPoint& rows)>& visit) {
   const auto n = static_cast<Eigen::Index>(columns.size());
   if (!problem.latent.empty()) {
@@ -149,16 +150,19 @@ void ForEachPoint(
       return NoiseRoots(listed.size(), Matrix3<double>::Identity());
     };
     RowStream(problem, quoted, metres, LatentTreatment::kIgnore)
-        .ForEach(parameters, columns, [&](const RowPiece& piece) {
-          for (int i = 0; i < piece.num_observations(); ++i)
-            visit(piece.positions[i], Matrix3<double>::Identity(), piece.rows.block(3 * i, 0, 3, n));
+        .ForEachShared(parameters, columns, fitted.num_threads(), [&](const RowPiece& piece, const Share& share) {
+          for (int i = 0; i < piece.num_observations(); ++i) {
+            const auto place = static_cast<size_t>(piece.positions[i]);
+            if (has(place, share)) visit(place, Matrix3<double>::Identity(), piece.rows.block(3 * i, 0, 3, n));
+          }
         });
     return;
   }
-  fitted.ForEach(parameters, columns, [&](const RowPiece& piece) {
+  fitted.ForEachShared(parameters, columns, [&](const RowPiece& piece, const Share& share) {
     for (int i = 0; i < piece.num_observations(); ++i) {
       const size_t place = PlaceAmong(quoted, fitted, piece.positions[i]);
-      if (place < quoted.size()) visit(place, weighed[place], piece.rows.block(3 * i, 0, 3, n));
+      if (place >= quoted.size() || !has(place, share)) continue;
+      visit(place, weighed[place], piece.rows.block(3 * i, 0, 3, n));
     }
   });
 }
@@ -206,9 +210,8 @@ std::vector<NormalSums> SumFolds(const FittedStream& fitted, const Partition& fo
   if (whole.columns.empty()) return {};
   PartSums sums(fitted.observations().size(), whole.columns);
   sums.Divide(folds);
-  const bool valid = fitted.ForEach(whole.parameters, whole.columns, [&](const RowPiece& piece) {
-    for (int i = 0; i < piece.num_observations(); ++i) sums.Add(piece.positions[i], &piece.rows(3 * i, 0));
-  });
+  const bool valid = fitted.ForEachShared(whole.parameters, whole.columns,
+                                          [&](const RowPiece& piece, const Share& share) { sums.Add(piece, share); });
   return valid ? std::move(sums.Totals().parts.front()) : std::vector<NormalSums>();
 }
 
@@ -336,12 +339,14 @@ Eigen::Matrix3Xd ErrorsOfFolds(const CalibrationProblem& problem, const FittedSt
         });
     return errors;
   }
-  ForEachPoint(problem, whole.parameters, whole.columns, fitted, quoted, weighed,
-               [&](size_t place, const Matrix3<double>& root, const RowsOfPoint& rows) {
-                 Fold& fold = fit->folds[FoldAt(problem, plan, quoted[place])];
-                 errors.col(static_cast<Eigen::Index>(place)) -= root * (rows * fold.step);
-                 if (is_compared && !are_summed) fold.predicted.Add(scatter[place], root * rows);
-               });
+  ForEachPoint(
+      problem, whole.parameters, whole.columns, fitted, quoted, weighed,
+      [&](size_t place, const Share& share) { return share.Has(FoldAt(problem, plan, quoted[place])); },
+      [&](size_t place, const Matrix3<double>& root, const RowsOfPoint& rows) {
+        Fold& fold = fit->folds[FoldAt(problem, plan, quoted[place])];
+        errors.col(static_cast<Eigen::Index>(place)) -= root * (rows * fold.step);
+        if (is_compared && !are_summed) fold.predicted.Add(scatter[place], root * rows);
+      });
   return errors;
 }
 

@@ -54,7 +54,8 @@ void ExpectRowsOfTheFit(const CalibrationProblem& problem, const FittedStream& f
   };
   ASSERT_TRUE(fitted.ForEach(problem.parameters, columns, look_at));
   for (int& times : seen) EXPECT_EQ(std::exchange(times, 0), 1);
-  ASSERT_TRUE(fitted.ForEachOfClusters(problem.parameters, columns, look_at));
+  ASSERT_TRUE(fitted.ForEachOfClusters(problem.parameters, columns,
+                                       [&](const RowPiece& piece, const Share&) { look_at(piece); }));
   std::vector<int> piece_of_cluster(all.size(), -1);
   for (size_t k = 0; k < all.size(); ++k) {
     EXPECT_EQ(seen[k], 1);

@@ -224,7 +224,7 @@ TEST_P(NormalEquationsOf, PiecesAreTheRows) {
   };
   const NormalEquations equations(problem_, rows_.observations, noise(rows_.observations),
                                   LatentTreatment::kMarginalise, 1);
-  ASSERT_TRUE(ForEachPiece(equations.batches(), parameters_, columns_, look_at));
+  ASSERT_TRUE(ForEachPiece(equations.batches(), parameters_, columns_, 1, look_at));
   for (int& times : seen) EXPECT_EQ(std::exchange(times, 0), 1);
   ASSERT_TRUE(stream.ForEach(parameters_, columns_, look_at));
   for (size_t k = 0; k < seen.size(); ++k) {
