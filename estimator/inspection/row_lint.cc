@@ -120,10 +120,11 @@ namespace {
 
 // The distance of the nearest of those that stand alone; infinite where none does.
 double NearestAlone(std::vector<double> distances, double median) {
-  std::sort(distances.begin(), distances.end(), std::greater<>());
   if (distances.size() < kFewRows) return std::numeric_limits<double>::infinity();
-  const auto most = static_cast<size_t>(kMostAlone * static_cast<double>(distances.size()));
-  for (size_t alone = std::max<size_t>(1, most); alone > 0; --alone) {
+  const size_t most = std::max<size_t>(1, static_cast<size_t>(kMostAlone * static_cast<double>(distances.size())));
+  const auto sorted = distances.begin() + static_cast<std::ptrdiff_t>(most) + 1;
+  std::partial_sort(distances.begin(), sorted, distances.end(), std::greater<>());
+  for (size_t alone = most; alone > 0; --alone) {
     const double nearest = distances[alone - 1];
     if (nearest >= kAlone * median && nearest >= kAloneBy * distances[alone]) return nearest;
   }

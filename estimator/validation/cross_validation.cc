@@ -17,6 +17,7 @@
 #include "estimator/least_squares/identifiability.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/normal_equations.h"
+#include "estimator/least_squares/parallel.h"
 #include "problems/io/files.h"
 #include "problems/split.h"
 
@@ -373,7 +374,7 @@ void RecalibrateWhereLost(const CalibrationProblem& problem, const FittedStream&
 
 }  // namespace
 
-std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed) {
+std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed, int num_threads) {
   const Measurements& data = problem.data();
   std::vector<bool> fitted(data.configurations.size(), false);
   for (const int i : problem.CalibrationObservations())
@@ -395,12 +396,16 @@ std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed) 
   const auto hash_of = [&](int g) { return Sha256(seed_text + data.configurations[first_of[g]].id); };
   std::vector<Hashed> hashed;
   for (size_t g = 0; g < first_of.size(); ++g) {
-    if (count_of[g] == 0) continue;
-    const std::string hash = hash_of(static_cast<int>(g));
-    std::uint64_t first = 0;
-    std::from_chars(hash.data(), hash.data() + 16, first, 16);  // small letters: in the order of the texts
-    hashed.push_back({first, static_cast<int>(g)});
+    if (count_of[g] > 0) hashed.push_back({0, static_cast<int>(g)});
   }
+  constexpr size_t kHashedAtOnce = 2048;
+  ParallelFor(static_cast<int>((hashed.size() + kHashedAtOnce - 1) / kHashedAtOnce), num_threads, [&](int block, int) {
+    const size_t begin = static_cast<size_t>(block) * kHashedAtOnce;
+    for (size_t i = begin; i < std::min(hashed.size(), begin + kHashedAtOnce); ++i) {
+      const std::string hash = hash_of(hashed[i].group);  // small letters: in the order of the texts
+      std::from_chars(hash.data(), hash.data() + 16, hashed[i].first, 16);
+    }
+  });
   std::sort(hashed.begin(), hashed.end(), [&](const Hashed& one, const Hashed& other) {
     if (one.first != other.first || one.group == other.group) return one.first < other.first;
     const std::string hash = hash_of(one.group), hash_of_other = hash_of(other.group);
@@ -419,7 +424,7 @@ std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed) 
 FoldPlan PlanFolds(const CalibrationProblem& problem, const FittedStream& fitted, std::uint64_t seed) {
   FoldPlan plan;
   if (fitted.observations().empty()) return plan;
-  plan.fold_of = FoldsOf(problem, seed);
+  plan.fold_of = FoldsOf(problem, seed, fitted.num_threads());
   Partition& partition = plan.rows.partition;
   partition.parts = 1 + *std::max_element(plan.fold_of.begin(), plan.fold_of.end());
   for (const int i : fitted.observations()) partition.part_of.push_back(static_cast<int>(FoldAt(problem, plan, i)));

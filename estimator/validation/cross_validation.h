@@ -39,7 +39,7 @@ constexpr int kFolds = 10;
 
 // Fold of each configuration of the data (-1: it is not fitted): sorted by the hash that splits off hold-outs
 // (FORMATS section 3), dealt in turn.
-std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed);
+std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed, int num_threads = 1);
 
 // Which configurations go together, and what was fitted of them.
 struct FoldPlan {
