@@ -74,6 +74,8 @@ class Learner {
     const ParameterSet& start = with.estimate.parameters;
     learnt.model = JudgeFully(with.problem, start, start, joint_);
     if (!IsUsable(learnt.model.estimate.status)) return std::nullopt;
+    VLOG(1) << "diagnosis: with what was learnt untouched rows are off by " << 1e3 * HoldoutRms(learnt.model)
+            << " mm, without by " << 1e3 * HoldoutRms(final_) << ", as believed by " << 1e3 * HoldoutRms(baseline);
     if (HoldoutRms(learnt.model) >= std::min(HoldoutRms(final_), HoldoutRms(baseline))) return std::nullopt;
     // What the functions' own coefficients are uncertain by is no noise.
     learnt.gap = JudgeGap(baseline, learnt.model, baseline.estimate.noise_floor, evidence_.IsSigmaStated());

@@ -62,6 +62,7 @@ class PlaceFunctions : public UnnamedList {
     for (int s = 0; s < static_cast<int>(problem_.data().stations.size()); ++s) {
       AddInTime(s);
       AddField(s);
+      AddBase(s);
     }
   }
 
@@ -169,6 +170,49 @@ class PlaceFunctions : public UnnamedList {
                  UnnamedFunction(name, {name}, StationIsDistorted(name), Axes(Source::Kind::kStation, station),
                                  {{"learnt_station_field", name, {}, {}}}),
                  "station field");
+  }
+
+  // A foot, its anchors and what they stand on give way to the arm and its load: the base turns by where the flange is,
+  // and by that times the load.
+  void AddBase(int station) {
+    const std::string& name = problem_.data().stations[station];
+    const Eigen::VectorXd load =
+        OfShots(problem_, [](const ShotConditions& shot) { return SizeOfForces(shot.load_wrenches); });
+    Field field = FieldOf(std::vector<bool>(problem_.data().shots.size(), true));
+    field.settings["reach"] = AsSetting(field.places(fitted_, Eigen::all).rowwise().norm().maxCoeff());
+    for (auto place : field.places.rowwise()) {
+      place = WithinReach(place.transpose(), std::stod(field.settings["reach"])).transpose();
+    }
+    EffectSpec turn{"learnt_station_motion", name, field.settings, {}};
+    turn.settings.merge(VectorSettings("about_", 1e3 * parameters_.BaseInStation(station).translation, "_mm"));
+    turn.settings.merge(Settings{{"by", "place"}, {"moves", "turn"}});
+    AddTurns(station, OfPlace(field, false), "place", turn);
+    if (!RangeOf(load).Varies()) return;
+    turn.settings["per_N"] = AsSetting(RangeOf(load).high);
+    GroupedFunctions loaded = OfPlace(field, true);
+    loaded.columns.array().colwise() *= load.array() / std::stod(turn.settings["per_N"]);
+    AddTurns(station, loaded, "load", turn);
+  }
+
+  void AddTurns(int station, const GroupedFunctions& functions, const std::string& driver, const EffectSpec& effect) {
+    const std::string& name = effect.target;
+    AddFunctions(functions,
+                 UnnamedFunction(name, {driver}, BaseTurnsWith(name, driver), Axes(Source::Kind::kStationTurn, station),
+                                 {effect}),
+                 "base by place");
+  }
+
+  // Linear and quadratic functions of place; with_one: a constant before them.
+  static GroupedFunctions OfPlace(const Field& field, bool with_one) {
+    const long shots = field.places.rows(), one = with_one ? 1 : 0;
+    Eigen::MatrixXd functions = Eigen::MatrixXd::Ones(shots, one + kNumFieldFunctions);
+    for (long s = 0; s < shots; ++s) {
+      functions.row(s).tail(kNumFieldFunctions) = FieldFunctions(field.places.row(s).transpose()).transpose();
+    }
+    GroupedFunctions of_place;
+    of_place.Append(functions.leftCols(one + 3), "other", {{"degree", "1"}});
+    of_place.Append(functions, "other", {{"degree", "2"}});
+    return of_place;
   }
 
   // Links grow with time or temperature, each in its own way: one of them, or all.

@@ -46,6 +46,10 @@ std::string BaseTurnsInStation(const std::string& station) {
   return "the base turns in station " + station + " with time";
 }
 
+std::string BaseTurnsWith(const std::string& station, const std::string& driver) {
+  return "the base turns in station " + station + " with " + driver;
+}
+
 std::string StationGrows(const std::string& station) {
   return "the scale of station " + station + " changes with time";
 }

@@ -22,6 +22,7 @@ std::string HeatOfItsMotion();
 std::string ForcePulls();
 std::string StationMoves(const std::string& station);
 std::string BaseTurnsInStation(const std::string& station);
+std::string BaseTurnsWith(const std::string& station, const std::string& driver);
 std::string StationGrows(const std::string& station);
 std::string StationMovesAlong(const std::string& station, char axis);
 std::string StationIsDistorted(const std::string& station);

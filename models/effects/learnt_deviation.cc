@@ -5,6 +5,7 @@
 #include "models/effects/learnt_deviation.h"
 
 #include <cmath>
+#include <limits>
 
 #include "models/effects/bump.h"
 #include "models/effects/catalogue.h"
@@ -60,8 +61,15 @@ namespace {
 
 bool IsBy(const EffectSpec& spec, const char* driver) { return spec.TextSetting("by", "time_s") == driver; }
 
+bool IsPerLoad(const EffectSpec& spec) { return spec.NumberSetting("per_N", 0.0) > 0.0; }
+
+int NumPlaceFunctions(const EffectSpec& spec) {
+  return (spec.IntegerSetting("degree", 1) > 1 ? kNumFieldFunctions : 3) + (IsPerLoad(spec) ? 1 : 0);
+}
+
 // Number of weights along one axis; what a file states is checked to be 2 knots or more.
 int WeightCount(const EffectSpec& spec) {
+  if (IsBy(spec, "place")) return NumPlaceFunctions(spec);
   return IsBy(spec, "gravity") ? NumDirectionFunctions(spec.IntegerSetting("degree", 1))
                                : spec.IntegerSetting("knots", 2);
 }
@@ -169,9 +177,30 @@ void DeviateJoint(const EffectContext& context, ShotTerms* terms) {
   }
 }
 
+// Of the nominal flange from a middle, in units of a spread; beyond what was reached as at the end of that.
+Vector3<double> PlaceOf(const EffectContext& context) {
+  const EffectSpec& spec = *context.spec;
+  const Vector3<double> middle(spec.NumberSetting("x_mm", 0.0), spec.NumberSetting("y_mm", 0.0),
+                               spec.NumberSetting("z_mm", 0.0));
+  const Vector3<double> off =
+      (1e3 * FlangePlace(context.chain(), context.shot->q) - middle) / spec.NumberSetting("spread_mm", 1e3);
+  return WithinReach(off, spec.NumberSetting("reach", std::numeric_limits<double>::infinity()));
+}
+
+// Linear or quadratic functions of place; of what the load does one and these, times it.
+Eigen::VectorXd PlaceFunctions(const EffectContext& context) {
+  const EffectSpec& spec = *context.spec;
+  const Eigen::VectorXd field = FieldFunctions(PlaceOf(context));
+  if (!IsPerLoad(spec)) return field.head(NumPlaceFunctions(spec));
+  Eigen::VectorXd functions(NumPlaceFunctions(spec));
+  functions << 1.0, field.head(functions.size() - 1);
+  return SizeOfForces(context.shot->load_wrenches) / spec.NumberSetting("per_N", 1.0) * functions;
+}
+
 // Of the shot: bumps over its driver, or functions of where down is in the flange, where that is asked times the load.
 Eigen::VectorXd FunctionsOf(const EffectContext& context) {
   const EffectSpec& spec = *context.spec;
+  if (IsBy(spec, "place")) return PlaceFunctions(context);
   if (IsBy(spec, "gravity")) {
     const double unit = spec.NumberSetting("per_N", 0.0);
     return (unit > 0.0 ? SizeOfForces(context.shot->load_wrenches) / unit : 1.0) *
@@ -224,12 +253,8 @@ void MoveMarker(const EffectContext& context, ShotTerms* terms) {
 
 // By where the nominal flange is in the base frame, from a middle and in units of a spread.
 void DistortField(const EffectContext& context, ShotTerms* terms) {
-  const EffectSpec& spec = *context.spec;
-  if (context.shot->station != spec.target) return;
-  const Vector3<double> middle(spec.NumberSetting("x_mm", 0.0), spec.NumberSetting("y_mm", 0.0),
-                               spec.NumberSetting("z_mm", 0.0));
-  const Vector3<double> off = 1e3 * FlangePlace(context.chain(), context.shot->q) - middle;
-  const Eigen::VectorXd functions = FieldFunctions(off / spec.NumberSetting("spread_mm", 1e3));
+  if (context.shot->station != context.spec->target) return;
+  const Eigen::VectorXd functions = FieldFunctions(PlaceOf(context));
   ForEachAxis(context, {0, 1, 2}, functions, [&](int parameter, int axis, double function) {
     terms->station.push_back({parameter, Matrix3<double>::Zero(), function * Vector3<double>::Unit(axis)});
   });
@@ -291,6 +316,27 @@ void AddGravity(EffectDefinition* effect) {
   effect->settings.push_back(per_load);
 }
 
+// Where the nominal flange is in the base frame, and how heavy the load.
+void AddPlace(EffectDefinition* effect) {
+  using Kind = SettingDefinition::Kind;
+  effect->settings[0].choices.push_back("place");
+  for (const char* name : {"x_mm", "y_mm", "z_mm", "spread_mm"}) {
+    effect->settings.push_back({name, Kind::kNumber, "", {}});
+    effect->settings.back().only_with = "by=place";
+  }
+  effect->settings.back().above = 0.0;
+  effect->settings.push_back({"reach", Kind::kNumber, "", {}});
+  effect->settings.back().above = 0.0;
+  effect->settings.back().only_with = "by=place";
+  effect->settings.push_back({"degree", Kind::kInteger, "", {}});
+  effect->settings.back().least = 1;
+  effect->settings.back().only_with = "by=place";
+  effect->settings.push_back({"per_N", Kind::kNumber, "0", {}});
+  effect->settings.back().silent = true;
+  effect->settings.back().above = 0.0;
+  effect->settings.back().only_with = "by=place";
+}
+
 }  // namespace
 
 const EffectDefinition& LearntDeviation() {
@@ -321,6 +367,7 @@ const EffectDefinition& LearntStationMotion() {
         Learnt({"learnt_station_motion", "learnt motion of a station", "smooth function of its driver",
                 EffectTarget::kStation, StationWeights, MoveStation},
                {"time_s", "temperature_K"});
+    AddPlace(&effect);
     SettingDefinition moves{
         "moves", SettingDefinition::Kind::kChoice, "all", {"all", "point", "turn", "x", "y", "z", "scale"}};
     moves.silent = true;

@@ -36,6 +36,11 @@ Eigen::VectorXd FieldFunctions(const Vector3<double>& place) {
   return functions;
 }
 
+Vector3<double> WithinReach(const Vector3<double>& place, double reach) {
+  const double off = place.norm();
+  return off > reach ? Vector3<double>(place * (reach / off)) : place;
+}
+
 Vector3<double> DownInFlange(const Chain& chain, const Eigen::VectorXd& q, const Vector3<double>& down_in_base) {
   const Pose<double> flange = NominalFrames(chain, q)[static_cast<size_t>(chain.FlangeFrame())];
   return flange.rotation.transpose() * down_in_base.normalized();

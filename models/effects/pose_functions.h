@@ -18,6 +18,8 @@ int NumDirectionFunctions(int degree);
 // x, y, z, x^2, y^2, z^2, xy, xz, yz: what distorts a field to second order.
 constexpr int kNumFieldFunctions = 9;
 Eigen::VectorXd FieldFunctions(const Vector3<double>& place);
+// A place, or where its ray leaves a ball of that radius: what is described by place says nothing beyond.
+Vector3<double> WithinReach(const Vector3<double>& place, double reach);
 
 // Of the nominal arm at these joint values (SI): the direction of gravity in the flange, and where the flange is, m.
 Vector3<double> DownInFlange(const Chain& chain, const Eigen::VectorXd& q, const Vector3<double>& down_in_base);

@@ -63,6 +63,33 @@ TEST(LearntConventions, LearntPull) {
   ExpectPoint(scene.Seen(), 1.4, 0.0, 0.5 - 16e-6, 1e-9);
 }
 
+// The flange, at (1.4, 0, 0.5), is two spreads beyond a middle at x = 1 m: u_x is 2 and u_x^2 4. A turn of 5 urad per
+// u_x^2 about z is 20 urad and moves it by 28 um along y; with a reach of one spread, 5 urad and 7 um. Of a load, 1
+// comes before u_x: half the unit of the load makes 10 urad per u_x, 20 urad of turn, 10.
+TEST(LearntConventions, LearntTurnOfTheBaseByPlaceAndLoad) {
+  TwoLinkScene scene;
+  scene.shot().station = "S1";
+  std::map<std::string, std::string> settings = {{"by", "place"}, {"moves", "turn"}, {"x_mm", "1000"},
+                                                 {"y_mm", "0"},   {"z_mm", "500"},   {"spread_mm", "200"},
+                                                 {"reach", "3"},  {"degree", "2"}};
+  std::vector<double> values(27, 0.0);
+  values[18 + 3] = 5e-6;
+  scene.Add({"learnt_station_motion", "S1", settings, values});
+  ExpectPoint(scene.Seen(), 1.4, 28e-6, 0.5, 1e-12);
+  scene.robot.effects[0].settings["reach"] = "1";
+  ExpectPoint(scene.Seen(), 1.4, 7e-6, 0.5, 1e-12);
+  settings["degree"] = "1";
+  settings["per_N"] = "200";
+  values.assign(12, 0.0);
+  values[8 + 1] = 10e-6;
+  scene.robot.effects[0] = {"learnt_station_motion", "S1", settings, values};
+  ExpectPoint(scene.Seen(), 1.4, 0.0, 0.5, 1e-12);
+  AppliedWrench weight;
+  weight.force = {0.0, 0.0, -100.0};
+  scene.shot().load_wrenches = {weight};
+  ExpectPoint(scene.Seen(), 1.4, 14e-6, 0.5, 1e-12);
+}
+
 // Three shots 100 s apart, J2 at these angles.
 TwoLinkScene ThreeShots(double first_deg, double second_deg, double third_deg) {
   TwoLinkScene scene;
