@@ -233,14 +233,16 @@ void CautionOfHalves(const std::vector<FoundEffect>& effects, std::vector<std::s
   if (!contradicted.empty()) cautions->push_back(HalvesContradict(contradicted));
 }
 
-void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, std::vector<std::string>* cautions) {
+void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, bool is_sigma_stated,
+                      std::vector<std::string>* cautions) {
   const double rms = final.estimate.validation.rms, floor = final.estimate.noise_floor;
   const int held_out = CountConfigurations(final.problem->data()).held_out;
   if (held_out < kFewHeldOut) return;
   if (!has_unexplained && rms > kFarAboveFloor * floor) cautions->push_back(HoldoutFarAboveFloor(rms, floor));
   // Relative scatter of an RMS of n numbers: 1 / sqrt(2 n). Markers of one configuration may share theirs.
   const double scatter = 1.0 / std::sqrt(2.0 * 3.0 * held_out);
-  if (rms < (1.0 - kFarBelowFloor * scatter) * floor) cautions->push_back(HoldoutBelowFloor(rms, floor));
+  if (is_sigma_stated && rms < (1.0 - kFarBelowFloor * scatter) * floor)
+    cautions->push_back(HoldoutBelowFloor(rms, floor));
 }
 
 }  // namespace sagitta

@@ -19,7 +19,9 @@ std::vector<std::string> FindCautions(const CalibrationProblem& stated, const Di
 // as many of a hundred diagnoses as one effect's would be.
 void CautionOfHalves(const std::vector<FoundEffect>& effects, std::vector<std::string>* cautions);
 
-// Where the hold-out is far above its noise floor although nothing is left to explain it, or below it.
-void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, std::vector<std::string>* cautions);
+// Where the hold-out is far above its noise floor although nothing is left to explain it, or below a floor of stated
+// noise.
+void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, bool is_sigma_stated,
+                      std::vector<std::string>* cautions);
 
 }  // namespace sagitta

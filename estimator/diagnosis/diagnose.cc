@@ -317,7 +317,7 @@ class Session {
     d_.gap_map = MapGap(d_.baseline, d_.final);
     const DiagnosedModel& named = selected_.empty() ? d_.baseline : d_.final;  // other noise alone closes nothing
     d_.gap = JudgeGap(d_.baseline, named, NoiseFloor(), IsSigmaStated(problem_));
-    d_.groups = GroupEffects(d_.effects, lacking_, d_.baseline, d_.final, d_.gap.floor, joint_);
+    d_.groups = GroupEffects(d_.effects, lacking_, d_.baseline, d_.final, NoiseFloor(), joint_);
     for (EffectGroup& group : d_.groups) {
       const double probability = sagitta::ProbabilityOf(group.effect, *evidence_, weighed_models_);
       if (probability > 0.0) group.probability = probability;  // else a group of several effects
@@ -453,7 +453,7 @@ class Session {
     for (const SelectedEffect& effect : unconfirmed_)
       unconfirmed.emplace_back(effect.candidate.spec, ProbabilityOf(effect));
     if (!unconfirmed.empty()) d_.cautions.push_back(NotConfirmed(unconfirmed));
-    CautionOfHoldout(d_.final, d_.has_unexplained, &d_.cautions);
+    CautionOfHoldout(d_.final, d_.has_unexplained, IsSigmaStated(problem_), &d_.cautions);
   }
 
   const CalibrationProblem& problem_;

@@ -116,8 +116,8 @@ GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extende
   gap.after = std::sqrt(SquaredGap(after, held_out, floor));
   gap.closed = closed(held_out);
   gap.closed_ci95 = {kNotKnown, kNotKnown};
-  if (held_out.empty()) gap.before = gap.after = gap.closed = kNotKnown;
-  if (!is_noise_stated) gap.closed = kNotKnown;
+  if (!is_noise_stated) gap.floor = kNotKnown;
+  if (held_out.empty() || !is_noise_stated) gap.before = gap.after = gap.closed = kNotKnown;
   if (held_out.size() < kFewHeldOut || !is_noise_stated) return gap;
   std::mt19937_64 random(1);
   std::vector<double> draws;

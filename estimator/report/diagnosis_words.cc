@@ -42,6 +42,7 @@ std::string SettingsInWords(const EffectDefinition* definition, const EffectSpec
 }
 
 std::string GapInWords(const Diagnosis& d) {
+  if (std::isnan(d.gap.before)) return "Gap on untouched configurations: " + GapIsNotKnown() + "\n";
   if (d.gap.before == 0.0) return "Gap on untouched configurations: none beyond the noise floor\n";
   const std::string words =
       "Gap on untouched configurations, beyond the noise floor: " + Significant(1e3 * d.gap.before, 3);
@@ -401,6 +402,8 @@ std::string PhysicalInWords(const Robot& robot, const FoundEffect& effect) {
   return correction.empty() ? "the size is one that machines show" : correction;
 }
 
+std::string GapIsNotKnown() { return "not known, for nothing states the noise"; }
+
 std::string ClosedInWords(const GapReport& gap) {
   if (std::isnan(gap.closed)) return "which share of the gap that is is not known without a stated noise";
   const std::string words = "closed " + Significant(100 * gap.closed, 3) + " % of the squared gap";
@@ -433,9 +436,10 @@ std::string DiagnosisToText(const Diagnosis& d) {
     text << d.effects.size() - kMostEffects << " more effects: in report.html and diagnosis.json\n";
   text << "Final: reduced chi-square " << Significant(after.chi2 / std::max(1, after.dof), 3) << ", "
        << HoldoutInWords(after);
-  if (after.validation.observations > 0) text << ", noise floor " << Significant(1e3 * d.gap.floor, 3) << " mm";
+  const bool is_held_out = after.validation.observations > 0;
+  if (is_held_out && !std::isnan(d.gap.floor)) text << ", noise floor " << Significant(1e3 * d.gap.floor, 3) << " mm";
   text << "\n";
-  if (!std::isnan(d.gap.before)) text << GapInWords(d);
+  if (is_held_out || !std::isnan(d.gap.before)) text << GapInWords(d);
   text << "Noise: " << NoiseInWords(d.noise) << "\n";
   if (d.has_unexplained) text << "Unexplained: " << UnexplainedInWords(d) << "\n";
   if (d.learnt) text << "Learnt: " << LearntInWords(d) << "\n";

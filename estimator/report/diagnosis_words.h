@@ -40,6 +40,7 @@ std::string FlipInWords(const Robot& robot, const ReportedFlip& flip);
 std::string GroupInWords(const Diagnosis& diagnosis, const EffectGroup& group);
 std::string ShareInWords(const WhereShare& share);
 
+std::string GapIsNotKnown();  // where nothing states the noise
 std::string ClosedInWords(const GapReport& gap);
 
 // Whether a machine could show sign and size.

@@ -28,7 +28,7 @@ constexpr double kHardlyWorthALine = 1e-4;  // of probability
 
 // mm; null without a hold-out.
 Json HeldOut(const Estimate& estimate, double metres) {
-  return estimate.validation.observations > 0 ? Json(1e3 * metres) : Json(nullptr);
+  return estimate.validation.observations > 0 ? Finite(1e3 * metres) : Json(nullptr);
 }
 
 Json SpecToJson(const Robot& robot, const EffectSpec& spec) {

@@ -12,6 +12,7 @@
 #include "estimator/diagnosis/diagnose.h"
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/diagnosis/noise_check.h"
+#include "estimator/report/diagnosis_words.h"
 #include "models/constants.h"
 #include "tests/support/moved_kr270.h"
 
@@ -342,6 +343,21 @@ TEST(Diagnosis, WithoutASigmaTheBaselineIsThePlainFit) {
   const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
   EXPECT_NEAR(HoldoutRms(diagnosis.baseline), plain, 1e-6 * plain);
   EXPECT_TRUE(std::isnan(diagnosis.gap.closed));
+}
+
+// Nor does the sigma that the rows were whitened by until their scatter was known: neither floor nor gap is.
+TEST(Diagnosis, WithoutASigmaThereIsNoNoiseFloor) {
+  const auto bump = [](double q) { return 300e-6 * std::exp(-0.5 * std::pow((q - 0.3) / 0.15, 2)); };
+  CalibrationProblem problem = Hidden(4, bump);
+  for (Observation& observation : problem.mutable_data()->observations) observation.sigma.setZero();
+  const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
+  ASSERT_EQ(diagnosis.verdict, DiagnosisVerdict::kUnknown);
+  for (const double figure : {diagnosis.gap.floor, diagnosis.gap.before, diagnosis.gap.after}) {
+    EXPECT_TRUE(std::isnan(figure)) << figure;
+  }
+  const std::string text = DiagnosisToText(diagnosis);
+  EXPECT_THAT(text, ::testing::HasSubstr("Gap on untouched configurations: not known, for nothing states the noise"));
+  for (const char* wrong : {"noise floor", "show no gap"}) EXPECT_EQ(text.find(wrong), std::string::npos) << text;
 }
 
 // A joint that jumps at 0.4 rad (22.9 deg): between two measured angles, which lie 3 deg apart on average. A3 is the

@@ -79,8 +79,11 @@ Picture BarPicture(const std::string& title, const std::string& x_label, const s
 Picture WaterfallPicture(const std::string& title, const std::string& x_label, const std::vector<Stage>& stages,
                          double floor, const std::string& floor_name) {
   Picture picture = PictureOf("waterfall", title);
-  picture.settings = {
-      {"xTitle", x_label}, {"floor", Rounded(floor)}, {"floorName", floor_name + " " + Significant(floor, 3)}};
+  picture.settings = {{"xTitle", x_label}};
+  if (std::isfinite(floor)) {
+    picture.settings["floor"] = Rounded(floor);
+    picture.settings["floorName"] = floor_name + " " + Significant(floor, 3);
+  }
   picture.header = {"after", x_label};
   nlohmann::ordered_json& data = picture.data["stages"];
   for (const Stage& stage : stages) {
@@ -89,7 +92,7 @@ Picture WaterfallPicture(const std::string& title, const std::string& x_label, c
     data["value"].push_back(Rounded(stage.value));
     picture.rows.push_back({stage.name, Significant(stage.value, 3)});
   }
-  picture.rows.push_back({floor_name, Significant(floor, 3)});
+  if (std::isfinite(floor)) picture.rows.push_back({floor_name, Significant(floor, 3)});
   return picture;
 }
 

@@ -83,10 +83,13 @@ Section GapSection(const Diagnosis& d) {
   };
   add("hold-out RMS per coordinate", before.validation.rms, after.validation.rms);
   add("hold-out RMS distance", before.validation.distance_rms, after.validation.distance_rms);
-  add("gap beyond the noise floor", d.gap.before, d.gap.after);
-  section.paragraphs = {"Hold-out: configurations on which nothing was chosen or fitted. Noise floor " +
-                        Millimetres(d.gap.floor) + " mm per coordinate" +
-                        (d.effects.empty() ? "." : "; " + ClosedInWords(d.gap) + ".")};
+  std::string gap = "The gap beyond the noise is " + GapIsNotKnown();
+  if (!std::isnan(d.gap.floor)) {
+    add("gap beyond the noise floor", d.gap.before, d.gap.after);
+    gap = "Noise floor " + Millimetres(d.gap.floor) + " mm per coordinate" +
+          (d.effects.empty() ? "" : "; " + ClosedInWords(d.gap));
+  }
+  section.paragraphs = {"Hold-out: configurations on which nothing was chosen or fitted. " + gap + "."};
   section.pictures = {Waterfall(d)};
   if (!d.effects.empty()) section.pictures.push_back(Probabilities(d));
   return section;
