@@ -27,7 +27,9 @@ BetweenParts ErrorOfChoice(const Estimate& estimate, double probability, const s
   for (const RivalSet& rival : rivals) {
     ParameterSet other = estimate.parameters;
     other.CopyByName(rival.parameters);
-    const Eigen::VectorXd moved = TangentDifference(other, estimate.parameters)(estimate.estimated);
+    const Eigen::VectorXd all_moved = TangentDifference(other, estimate.parameters);
+    Eigen::VectorXd moved = all_moved(estimate.estimated);
+    if (!estimate.held.coordinates.empty()) moved -= estimate.held.slopes * all_moved(estimate.held.coordinates);
     found.covariance += rival.probability / all * moved * moved.transpose();
   }
   found.variance = found.covariance.diagonal();

@@ -1,10 +1,11 @@
 // Where the data do not decide between sets of effects, one of them is in the estimate: what the others would make of
 // its parameters is an error of that choice. Each refitted set k has a share of the probability,
 //
-//   T = sum over the others of p_k (x_k - x)(x_k - x)'
+//   T = sum over the others of p_k d_k d_k',   d_k = x_k - x - G (h_k - h)
 //
 // about the estimate x (Draper 1995, "Assessment and propagation of model uncertainty"; Hoeting et al. 1999, "Bayesian
-// model averaging").
+// model averaging"). h are held: each fit puts them where it fits best, and what x follows of that by its slopes G is
+// the same robot (held_influence.h, which counts what h is uncertain by).
 #pragma once
 
 #include <string>

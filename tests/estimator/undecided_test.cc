@@ -5,6 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/sagitta.h"
 #include "tests/support/kr270_experiment.h"
@@ -32,6 +35,31 @@ TEST(Undecided, RivalsCountByTheirProbability) {
   EXPECT_NEAR(found.variance[0], 2.25e-6, 1e-15);
   EXPECT_NEAR(found.covariance.sum(), 2.25e-6, 1e-15);
   EXPECT_FALSE(ErrorOfChoice(estimate, 1.0, {}).known());
+}
+
+// A marker that is held, or a base that nothing places, rests elsewhere in a rival's fit, and what moves with it does,
+// too: the same robot in another gauge, which predicts the same.
+TEST(Undecided, WhatMovesWithAHeldValueIsNoErrorOfTheChoice) {
+  const CalibrationProblem problem = test::Kr270Problem({}, {}, 1);
+  Estimate estimate = EstimateJointly(problem);
+  ParameterSet parameters = estimate.parameters;
+  const int held = parameters.FindCoordinate("marker/P1/z");
+  ASSERT_GE(held, 0);
+  std::vector<int> others;
+  std::remove_copy(estimate.estimated.begin(), estimate.estimated.end(), std::back_inserter(others), held);
+  estimate.estimated = others;
+  const auto count = static_cast<long>(estimate.estimated.size());
+  estimate.held.coordinates = {held};
+  estimate.held.slopes = Eigen::MatrixXd::Zero(count, 1);
+  estimate.held.slopes(0, 0) = -1.0;
+  Eigen::VectorXd delta = Eigen::VectorXd::Zero(parameters.num_coordinates());
+  delta[held] = 0.1;
+  delta[estimate.estimated[0]] = -0.1 + 1e-3;  // 1 mm is its own
+  parameters.Plus(delta);
+  const BetweenParts found = ErrorOfChoice(estimate, 0.5, {{0.5, {}, parameters}});
+  ASSERT_TRUE(found.known());
+  EXPECT_NEAR(found.variance[0], 0.5e-6, 1e-12);
+  EXPECT_NEAR(found.covariance.trace(), 0.5e-6, 1e-12);
 }
 
 TEST(Undecided, AddsToWhatPartsOfTheDataShow) {
