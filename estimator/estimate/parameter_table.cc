@@ -57,7 +57,9 @@ void FillTable(const CalibrationProblem& problem, Estimate* estimate) {
     row.ci95 = Around(row.value, quantile * row.sigma, lower);
     row.conditional = added(c, c) > kNotWorthAWord * row.sigma * row.sigma;
     row.unconditional_sigma = std::sqrt(row.sigma * row.sigma + added(c, c));
-    row.unconditional_ci95 = Around(row.value, quantile * row.unconditional_sigma, lower);
+    // What is held is as uncertain as its range says, whatever the noise is known by.
+    const double dof = WelchDof(row.sigma * row.sigma, row.dof, added(c, c), std::numeric_limits<double>::infinity());
+    row.unconditional_ci95 = Around(row.value, StudentQuantile(0.975, dof) * row.unconditional_sigma, lower);
   }
   for (size_t h = 0; h < estimate->held.coordinates.size(); ++h) {
     ParameterEstimate& row = estimate->table[estimate->held.coordinates[h]];

@@ -147,10 +147,15 @@ void WidenIntervals(const std::vector<Widening>& widenings, Trust* trust, Estima
     const double lower = estimate->parameters.coordinates()[i].lower, factor = widenings[p].interval;
     if (factor == 1.0) continue;
     trust->sigma[i] *= widenings[p].sigma;
-    for (Interval* interval : {&row.ci95, &row.unconditional_ci95}) {
-      interval->low = std::max(lower, row.value - factor * (row.value - interval->low));
-      interval->high = row.value + factor * (interval->high - row.value);
-    }
+    // What held ones add is as large as before: a_u'^2 = a_u^2 + (f^2 - 1) a^2 of each arm.
+    const double more = factor * factor - 1.0, spread = widenings[p].sigma * row.sigma;
+    Interval &own = row.ci95, &unconditional = row.unconditional_ci95;
+    const auto grown = [more](double all, double arm) { return std::sqrt(all * all + more * arm * arm); };
+    unconditional = {std::max(lower, row.value - grown(row.value - unconditional.low, row.value - own.low)),
+                     row.value + grown(unconditional.high - row.value, own.high - row.value)};
+    own = {std::max(lower, row.value - factor * (row.value - own.low)), row.value + factor * (own.high - row.value)};
+    row.unconditional_sigma =
+        std::sqrt(row.unconditional_sigma * row.unconditional_sigma + spread * spread - row.sigma * row.sigma);
     row.at_bound |= row.ci95.low <= lower;
   }
 }

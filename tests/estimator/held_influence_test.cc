@@ -5,10 +5,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/intervals/prediction.h"
+#include "estimator/validation/trust.h"
 #include "problems/loads.h"
 #include "problems/simulation.h"
 #include "tests/support/constant_orientation.h"
@@ -102,6 +104,29 @@ TEST(HeldInfluence, AGridThatNeverTurnsTheFlangeSaysSoInWords) {
         estimate.table[estimate.parameters.FindCoordinate("marker/P1/" + std::string(axis))].unconditional_sigma,
         kRange, 0.01 * kRange);
   }
+}
+
+// What is held is off by what it is off by, however much more than noise parts of the data differ by: 1 mm of one
+// degree of freedom is +- 12.7 mm, and 1.96 kRange stays 1.96 kRange.
+TEST(HeldInfluence, ModelErrorDoesNotMultiplyWhatIsHeld) {
+  Grid grid;
+  grid.truth.errors.fill(0.0);
+  const CalibrationProblem problem = grid.Problem(60, 5);
+  Estimate estimate = EstimateJointly(problem);
+  const auto count = static_cast<long>(estimate.estimated.size());
+  BetweenParts between;
+  between.variance = Eigen::VectorXd::Zero(count);
+  between.covariance = Eigen::MatrixXd::Zero(count, count);
+  between.draws = Eigen::VectorXd::Ones(count);
+  const int coordinate = estimate.parameters.FindCoordinate("base/S1/x");
+  const auto at = std::find(estimate.estimated.begin(), estimate.estimated.end(), coordinate);
+  between.variance[at - estimate.estimated.begin()] = 1e-6;
+  JudgeTrust(problem, 1, &estimate, between);
+  const ParameterEstimate& row = estimate.table[coordinate];
+  EXPECT_NEAR(row.ci95.high - row.value, 12.7e-3, 1e-3);
+  EXPECT_NEAR(row.unconditional_ci95.high - row.value, 1.96 * kRange, 0.02 * kRange);
+  EXPECT_NEAR(row.value - row.unconditional_ci95.low, 1.96 * kRange, 0.02 * kRange);
+  EXPECT_GT(row.unconditional_sigma, 0.99 * kRange);
 }
 
 // The tool is anywhere within the range that the program assumes: then intervals
