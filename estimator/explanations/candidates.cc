@@ -147,7 +147,7 @@ void AppendCompensators(const CalibrationProblem& problem, const std::set<std::s
     const std::string& joint = problem.robot().chain.joints[problem.robot().gravity_compensator->joint].name;
     if (HeldSpring(problem.parameters).empty()) return;
     if (compliant.count(joint) == 0) {
-      list->not_testable.push_back({kGravityCompensator, joint, ComplianceAboveZero()});
+      list->not_testable.push_back({kGravityCompensator, joint, ComplianceAboveZero(), Lack::kCompliance});
     } else {
       list->candidates.push_back({{kGravityCompensator, joint, {}, {}}});
     }
@@ -156,7 +156,7 @@ void AppendCompensators(const CalibrationProblem& problem, const std::set<std::s
   for (const Joint& joint : problem.robot().chain.joints) {
     if (joint.type != JointType::kRevolute) continue;
     if (compliant.count(joint.name) == 0) {
-      list->not_testable.push_back({kGravityCompensator, joint.name, ComplianceAboveZero()});
+      list->not_testable.push_back({kGravityCompensator, joint.name, ComplianceAboveZero(), Lack::kCompliance});
     } else {
       list->candidates.push_back({{kGravityCompensator, joint.name, {}, {}}});
     }
@@ -205,23 +205,35 @@ std::vector<EffectSpec> Variants(const CalibrationProblem& problem, const Effect
   return variants;
 }
 
+// What a column is of that an effect lacks.
+Lack LackOf(const EffectDefinition& definition, const EffectSpec& spec) {
+  if (definition.driven_by == EffectDriver::kTime) return Lack::kTime;
+  if (definition.driven_by == EffectDriver::kTemperature) return Lack::kTemperature;
+  return definition.PressedByOf(spec) == PressedBy::kApproach ? Lack::kApproach : Lack::kOther;
+}
+
 void AppendVariants(const CalibrationProblem& problem, const EffectDefinition& definition, const std::string& target,
                     const Knowledge& known, CandidateList* list) {
   const std::vector<EffectSpec> variants = Variants(problem, definition, target);
   std::string missing = variants.empty() ? MissingFor(problem, definition, {definition.name, target, {}, {}}) : "";
+  Lack lack = missing.empty() ? Lack::kOther : LackOf(definition, {definition.name, target, {}, {}});
   std::vector<EffectSpec> testable;
   for (const EffectSpec& variant : variants) {
     const std::string column = MissingFor(problem, definition, variant);
-    if (!column.empty()) missing = column;
+    if (!column.empty()) {
+      missing = column;
+      lack = LackOf(definition, variant);
+    }
     const bool needs_torque = definition.PressedByOf(variant) == PressedBy::kTorque && !known.loads;
     if (column.empty() && !needs_torque && !Stands(problem, variant)) testable.push_back(variant);
   }
   const std::string unknown = testable.empty() || known.levelled ? "" : UnknownGravity(problem, testable[0]);
   if (!unknown.empty()) {
     missing = unknown;
+    lack = Lack::kOther;
     testable.clear();
   }
-  if (!missing.empty()) list->not_testable.push_back({definition.name, target, missing});
+  if (!missing.empty()) list->not_testable.push_back({definition.name, target, missing, lack});
   for (EffectSpec& variant : testable) list->candidates.push_back({std::move(variant)});
 }
 

@@ -20,11 +20,15 @@ struct Candidate {
   bool rate_alone = false;   // of a spring that the robot states: what else it states is believed
 };
 
+// What another measurement, or another robot file, would have.
+enum class Lack { kOther, kTime, kTemperature, kApproach, kCompliance };
+
 // An effect that these data cannot show, and what is missing.
 struct NotTestable {
   std::string effect;
   std::string target;
   std::string needs;  // a column, or words
+  Lack lack = Lack::kOther;
 };
 
 // The catalogue on this robot and these data.

@@ -402,6 +402,29 @@ std::string PhysicalInWords(const Robot& robot, const FoundEffect& effect) {
   return correction.empty() ? "the size is one that machines show" : correction;
 }
 
+std::string NotTestedInWords(const Diagnosis& d) {
+  const Robot& robot = d.final.problem->robot();
+  std::vector<std::string> parts;
+  const auto add = [&](Lack lack, bool with_targets, const std::string& why) {
+    std::vector<std::string> titles, targets;
+    const auto add_once = [](const std::string& name, std::vector<std::string>* names) {
+      if (std::find(names->begin(), names->end(), name) == names->end()) names->push_back(name);
+    };
+    for (const NotTestable& entry : d.not_testable) {
+      if (entry.lack != lack) continue;
+      const EffectDefinition* definition = FindEffect(robot, entry.effect);
+      add_once(definition == nullptr ? "gravity compensator" : definition->title, &titles);
+      add_once(entry.target, &targets);
+    }
+    if (titles.empty()) return;
+    parts.push_back(Enumerate(titles) + (with_targets ? " on " + Enumerate(targets, kMostTargets) : "") + ", " + why);
+  };
+  add(Lack::kCompliance, true, "for the robot file states no compliance of the joint (free it, or state it)");
+  add(Lack::kTime, false, "for want of times");
+  add(Lack::kApproach, true, "for want of approach directions");
+  return parts.empty() ? "" : "Not tested: " + Joined(parts, "; ") + ".";
+}
+
 std::string GapIsNotKnown() { return "not known, for nothing states the noise"; }
 
 std::string ClosedInWords(const GapReport& gap) {
@@ -444,6 +467,8 @@ std::string DiagnosisToText(const Diagnosis& d) {
   if (d.has_unexplained) text << "Unexplained: " << UnexplainedInWords(d) << "\n";
   if (d.learnt) text << "Learnt: " << LearntInWords(d) << "\n";
   if (d.next) text << "Next: " << NextInWords(*d.final.problem, *d.next) << "\n";
+  const std::string not_tested = NotTestedInWords(d);
+  if (!not_tested.empty()) text << not_tested << "\n";
   for (const ReportedFlip& flip : d.posterior.flips) text << "Prior: " << FlipInWords(robot, flip) << "\n";
   for (const std::string& caution : d.cautions) text << "Caution: " << caution << "\n";
   for (const std::string& warning : d.baseline.problem->data().warnings) text << "Warning: " << warning << "\n";

@@ -40,6 +40,8 @@ std::string FlipInWords(const Robot& robot, const ReportedFlip& flip);
 std::string GroupInWords(const Diagnosis& diagnosis, const EffectGroup& group);
 std::string ShareInWords(const WhereShare& share);
 
+// Effects that arms have and that these data cannot show, with what they lack; "" where there are none.
+std::string NotTestedInWords(const Diagnosis& d);
 std::string GapIsNotKnown();  // where nothing states the noise
 std::string ClosedInWords(const GapReport& gap);
 

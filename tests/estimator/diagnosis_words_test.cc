@@ -129,6 +129,20 @@ TEST(DiagnosisWords, WithoutAGapNoneIsSaid) {
   EXPECT_THAT(VerdictInWords(d), HasSubstr("the untouched ones show no gap"));
 }
 
+TEST(DiagnosisWords, WhatCouldNotBeTestedIsSaid) {
+  Diagnosis d = Large();
+  EXPECT_EQ(DiagnosisToText(d).find("Not tested"), std::string::npos);
+  d.not_testable = {
+      {"gravity_compensator", "A2", "…", Lack::kCompliance}, {"joint_slip", "A1", "time_s", Lack::kTime},
+      {"joint_slip", "A2", "time_s", Lack::kTime},           {"station_drift", "S1", "time_s", Lack::kTime},
+      {"backlash", "A1", "approach1", Lack::kApproach},      {"backlash", "A3", "approach3", Lack::kApproach},
+      {"payload", "L1", "loaded rows", Lack::kOther}};
+  EXPECT_THAT(DiagnosisToText(d),
+              HasSubstr("Not tested: gravity compensator on A2, for the robot file states no compliance of the joint "
+                        "(free it, or state it); zero shift of a joint and drift of the station, for want of times; "
+                        "backlash (or friction wind-up) on A1 and A3, for want of approach directions.\n"));
+}
+
 TEST(DiagnosisWords, UndecidedIsNotUnexplained) {
   Diagnosis d = Large();
   d.effects.clear();

@@ -52,7 +52,7 @@ TEST(LeadingSet, IsWeighedAboutWhatWasFound) {
 }
 
 TEST(LeadingSet, SaysWhereTheLinearModelStaysWrong) {
-  const CalibrationProblem problem = Campaign(0.05);
+  const CalibrationProblem problem = Campaign(0.1);
   const DiagnosedModel baseline = FitFully(problem, JointOptions());
   const PriorMasses prior;
   const JointOptions joint;
