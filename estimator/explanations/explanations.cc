@@ -29,11 +29,12 @@ std::string WithoutChangePoint(const Robot& robot, EffectSpec spec) {
   return spec.Path();
 }
 
-// Of the catalogue or of what is unnamed, each with its mass: equal over families, then over targets, then over
-// settings; in a family that states weights, by these.
+// Of the catalogue or of what is unnamed, each with its mass: equal over families, then over targets, then over what
+// excludes nothing else (a harmonic's orders, play by approach or by torque), then over scanned settings (moments,
+// widths); in a family that states weights, by these.
 void SetShares(const PriorMasses& prior, ExplanationList* list) {
   struct Family {
-    std::map<std::string, int> settings;  // of each target
+    std::map<std::string, std::map<int, int>> settings;  // of each target, of each that excludes nothing else
     double weights = 0.0;
   };
   const double something = prior.catalogue + prior.unnamed;
@@ -44,7 +45,7 @@ void SetShares(const PriorMasses& prior, ExplanationList* list) {
       if (list->IsUnnamed(static_cast<int>(k)) != unnamed) continue;
       own.push_back(k);
       Family& family = families[list->place[k].family];
-      ++family.settings[list->place[k].target];
+      ++family.settings[list->place[k].target][list->math[k].excludes];
       family.weights += list->place[k].weight;
     }
     const double mass =
@@ -52,7 +53,9 @@ void SetShares(const PriorMasses& prior, ExplanationList* list) {
     for (const size_t k : own) {
       const PlaceInPrior& place = list->place[k];
       const Family& family = families[place.family];
-      const double among = static_cast<double>(family.settings.size()) * family.settings.at(place.target);
+      const std::map<int, int>& settings = family.settings.at(place.target);
+      const double among =
+          static_cast<double>(family.settings.size() * settings.size()) * settings.at(list->math[k].excludes);
       list->math[k].share = mass * place.listed * (family.weights > 0.0 ? place.weight / family.weights : 1.0 / among);
     }
   }

@@ -16,7 +16,7 @@
 
 namespace sagitta {
 
-// What shares of the prior are equal over, level by level; settings are the last level.
+// What shares of the prior are equal over, level by level; then settings, and of one of these what is scanned.
 struct PlaceInPrior {
   std::string family, target;
   double weight = 0.0;  // in its family; 0 in all of them: equal

@@ -9,29 +9,47 @@
 namespace sagitta {
 namespace {
 
-// "A (51 %) and B with C (5 %)": what all of them hold is not repeated.
+constexpr size_t kRivalsInWords = 2;  // all are in diagnosis.json
+
+std::vector<std::string> NamesOf(const Robot& robot, const NamedSet& rival) {
+  std::vector<std::string> names;
+  for (const EffectSpec& spec : rival.specs) names.push_back(Title(robot, spec));
+  names.insert(names.end(), rival.unnamed.begin(), rival.unnamed.end());
+  return names;
+}
+
+// "A", "B with C and D".
+std::string OneRival(const std::vector<std::string>& names) {
+  if (names.size() < 2) return Enumerate(names);
+  return names[0] + " with " + Enumerate({names.begin() + 1, names.end()});
+}
+
+// "A (51 %), B with C (5 %) and 2 others (4 %)": what all of them hold is not repeated.
 std::string RivalsInWords(const Robot& robot, const std::vector<NamedSet>& rivals) {
   std::vector<std::vector<std::string>> names;
-  for (const NamedSet& rival : rivals) {
-    names.emplace_back();
-    for (const EffectSpec& spec : rival.specs) names.back().push_back(Title(robot, spec));
-    names.back().insert(names.back().end(), rival.unnamed.begin(), rival.unnamed.end());
-  }
+  for (const NamedSet& rival : rivals) names.push_back(NamesOf(robot, rival));
   const auto all_hold = [&](const std::string& name) {
     return std::all_of(names.begin(), names.end(), [&](const std::vector<std::string>& own) {
       return std::find(own.begin(), own.end(), name) != own.end();
     });
   };
+  const size_t said = rivals.size() == kRivalsInWords + 1 ? rivals.size() : std::min(rivals.size(), kRivalsInWords);
   std::vector<std::string> words;
   bool is_shared = false;
+  double others = 0.0;
   for (size_t k = 0; k < rivals.size(); ++k) {
+    others += k < said ? 0.0 : rivals[k].probability;
     std::vector<std::string> own;
     for (const std::string& name : names[k]) {
       if (!all_hold(name)) own.push_back(name);
     }
     is_shared = is_shared || own.size() < names[k].size();
     const std::string nothing = names[k].empty() ? "no effect" : "nothing more";
-    words.push_back((own.empty() ? nothing : Joined(own, " with ")) + " (" + Percent(rivals[k].probability) + ")");
+    if (k < said)
+      words.push_back((own.empty() ? nothing : OneRival(own)) + " (" + Percent(rivals[k].probability) + ")");
+  }
+  if (said < rivals.size()) {
+    words.push_back(std::to_string(rivals.size() - said) + " others (" + Percent(others) + ")");
   }
   return Enumerate(words) + (is_shared ? ", given what all of them hold" : "");
 }
@@ -64,11 +82,11 @@ std::string AgainInWords(const Measurements& data, const NextPoses& next) {
 std::string NextInWords(const CalibrationProblem& problem, const NextPoses& next) {
   if (next.again) return AgainInWords(problem.data(), next);
   const std::string poses = std::to_string(next.poses.size()) + (next.poses.size() == 1 ? " pose" : " poses");
-  return "Between " + RivalsInWords(problem.robot(), next.rivals) +
-         ": whichever of these is right is expected to have " + Percent(next.decides) +
-         " of what they have together (" + Percent(next.of_probability) + ") after measuring the " + poses +
-         " of next.csv; now " + Percent(next.decided) + ". Fill in that file and add it to the measurements." +
-         NeededInWords(next);
+  return "Measure the " + poses + " of " + kNextFile +
+         ": fill in that file and add it to the measurements. To decide between " +
+         RivalsInWords(problem.robot(), next.rivals) + ": whichever of these is right is expected to have " +
+         Percent(next.decides) + " of what they have together (" + Percent(next.of_probability) + ") then; now " +
+         Percent(next.decided) + "." + NeededInWords(next);
 }
 
 }  // namespace sagitta

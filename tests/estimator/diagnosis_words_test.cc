@@ -97,13 +97,24 @@ TEST(DiagnosisWords, WhatIsExpectedIsAShareOfWhatTheNamedRivalsHave) {
   NextPoses next = BetweenTwo("encoder_gain");
   const std::string words = NextInWords(*d.final.problem, next);
   EXPECT_THAT(words,
-              AllOf(StartsWith("Between periodic joint error (joint_harmonic, A2, order 1) (51 %) and "),
-                    HasSubstr("(encoder_gain, A2) (5 %): whichever of these is right is expected to have 98 % of "
-                              "what they have together (56 %) after measuring the 6 poses of next.csv; now 85 %."),
-                    EndsWith("Fill in that file and add it to the measurements.")));
+              AllOf(StartsWith("Measure the 6 poses of next.csv: fill in that file and add it to the measurements. To "
+                               "decide between periodic joint error (joint_harmonic, A2, order 1) (51 %) and "),
+                    EndsWith("(encoder_gain, A2) (5 %): whichever of these is right is expected to have 98 % of what "
+                             "they have together (56 %) then; now 85 %.")));
   for (NamedSet& rival : next.rivals) rival.specs.push_back({"link_gravity", "A3", {}, {}});
   EXPECT_THAT(NextInWords(*d.final.problem, next),
               AllOf(Not(HasSubstr("link_gravity")), HasSubstr(", given what all of them hold: whichever")));
+}
+
+TEST(DiagnosisWords, OfManyRivalsTwoAreSaid) {
+  const Diagnosis d = Large();
+  NextPoses next = BetweenTwo("encoder_gain");
+  next.rivals.push_back({0.04, {{"joint_coupling", "A5", {}, {}}}, {}});
+  EXPECT_THAT(NextInWords(*d.final.problem, next), HasSubstr("joint_coupling"));  // "1 other" says no less
+  next.rivals.push_back({0.03, {{"station_scale", "S1", {}, {}}}, {}});
+  EXPECT_THAT(
+      NextInWords(*d.final.problem, next),
+      AllOf(Not(HasSubstr("joint_coupling")), HasSubstr("(encoder_gain, A2) (5 %) and 2 others (7 %): whichever")));
 }
 
 TEST(DiagnosisWords, AnotherDayIsProposedWhereTimeOrTemperatureDrives) {
