@@ -11,19 +11,6 @@ namespace {
 
 constexpr size_t kRivalsInWords = 2;  // all are in diagnosis.json
 
-std::vector<std::string> NamesOf(const Robot& robot, const NamedSet& rival) {
-  std::vector<std::string> names;
-  for (const EffectSpec& spec : rival.specs) names.push_back(Title(robot, spec));
-  names.insert(names.end(), rival.unnamed.begin(), rival.unnamed.end());
-  return names;
-}
-
-// "A", "B with C and D".
-std::string OneRival(const std::vector<std::string>& names) {
-  if (names.size() < 2) return Enumerate(names);
-  return names[0] + " with " + Enumerate({names.begin() + 1, names.end()});
-}
-
 // "A (51 %), B with C (5 %) and 2 others (4 %)": what all of them hold is not repeated.
 std::string RivalsInWords(const Robot& robot, const std::vector<NamedSet>& rivals) {
   std::vector<std::vector<std::string>> names;
@@ -46,7 +33,7 @@ std::string RivalsInWords(const Robot& robot, const std::vector<NamedSet>& rival
     is_shared = is_shared || own.size() < names[k].size();
     const std::string nothing = names[k].empty() ? "no effect" : "nothing more";
     if (k < said)
-      words.push_back((own.empty() ? nothing : OneRival(own)) + " (" + Percent(rivals[k].probability) + ")");
+      words.push_back((own.empty() ? nothing : WithOneAnother(own)) + " (" + Percent(rivals[k].probability) + ")");
   }
   if (said < rivals.size()) {
     words.push_back(std::to_string(rivals.size() - said) + " others (" + Percent(others) + ")");
@@ -78,6 +65,18 @@ std::string AgainInWords(const Measurements& data, const NextPoses& next) {
 }
 
 }  // namespace
+
+std::vector<std::string> NamesOf(const Robot& robot, const NamedSet& set) {
+  std::vector<std::string> names;
+  for (const EffectSpec& spec : set.specs) names.push_back(Title(robot, spec));
+  names.insert(names.end(), set.unnamed.begin(), set.unnamed.end());
+  return names;
+}
+
+std::string WithOneAnother(const std::vector<std::string>& names) {
+  if (names.size() < 2) return Enumerate(names);
+  return names[0] + " with " + Enumerate({names.begin() + 1, names.end()});
+}
 
 std::string NextInWords(const CalibrationProblem& problem, const NextPoses& next) {
   if (next.again) return AgainInWords(problem.data(), next);

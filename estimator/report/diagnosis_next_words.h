@@ -10,4 +10,8 @@ namespace sagitta {
 // Between which answers, what it is expected to decide, and how the file is used.
 std::string NextInWords(const CalibrationProblem& problem, const NextPoses& next);
 
+// Names of what a set holds: "A", "A with B and C".
+std::vector<std::string> NamesOf(const Robot& robot, const NamedSet& set);
+std::string WithOneAnother(const std::vector<std::string>& names);
+
 }  // namespace sagitta

@@ -19,6 +19,7 @@ namespace {
 
 constexpr double kWorthSaying = 0.1;  // of the probability, where nothing is named
 constexpr size_t kMostLikely = 3;
+constexpr double kLeastSaid = 0.01;      // of the probability of a set
 constexpr double kDoTheSame = 0.9999;    // overlap: of what the one moves, the other leaves a hundredth
 constexpr double kFarthestAnchor = 3.0;  // m, of a compensator's spring
 constexpr size_t kMostNames = 3;         // of what another prior would name
@@ -152,6 +153,20 @@ std::string RestInWords(const Diagnosis& d) {
   return "A significant rest has no name in the catalogue" + (share.empty() ? "" : " (" + share + ")") + ".";
 }
 
+// That no effect of the catalogue explains a gap well; or not as probably.
+std::string NoEffectInWords(const Diagnosis& d) {
+  const auto& sets = d.posterior.sets;  // the most probable first
+  const auto named = std::find_if(sets.begin(), sets.end(),
+                                  [](const NamedSet& set) { return set.unnamed.empty() && !set.specs.empty(); });
+  if (named != sets.end() && named->probability >= kLeastSaid) {
+    return ", most probably of a cause without a name (" + Percent(d.posterior.unnamed) +
+           "); effects of the catalogue would explain it as well: " +
+           WithOneAnother(NamesOf(d.baseline.problem->robot(), *named)) + " (" + Percent(named->probability) + ").";
+  }
+  return d.gap.before == 0.0 ? ", and no effect of the catalogue explains it well."
+                             : " that no effect of the catalogue explains well.";
+}
+
 // Nothing fits, or too much does.
 std::string UnknownInWords(const Diagnosis& d) {
   const std::string there_is = d.gap.before == 0.0
@@ -163,9 +178,7 @@ std::string UnknownInWords(const Diagnosis& d) {
     if (probability >= kWorthSaying && likely.size() < kMostLikely)
       likely.push_back(Title(robot, spec) + " " + Percent(probability));
   }
-  if (likely.empty() || d.posterior.unnamed > kEvenOdds)
-    return there_is + (d.gap.before == 0.0 ? ", and no effect of the catalogue explains it well."
-                                           : " that no effect of the catalogue explains well.");
+  if (likely.empty() || d.posterior.unnamed > kEvenOdds) return there_is + NoEffectInWords(d);
   likely.push_back("what has no name " + Percent(d.posterior.unnamed));
   if (d.posterior.noise >= kWorthSaying) likely.push_back("noise other than stated " + Percent(d.posterior.noise));
   return there_is + ", and these data do not decide what it is: " + Joined(likely, ", ") + ".";
@@ -281,8 +294,7 @@ std::string HalvesInWords(const Confirmation& confirmation) {
 
 std::string FlipInWords(const Robot& robot, const ReportedFlip& flip) {
   const auto listed = [&](const NamedSet& set) {
-    std::vector<std::string> names = set.unnamed;
-    for (const EffectSpec& spec : set.specs) names.push_back(Title(robot, spec));
+    const std::vector<std::string> names = NamesOf(robot, set);
     return names.empty() ? "" : Enumerate(names, kMostNames);
   };
   const std::string more = listed(flip.more), fewer = listed(flip.fewer);

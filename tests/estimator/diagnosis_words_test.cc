@@ -162,6 +162,14 @@ TEST(DiagnosisWords, UndecidedIsNotUnexplained) {
   d.posterior.unnamed = 0.9;
   d.posterior.explanations = {{{"encoder_gain", "A3", {}, {}}, 0.27}, {{"link_gravity", "A3", {}, {}}, 0.05}};
   EXPECT_THAT(VerdictInWords(d), HasSubstr("no effect of the catalogue explains well"));
+  const EffectSpec gain{"encoder_gain", "A3", {}, {}}, gravity{"link_gravity", "A2", {}, {}};
+  d.posterior.sets = {
+      {0.7, {}, {"a deviation of A3"}}, {0.1, {gain}, {"a deviation of A2"}}, {0.06, {gain, gravity}, {}}};
+  EXPECT_THAT(VerdictInWords(d),
+              AllOf(HasSubstr("most probably of a cause without a name (90 %); effects of the catalogue would explain "
+                              "it as well: encoder gain (encoder_gain, A3) with "),
+                    EndsWith("(link_gravity, A2) (6 %).")));
+  d.posterior.sets.clear();
   d.posterior.unnamed = 0.24;
   EXPECT_THAT(VerdictInWords(d), AllOf(HasSubstr("do not decide what it is"), HasSubstr("encoder_gain, A3) 27 %"),
                                        HasSubstr("no name 24 %"), ::testing::Not(HasSubstr("link_gravity"))));
