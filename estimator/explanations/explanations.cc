@@ -29,6 +29,17 @@ std::string WithoutChangePoint(const Robot& robot, EffectSpec spec) {
   return spec.Path();
 }
 
+// Of an order n 1 / n: evenly over the logarithm, so that how many orders the data resolve says little of the first,
+// which an eccentric scale has. 0: effects without orders are equally likely.
+double WeightOf(const Robot& robot, const EffectSpec& spec) {
+  const EffectDefinition* definition = FindEffect(robot, spec.effect);
+  if (definition == nullptr) return 0.0;
+  for (const SettingDefinition& setting : definition->settings) {
+    if (setting.kind == SettingDefinition::Kind::kInteger) return 1.0 / spec.IntegerSetting(setting.name, 1);
+  }
+  return 0.0;
+}
+
 // Of the catalogue or of what is unnamed, each with its mass: equal over families, then over targets, then over what
 // excludes nothing else (a harmonic's orders, play by approach or by torque), then over scanned settings (moments,
 // widths); in a family that states weights, by these.
@@ -108,7 +119,8 @@ class ListBuilder {
 
   void AddAsItIs(int candidate, const std::vector<int>& columns) {
     const EffectSpec& spec = list_.candidates[candidate].spec;
-    Append({columns, {}}, candidate, -1, spec, {spec.effect, spec.target}, WithoutChangePoint(problem_.robot(), spec));
+    Append({columns, {}}, candidate, -1, spec, {spec.effect, spec.target, WeightOf(problem_.robot(), spec)},
+           WithoutChangePoint(problem_.robot(), spec));
   }
 
   // A stated spring that has lost force, or was never as stiff, is where it is stated to be.

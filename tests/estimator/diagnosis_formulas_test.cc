@@ -421,9 +421,9 @@ TEST(DiagnosisFormulas, AnEffectsReductionAndHalves) {
   EXPECT_NEAR(effect.confirmation.compatible_p, std::exp(-0.5 * apart.dot(covariance.inverse() * apart)), 1e-9);
 }
 
-// A family's mass is shared equally by its targets, a target's by its settings; the catalogue has 0.38 and what is
-// unnamed 0.12 of what is not nothing. Six of the 124 orders of a ripple beyond the catalogue's six are listed of each
-// joint, and those that are not have their share too.
+// A family's mass is shared equally by its targets, a target's by its settings, orders by 1 / n; the catalogue has 0.38
+// and what is unnamed 0.12 of what is not nothing. Six of the 124 orders of a ripple beyond the catalogue's six are
+// listed of each joint, and those that are not have their share too.
 TEST(DiagnosisFormulas, MassesAreSharedLevelByLevel) {
   const CalibrationProblem problem = Healthy();
   const CandidateList candidates = ListCandidates(problem, problem.parameters);
@@ -453,7 +453,8 @@ TEST(DiagnosisFormulas, MassesAreSharedLevelByLevel) {
     EXPECT_NEAR(listed, share_listed.count(effect) > 0 ? share_listed.at(effect) : 1.0, 1e-12) << effect;
     masses[unnamed] += share;
     targets[{unnamed, list.place[k].family}][list.place[k].target] += share;
-    settings[{unnamed, list.place[k].family}][list.place[k].target].insert(std::round(1e12 * share));
+    const int order = unnamed ? 1 : list.start[k].IntegerSetting("order", 1);
+    settings[{unnamed, list.place[k].family}][list.place[k].target].insert(std::round(1e12 * share * order));
   }
   EXPECT_NEAR(masses[false], 0.38 / 0.5, 1e-9);
   EXPECT_NEAR(masses[true], 0.12 / 0.5, 1e-9);
