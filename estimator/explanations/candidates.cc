@@ -13,7 +13,6 @@
 namespace sagitta {
 namespace {
 
-constexpr int kHarmonicOrders = 6;  // scanned with few configurations
 constexpr int kConfigurationsPerOrder = 20;
 
 bool AnyLoad(const CalibrationProblem& problem) {

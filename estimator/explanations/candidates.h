@@ -44,6 +44,7 @@ std::vector<std::string> LoadsCarried(const Measurements& data);
 std::vector<EffectSpec> SpecsOf(const std::vector<Candidate>& candidates);
 
 // Orders of a harmonic that are scanned: as many as the configurations can resolve; a gear has more.
+constexpr int kHarmonicOrders = 6;        // scanned with few configurations
 constexpr int kMostHarmonicOrders = 130;  // a strain wave gear has about 100
 int ResolvedOrders(const CalibrationProblem& problem);
 

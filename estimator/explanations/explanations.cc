@@ -29,13 +29,14 @@ std::string WithoutChangePoint(const Robot& robot, EffectSpec spec) {
   return spec.Path();
 }
 
-// Of an order n 1 / n: evenly over the logarithm, so that how many orders the data resolve says little of the first,
-// which an eccentric scale has. 0: effects without orders are equally likely.
+// The orders that few configurations scan are equally likely, those beyond evenly over the logarithm: how many the data
+// resolve says little of an eccentric scale's. 0: effects without orders are equally likely.
 double WeightOf(const Robot& robot, const EffectSpec& spec) {
   const EffectDefinition* definition = FindEffect(robot, spec.effect);
   if (definition == nullptr) return 0.0;
   for (const SettingDefinition& setting : definition->settings) {
-    if (setting.kind == SettingDefinition::Kind::kInteger) return 1.0 / spec.IntegerSetting(setting.name, 1);
+    if (setting.kind != SettingDefinition::Kind::kInteger) continue;
+    return std::min(1.0, kHarmonicOrders / static_cast<double>(spec.IntegerSetting(setting.name, 1)));
   }
   return 0.0;
 }

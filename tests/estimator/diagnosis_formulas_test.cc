@@ -421,8 +421,8 @@ TEST(DiagnosisFormulas, AnEffectsReductionAndHalves) {
   EXPECT_NEAR(effect.confirmation.compatible_p, std::exp(-0.5 * apart.dot(covariance.inverse() * apart)), 1e-9);
 }
 
-// A family's mass is shared equally by its targets, a target's by its settings, orders by 1 / n; the catalogue has 0.38
-// and what is unnamed 0.12 of what is not nothing. Six of the 124 orders of a ripple beyond the catalogue's six are
+// A family's mass is shared equally by its targets, a target's by its settings; the catalogue has 0.38 and what is
+// unnamed 0.12 of what is not nothing. Six of the 124 orders of a ripple beyond the catalogue's six are
 // listed of each joint, and those that are not have their share too.
 TEST(DiagnosisFormulas, MassesAreSharedLevelByLevel) {
   const CalibrationProblem problem = Healthy();
@@ -453,8 +453,7 @@ TEST(DiagnosisFormulas, MassesAreSharedLevelByLevel) {
     EXPECT_NEAR(listed, share_listed.count(effect) > 0 ? share_listed.at(effect) : 1.0, 1e-12) << effect;
     masses[unnamed] += share;
     targets[{unnamed, list.place[k].family}][list.place[k].target] += share;
-    const int order = unnamed ? 1 : list.start[k].IntegerSetting("order", 1);
-    settings[{unnamed, list.place[k].family}][list.place[k].target].insert(std::round(1e12 * share * order));
+    settings[{unnamed, list.place[k].family}][list.place[k].target].insert(std::round(1e12 * share));
   }
   EXPECT_NEAR(masses[false], 0.38 / 0.5, 1e-9);
   EXPECT_NEAR(masses[true], 0.12 / 0.5, 1e-9);
@@ -491,6 +490,20 @@ TEST(DiagnosisFormulas, ScannedWidthsShareWhatIsOneExplanation) {
       ListExplanations(problem, problem.parameters, candidates, PriorMasses(), &columns, false);
   ASSERT_EQ(list.math.size(), 4u);
   for (size_t k = 0; k < 4; ++k) EXPECT_NEAR(list.math[k].share, 0.38 / 0.5 / (k == 0 ? 2.0 : 6.0), 1e-12);
+}
+
+// Six orders are equally likely, those beyond evenly over the logarithm.
+TEST(DiagnosisFormulas, ManyOrdersLeaveTheFirstItsShare) {
+  const CalibrationProblem problem = Healthy();
+  CandidateList candidates;
+  for (const char* order : {"1", "6", "60"}) {
+    candidates.candidates.push_back({{"joint_harmonic", "A1", {{"order", order}}, {}}});
+  }
+  EvidenceColumns columns(problem, problem.parameters, candidates.candidates);
+  const ExplanationList list =
+      ListExplanations(problem, problem.parameters, candidates, PriorMasses(), &columns, false);
+  ASSERT_EQ(list.math.size(), 3u);
+  for (size_t k = 0; k < 3; ++k) EXPECT_NEAR(list.math[k].share, 0.38 / 0.5 / 2.1 * (k == 2 ? 0.1 : 1.0), 1e-12);
 }
 
 }  // namespace
