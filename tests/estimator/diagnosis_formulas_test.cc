@@ -477,34 +477,5 @@ TEST(DiagnosisFormulas, MassesAreSharedLevelByLevel) {
   }
 }
 
-// Play by torque is of one width or another, play by approach has none: either has half of what play on a joint has.
-TEST(DiagnosisFormulas, ScannedWidthsShareWhatIsOneExplanation) {
-  const CalibrationProblem problem = Healthy();
-  CandidateList candidates;
-  candidates.candidates.push_back({{"backlash", "A1", {{"by", "approach"}}, {}}});
-  for (const char* width : {"10", "100", "1000"}) {
-    candidates.candidates.push_back({{"backlash", "A1", {{"by", "torque"}, {"width_Nm", width}}, {}}});
-  }
-  EvidenceColumns columns(problem, problem.parameters, candidates.candidates);
-  const ExplanationList list =
-      ListExplanations(problem, problem.parameters, candidates, PriorMasses(), &columns, false);
-  ASSERT_EQ(list.math.size(), 4u);
-  for (size_t k = 0; k < 4; ++k) EXPECT_NEAR(list.math[k].share, 0.38 / 0.5 / (k == 0 ? 2.0 : 6.0), 1e-12);
-}
-
-// Six orders are equally likely, those beyond evenly over the logarithm.
-TEST(DiagnosisFormulas, ManyOrdersLeaveTheFirstItsShare) {
-  const CalibrationProblem problem = Healthy();
-  CandidateList candidates;
-  for (const char* order : {"1", "6", "60"}) {
-    candidates.candidates.push_back({{"joint_harmonic", "A1", {{"order", order}}, {}}});
-  }
-  EvidenceColumns columns(problem, problem.parameters, candidates.candidates);
-  const ExplanationList list =
-      ListExplanations(problem, problem.parameters, candidates, PriorMasses(), &columns, false);
-  ASSERT_EQ(list.math.size(), 3u);
-  for (size_t k = 0; k < 3; ++k) EXPECT_NEAR(list.math[k].share, 0.38 / 0.5 / 2.1 * (k == 2 ? 0.1 : 1.0), 1e-12);
-}
-
 }  // namespace
 }  // namespace sagitta::diagnosis_formulas_test
