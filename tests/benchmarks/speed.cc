@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 #include <ceres/solver.h>
 #include <hwy/targets.h>
+#include <malloc.h>
 
 #include <array>
 #include <random>
@@ -52,6 +53,12 @@ const Setup& SetupOf(int configurations, bool deviate = false) {
   std::unique_ptr<Setup>& setup = known[{configurations, deviate}];
   if (!setup) setup = std::make_unique<Setup>(configurations, deviate ? 40e-6 : 0.0);
   return *setup;
+}
+
+// By malloc, of the heap and of mapped pages.
+size_t BytesAllocated() {
+  const struct mallinfo2 all = mallinfo2();
+  return all.uordblks + all.hblkhd;
 }
 
 void PerConfiguration(benchmark::State& state, const Setup& setup) {
@@ -156,6 +163,7 @@ BENCHMARK(BatchedRows)->ArgNames({"plain_instructions"})->Args({0})->Args({1})->
 // Rows and sums.
 void NormalEquationsPass(benchmark::State& state) {
   const Setup& setup = SetupOf(static_cast<int>(state.range(0)), state.range(2) != 0);
+  const size_t held_before = BytesAllocated();
   const NormalEquations equations(setup.problem, setup.rows.observations, setup.rows.noise,
                                   LatentTreatment::kMarginalise, static_cast<int>(state.range(1)));
   std::array<ParameterSet, 3> in_turn = {setup.start, setup.start, setup.start};  // the sums of two values are kept
@@ -167,6 +175,7 @@ void NormalEquationsPass(benchmark::State& state) {
     benchmark::DoNotOptimize(equations.Sum(in_turn[pass++ % in_turn.size()], setup.columns).matrix.data());
   }
   PerConfiguration(state, setup);
+  state.counters["bytes_held"] = static_cast<double>(BytesAllocated() - held_before);
 }
 BENCHMARK(NormalEquationsPass)
     ->ArgNames({"configurations", "threads", "joints_deviate"})
@@ -175,6 +184,7 @@ BENCHMARK(NormalEquationsPass)
     ->Args({10000, 1, 0})
     ->Args({10000, 2, 0})
     ->Args({10000, 1, 1})
+    ->Args({100000, 1, 1})
     ->Args({100000, 1, 0})
     ->Args({100000, 2, 0})
     ->UseRealTime()
@@ -284,6 +294,8 @@ BENCHMARK(Solve)
     ->Args({10000, kCondensedWay, 0})
     ->Args({10000, kWholeEstimate, 0})
     ->Args({33333, kCondensedWay, 0})
+    ->Args({100000, kJets, 0})
+    ->Args({100000, kAnalytic, 0})
     ->Args({100000, kCondensedWay, 0})
     ->Args({1000, kSchur, 1})
     ->Args({1000, kEliminated, 1})
@@ -291,6 +303,7 @@ BENCHMARK(Solve)
     ->Args({10000, kSchur, 1})
     ->Args({10000, kEliminated, 1})
     ->Args({10000, kWholeEstimate, 1})
+    ->Args({100000, kSchur, 1})
     ->Args({100000, kEliminated, 1})
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
