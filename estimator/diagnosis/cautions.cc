@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <set>
 
 #include "estimator/agreement/breaks.h"
 #include "estimator/diagnosis/diagnosed_model.h"
@@ -25,6 +26,7 @@ constexpr double kStill = 5.0 * kDegree;  // rad: a joint that moves less is ass
 constexpr double kStillLength = 0.05;     // m, prismatic
 constexpr int kFewConfigurations = 15;
 constexpr double kInOrder = 0.9;  // rank correlation: of 15 values in random order one in 80 000 has more
+constexpr double kProbable = 0.9;
 constexpr double kFarAboveFloor = 1.5;
 constexpr double kFarBelowFloor = 3.1;  // standard deviations, one in a thousand
 
@@ -231,6 +233,24 @@ void CautionOfHalves(const std::vector<FoundEffect>& effects, std::vector<std::s
     if (p * static_cast<double>(effects.size()) < kHalvesContradict) contradicted.push_back(effect.candidate.spec);
   }
   if (!contradicted.empty()) cautions->push_back(HalvesContradict(contradicted));
+}
+
+void CautionOfNotNamed(const std::vector<std::pair<EffectSpec, double>>& unconfirmed, Diagnosis* diagnosis) {
+  std::set<std::string> said;
+  for (const FoundEffect& effect : diagnosis->effects) said.insert(effect.candidate.spec.Path());
+  for (const auto& [spec, probability] : unconfirmed) said.insert(spec.Path());
+  std::set<std::string> leading;
+  const ReportedPosterior& posterior = diagnosis->posterior;
+  if (!posterior.sets.empty()) {
+    for (const EffectSpec& spec : posterior.sets[0].specs) leading.insert(spec.Path());
+  }
+  std::vector<std::pair<EffectSpec, double>> in_leading, elsewhere;
+  for (const auto& [spec, probability] : posterior.explanations) {
+    if (probability <= kProbable || said.count(spec.Path()) > 0) continue;
+    (leading.count(spec.Path()) > 0 ? in_leading : elsewhere).emplace_back(spec, probability);
+  }
+  if (!in_leading.empty()) diagnosis->cautions.push_back(NotInFullModel(in_leading));
+  if (!elsewhere.empty()) diagnosis->cautions.push_back(NotInLeading(elsewhere));
 }
 
 void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, bool is_sigma_stated,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "estimator/diagnosis/diagnose.h"
@@ -18,6 +19,9 @@ std::vector<std::string> FindCautions(const CalibrationProblem& stated, const Di
 // Of effects on which two halves of the poses disagree: the least p of so many is below kHalvesContradict by chance in
 // as many of a hundred diagnoses as one effect's would be.
 void CautionOfHalves(const std::vector<FoundEffect>& effects, std::vector<std::string>* cautions);
+
+// Of effects that are probable by themselves and not named, but for those that untouched rows did not confirm.
+void CautionOfNotNamed(const std::vector<std::pair<EffectSpec, double>>& unconfirmed, Diagnosis* diagnosis);
 
 // Where the hold-out is far above its noise floor although nothing is left to explain it, or below a floor of stated
 // noise.

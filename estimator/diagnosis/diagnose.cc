@@ -453,6 +453,7 @@ class Session {
     for (const SelectedEffect& effect : unconfirmed_)
       unconfirmed.emplace_back(effect.candidate.spec, ProbabilityOf(effect));
     if (!unconfirmed.empty()) d_.cautions.push_back(NotConfirmed(unconfirmed));
+    CautionOfNotNamed(unconfirmed, &d_);
     CautionOfHoldout(d_.final, d_.has_unexplained, IsSigmaStated(problem_), &d_.cautions);
   }
 

@@ -15,6 +15,14 @@ std::string NameOnTarget(const EffectSpec& spec) {
   return spec.effect + (spec.target.empty() ? "" : " on " + spec.target);
 }
 
+std::string WithProbabilities(const std::vector<std::pair<EffectSpec, double>>& effects) {
+  std::vector<std::string> names;
+  for (const auto& [spec, probability] : effects) {
+    names.push_back(NameOnTarget(spec) + " (" + WholePercent(probability) + ")");
+  }
+  return Enumerate(names, kNamesListed);
+}
+
 }  // namespace
 
 std::string LookAtThisFirst(const Finding& finding) {
@@ -144,13 +152,22 @@ std::string HalvesContradict(const std::vector<EffectSpec>& effects) {
 }
 
 std::string NotConfirmed(const std::vector<std::pair<EffectSpec, double>>& effects) {
-  std::vector<std::string> names;
-  for (const auto& [spec, probability] : effects) {
-    names.push_back(NameOnTarget(spec) + " (" + WholePercent(probability) + ")");
-  }
-  return Enumerate(names, kNamesListed) + (names.size() == 1 ? " is" : " are") +
+  return WithProbabilities(effects) + (effects.size() == 1 ? " is" : " are") +
          " not named: where something without a name may be left, an effect is named only if it predicts rows "
          "that were not fitted better, beyond chance.";
+}
+
+std::string NotInLeading(const std::vector<std::pair<EffectSpec, double>>& effects) {
+  const bool is_one = effects.size() == 1;
+  return WithProbabilities(effects) + (is_one ? " is" : " are") +
+         " probable and not named: " + (is_one ? "it is" : "they are") +
+         " in most of the answers that share the probability, and not in the one that is most probable as a whole.";
+}
+
+std::string NotInFullModel(const std::vector<std::pair<EffectSpec, double>>& effects) {
+  return WithProbabilities(effects) + (effects.size() == 1 ? " is" : " are") +
+         " probable and not named: the full model with it found no optimum, values that may be chance, or rows that "
+         "were not fitted predicted worse.";
 }
 
 std::string AreBagged(int resamples) {

@@ -51,6 +51,9 @@ std::string IsOneOfSeveral(const std::vector<std::vector<EffectSpec>>& instead);
 std::string ProbabilitiesAreRough();
 std::string HalvesContradict(const std::vector<EffectSpec>& effects);
 std::string NotConfirmed(const std::vector<std::pair<EffectSpec, double>>& effects);
+// Probable, and not in the most probable set; in it, and refused by the full model.
+std::string NotInLeading(const std::vector<std::pair<EffectSpec, double>>& effects);
+std::string NotInFullModel(const std::vector<std::pair<EffectSpec, double>>& effects);
 // Of probabilities: averaged over so many resamples of the poses.
 std::string AreBagged(int resamples);
 

@@ -65,6 +65,20 @@ TEST(DiagnosisWords, HalvesThatContradictEachOtherAreACaution) {
   EXPECT_THAT(cautions[0], AllOf(HasSubstr("contradict"), HasSubstr("warm_up on S1"), Not(HasSubstr("A4"))));
 }
 
+TEST(DiagnosisWords, WhyAProbableEffectIsNotNamedIsACaution) {
+  Diagnosis d = Large();
+  d.effects.erase(d.effects.begin() + 1, d.effects.end());
+  const EffectSpec named = d.effects[0].candidate.spec;
+  const EffectSpec left{"link_gravity", "A2", {}, {}}, refused{"encoder_gain", "A3", {}, {}};
+  const EffectSpec unconfirmed{"joint_coupling", "A5", {{"driver", "A4"}}, {}}, doubtful{"payload", "L1", {}, {}};
+  d.posterior.explanations = {{named, 0.99}, {left, 0.95}, {refused, 0.93}, {unconfirmed, 0.97}, {doubtful, 0.8}};
+  d.posterior.sets = {{0.6, {named, refused}, {}}, {0.4, {left}, {}}};
+  CautionOfNotNamed({{unconfirmed, 0.97}}, &d);
+  ASSERT_EQ(d.cautions.size(), 2u);
+  EXPECT_THAT(d.cautions[0], AllOf(StartsWith("encoder_gain on A3 (93 %) is probable"), HasSubstr("full model")));
+  EXPECT_THAT(d.cautions[1], AllOf(StartsWith("link_gravity on A2 (95 %) is probable"), HasSubstr("as a whole")));
+}
+
 TEST(DiagnosisWords, AVerdictOfFortyOneEffectsHasFiveLines) {
   const Diagnosis d = Large();
   const std::vector<std::string> lines = VerdictLines(d);
