@@ -35,7 +35,8 @@ struct ModelParameter {
   int index = -1;        // the transform, index into compliances, CompensatorPart, index into effects
   double nominal = 0.0;  // SI, as the robot file states it; 0 for geometric errors
   double lower = -std::numeric_limits<double>::infinity();
-  double prior_sigma = 0.0;  // SI, about 0: of an effect, as the robot file states it; 0: none
+  // SI, as the robot file states it: of an effect about 0, of a spring about its nominal value; 0: none.
+  double prior_sigma = 0.0;
 };
 
 // What one shot commands and hangs on the arm; data, no unknowns.

@@ -55,6 +55,7 @@ void ForwardModel::AddCompensator() {
     const Quantity quantity = part == CompensatorPart::kKc ? Quantity::kSpringRate : Quantity::kLength;
     const int i = static_cast<int>(part);
     parameters_.push_back({NameOf(part), quantity, ParameterLaw::kCompensator, i, nominal[i]});
+    if (!spring.prior_sigmas.empty()) parameters_.back().prior_sigma = spring.prior_sigmas[i];
   }
   // No spring is shorter than nothing, or pushes harder the less it is pressed.
   for (const int i : {0, 3, 4}) parameters_[compensator_->first_parameter + i].lower = 0.0;

@@ -46,6 +46,8 @@ struct GravityCompensator {
   // Value of the joint's transform at which the spring's q is 0, rad; absent: its nominal value. A calibrated robot
   // carries the joint's error in that, and the spring keeps its own.
   std::optional<double> zero = {};
+  // SI, of L, a_x, a_y, s0 and Kc: of priors about these values, where they are known no better; 0: none. Empty: none.
+  std::vector<double> prior_sigmas = {};
 };
 
 struct EffectDefinition;  // models/effects/effect.h

@@ -211,6 +211,16 @@ std::vector<int> ObservationsOf(const Measurements& data, bool validation) {
   return indices;
 }
 
+// Of all parts, where any has one.
+std::vector<double> SpringPriors(const ParameterSet& own) {
+  std::vector<double> priors;
+  for (const CompensatorPart part : kCompensatorParts) {
+    priors.push_back(own.coordinates()[own.FindCoordinate(part)].effect_prior);
+  }
+  const bool any = std::any_of(priors.begin(), priors.end(), [](double sigma) { return sigma > 0.0; });
+  return any ? priors : std::vector<double>();
+}
+
 }  // namespace
 
 std::vector<int> CalibrationProblem::CalibrationObservations() const {
@@ -231,6 +241,7 @@ Robot CalibrationProblem::RobotWith(const ParameterSet& own) const {
     const bool any = std::any_of(priors.begin(), priors.end(), [](double sigma) { return sigma > 0.0; });
     spec.prior_sigmas = any ? std::move(priors) : std::vector<double>();
   }
+  if (robot.gravity_compensator) robot.gravity_compensator->prior_sigmas = SpringPriors(own);
   return robot;
 }
 

@@ -89,6 +89,7 @@ ParameterSet::ParameterSet(const std::vector<std::string>& stations, const std::
     coordinates_.back().prior_sigma = coordinates_.back().effect_prior = parameter.prior_sigma;
     if (parameter.law == ParameterLaw::kCompensator) {
       coordinates_.back().compensator_part = static_cast<CompensatorPart>(parameter.index);
+      coordinates_.back().prior_value = parameter.nominal;
     }
   }
 }

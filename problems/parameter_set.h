@@ -39,8 +39,8 @@ struct Coordinate {
   double lower = -std::numeric_limits<double>::infinity();  // SI
   double prior_value = 0.0;                                 // SI
   double prior_sigma = 0.0;                                 // SI; 0: no prior
-  // SI; of a prior about 0 that belongs to an effect (EffectSpec::prior_sigmas), where rows scatter as is stated; 0: it
-  // has none. prior_sigma is that for rows as they scatter (estimator/calibration/effect_priors.h).
+  // SI; of a prior that the robot file states of an effect or a spring, where rows scatter as is stated; 0: it states
+  // none. prior_sigma is that for rows as they scatter (estimator/calibration/effect_priors.h).
   double effect_prior = 0.0;
   // SI; a direction whose standard deviation exceeds it is unidentifiable: of its kind (TraitsOf), or 5 mm or 5 mrad of
   // what it moves (problems/excitation.h).

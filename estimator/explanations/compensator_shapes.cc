@@ -77,7 +77,7 @@ void FreeSpring(bool rate_alone, double prior_scale, ParameterSet* parameters) {
     coordinate.free = true;
     coordinate.held = false;
     coordinate.prior_value = parameters->Value(i);
-    coordinate.prior_sigma = prior_scale * typical;
+    coordinate.prior_sigma = coordinate.effect_prior = prior_scale * typical;
   }
 }
 
@@ -152,7 +152,7 @@ void BoundCompensatorShape(bool keep, ParameterSet* parameters) {
     const int i = parameters->FindCoordinate(part);
     if (i < 0 || !parameters->coordinates()[i].free) return;
     parameters->coordinate(i).prior_value = about;
-    parameters->coordinate(i).prior_sigma = sigma;
+    parameters->coordinate(i).prior_sigma = parameters->coordinate(i).effect_prior = sigma;
   };
   if (!keep) {
     prior(CompensatorPart::kAx, 0.0, kAnchorReach);

@@ -75,20 +75,6 @@ std::optional<double> ReadParameter(const EffectParameter& parameter, YamlMap* m
   return value->Number() * TraitsOf(parameter.quantity).si_per_unit;
 }
 
-// {s2z_urad: 1200}: priors of some parameters.
-std::vector<double> ReadPriors(const std::vector<EffectParameter>& parameters, YamlMap* effect) {
-  const auto value = effect->Find(kPriorSigma);
-  if (!value) return {};
-  YamlMap map(*value);
-  std::vector<double> sigmas;
-  for (const EffectParameter& parameter : parameters) {
-    sigmas.push_back(ReadParameter(parameter, &map).value_or(0.0));
-    if (sigmas.back() < 0.0) value->Fail("a standard deviation is positive; 0: no prior");
-  }
-  map.Finish();
-  return sigmas;
-}
-
 EffectSpec ReadEffect(const YamlValue& item, const Robot& robot) {
   YamlMap map(item);
   const std::string name = map.Get("effect").Text();
@@ -143,6 +129,36 @@ Json SettingToJson(const EffectDefinition& definition, const std::string& name, 
 
 }  // namespace
 
+std::vector<double> ReadPriors(const std::vector<EffectParameter>& parameters, YamlMap* entry) {
+  const auto value = entry->Find(kPriorSigma);
+  if (!value) return {};
+  YamlMap map(*value);
+  std::vector<double> sigmas;
+  for (const EffectParameter& parameter : parameters) {
+    sigmas.push_back(ReadParameter(parameter, &map).value_or(0.0));
+    if (sigmas.back() < 0.0) value->Fail("a standard deviation is positive; 0: no prior");
+  }
+  map.Finish();
+  return sigmas;
+}
+
+void PutPriors(const std::vector<EffectParameter>& parameters, const std::vector<double>& sigmas, Json* entry) {
+  Json priors = Json::object();
+  for (size_t p = 0; p < sigmas.size(); ++p) {
+    if (!(sigmas[p] > 0.0)) continue;
+    priors[ParameterKey(parameters[p].name, parameters[p].quantity)] = InItsUnit(parameters[p].quantity, sigmas[p]);
+  }
+  if (!priors.empty()) (*entry)[kPriorSigma] = std::move(priors);
+}
+
+std::vector<EffectParameter> SpringParameters() {
+  std::vector<EffectParameter> parameters;
+  for (const CompensatorPart part : kCompensatorParts) {
+    parameters.push_back({WordOf(part), part == CompensatorPart::kKc ? Quantity::kSpringRate : Quantity::kLength});
+  }
+  return parameters;
+}
+
 std::string ParameterKey(const std::string& name, Quantity quantity) {
   std::string unit = TraitsOf(quantity).unit;
   const size_t slash = unit.find('/');
@@ -196,15 +212,12 @@ Json EffectToJson(const Robot& robot, const EffectSpec& spec) {
   if (!target.empty()) json[target] = spec.target;
   json.update(SettingsToJson(robot, spec));
   const std::vector<EffectParameter> parameters = definition.parameters(robot, spec);
-  Json priors = Json::object();
   for (size_t p = 0; p < parameters.size(); ++p) {
     const std::string key = ParameterKey(parameters[p].name, parameters[p].quantity);
     const double value = p < spec.values.size() ? spec.values[p] : 0.0;
     json[key] = InItsUnit(parameters[p].quantity, value);
-    const double prior = p < spec.prior_sigmas.size() ? spec.prior_sigmas[p] : 0.0;
-    if (prior > 0.0) priors[key] = InItsUnit(parameters[p].quantity, prior);
   }
-  if (!priors.empty()) json[kPriorSigma] = std::move(priors);
+  PutPriors(parameters, spec.prior_sigmas, &json);
   return json;
 }
 

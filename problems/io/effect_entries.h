@@ -18,6 +18,13 @@ nlohmann::ordered_json EffectToJson(const Robot& robot, const EffectSpec& spec);
 // {order: 1}: numbers are numbers; empty where an effect is none of the list.
 nlohmann::ordered_json SettingsToJson(const Robot& robot, const EffectSpec& spec);
 
+// The entry `prior_sigma: {cos_urad: 50}` of what has these parameters; empty where there is none.
+std::vector<double> ReadPriors(const std::vector<EffectParameter>& parameters, YamlMap* entry);
+void PutPriors(const std::vector<EffectParameter>& parameters, const std::vector<double>& sigmas,
+               nlohmann::ordered_json* entry);
+// Of a spring, L to Kc.
+std::vector<EffectParameter> SpringParameters();
+
 // cos_urad, k_urad_per_Nm: a parameter with its unit, as files write it.
 std::string ParameterKey(const std::string& name, Quantity quantity);
 

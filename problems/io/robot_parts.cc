@@ -1,6 +1,7 @@
 #include "problems/io/robot_parts.h"
 
 #include "problems/input_error.h"
+#include "problems/io/effect_entries.h"
 #include "problems/limits.h"
 
 namespace sagitta {
@@ -169,6 +170,7 @@ GravityCompensator ReadGravityCompensator(const YamlValue& value, const std::vec
   compensator.Kc = map.Get("Kc_N_per_mm").Number() * 1e3;
   if (const auto preload = map.Find("preload")) compensator.preload = preload->Flag();
   compensator.zero = map.Find("zero", Dimension::kAngle);
+  compensator.prior_sigmas = ReadPriors(SpringParameters(), &map);
   map.Finish();
   if (compensator.L <= 0.0) value.Fail("the lever L has to be above 0");
   if (compensator.s0 <= 0.0) {

@@ -100,6 +100,7 @@ Json CompensatorToJson(const Chain& chain, const GravityCompensator& compensator
   json["Kc_N_per_mm"] = ToUnit(compensator.Kc, Unit{"N_per_mm", 1e3, 1.0});
   json["preload"] = compensator.preload;
   if (compensator.zero) Put("zero", true, *compensator.zero, &json);
+  PutPriors(SpringParameters(), compensator.prior_sigmas, &json);
   return json;
 }
 

@@ -169,6 +169,30 @@ TEST(LoadedEstimate, TheSpringsScaleGaugeHoldsLWithWords) {
   EXPECT_GT(ChiSquareSurvival(test::SquaredDistanceToTruth(estimate, truth), estimate.estimated.size()), 1e-5);
 }
 
+// Torques alone hardly determine a spring's shape. Held where it is stated, what is estimated along would be as certain
+// as if that were exact.
+TEST(LoadedEstimate, ASpringThatIsHardlyKnownIsAsUncertainAsItsPriorsSay) {
+  LoadedTruth truth = test::Everything();
+  truth.link_markers.clear();
+  LoadedDesign design = test::WithPulls();
+  design.sigma = 5e-4;
+  test::LoadedSetup setup = test::SetupFor(truth);
+  const Estimate held = Simulated(truth, design, setup).Solve(5);
+  ASSERT_FALSE(Row(held, "compensator/a_x").free && Row(held, "compensator/a_y").free);
+  setup.robot.gravity_compensator->prior_sigmas = {0.0, 0.3, 0.3, 0.25, 0.0};
+  Simulated data(truth, design, setup);
+  const Estimate estimate = data.Solve(5);
+  ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
+  for (const char* name : {"compensator/a_x", "compensator/a_y", "compensator/s0"}) {
+    const ParameterEstimate& part = Row(estimate, name);
+    ASSERT_TRUE(part.free) << name;
+    EXPECT_NEAR(part.value, test::TrueLoadedValue(truth, name), 3.0 * part.sigma) << name;
+    EXPECT_GT(part.sigma, 0.02) << name;
+  }
+  const Robot calibrated = data.problem.RobotWith(estimate.parameters);
+  EXPECT_EQ(calibrated.gravity_compensator->prior_sigmas, setup.robot.gravity_compensator->prior_sigmas);
+}
+
 TEST(LoadedEstimate, VerticalLoadOnVerticalAxisHoldsK1) {
   LoadedTruth truth = WithoutSpring();
   truth.base_rotvec = {{0, 0, 0.3}, {0, 0, -1.0}};

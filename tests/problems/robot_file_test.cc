@@ -34,7 +34,8 @@ compliance:
   A1: {k_urad_per_Nm: 0.302}
   L2: {k_um_per_N: 0.05}
 gravity_compensator:
-  {joint: A1, type: spring, L_mm: 184.72, a_x_mm: 685.93, a_y_mm: 123.30, s0_mm: 458, Kc_N_per_mm: 15, preload: false}
+  {joint: A1, type: spring, L_mm: 184.72, a_x_mm: 685.93, a_y_mm: 123.30, s0_mm: 458, Kc_N_per_mm: 15, preload: false,
+   prior_sigma: {a_x_mm: 300, Kc_N_per_mm: 2}}
 effects: []
 )";
 
@@ -97,6 +98,7 @@ void ExpectSame(const Robot& a, const Robot& b) {
   EXPECT_NEAR(a.gravity_compensator->a_y, b.gravity_compensator->a_y, 1e-12);
   EXPECT_NEAR(a.gravity_compensator->s0, b.gravity_compensator->s0, 1e-12);
   EXPECT_NEAR(a.gravity_compensator->Kc, b.gravity_compensator->Kc, 1e-9);
+  EXPECT_EQ(a.gravity_compensator->prior_sigmas, b.gravity_compensator->prior_sigmas);
 }
 
 TEST(RobotFileTest, ReadsAChain) {
@@ -147,6 +149,7 @@ TEST(RobotFileTest, ReadsCouplingComplianceAndCompensator) {
   EXPECT_NEAR(robot.gravity_compensator->L, 0.18472, 1e-15);
   EXPECT_EQ(robot.gravity_compensator->Kc, 15e3);
   EXPECT_FALSE(robot.gravity_compensator->preload);
+  EXPECT_EQ(robot.gravity_compensator->prior_sigmas, (std::vector<double>{0.0, 0.3, 0.0, 0.0, 2e3}));
 }
 
 TEST(RobotFileTest, ReadsDhTables) {
