@@ -5,6 +5,7 @@
 #include "estimator/baselines/compare_methods.h"
 #include "estimator/calibration/noise_loop.h"
 #include "estimator/calibration/unit_guess.h"
+#include "estimator/diagnosis/learnt_model.h"
 #include "estimator/diagnosis/undecided.h"
 #include "estimator/inspection/load_direction.h"
 #include "estimator/inspection/reading_lint.h"
@@ -156,6 +157,17 @@ Calibration ExtendedCalibration(const Diagnosis& diagnosis, std::uint64_t seed) 
   AddTo(diagnosis.choice, &between);
   extended.trust = JudgeTrust(extended.problem, fitted, folds, &extended.estimate, between);
   return extended;
+}
+
+// Held-out points say what it lacks; folds and halves of a model with hundreds of weights would cost as much again as
+// the diagnosis.
+nlohmann::ordered_json LearntEstimateToJson(const Diagnosis& diagnosis, const Provenance& provenance) {
+  const CalibrationProblem& problem = *diagnosis.learnt->model.problem;
+  Estimate estimate = diagnosis.learnt->model.estimate;
+  const Trust trust = JudgeByHoldout(problem, &estimate);
+  nlohmann::ordered_json json = EstimateToJson(problem, estimate, provenance);
+  if (trust.holdout.points > 0) AddModelErrorTo(estimate, trust, &json);
+  return json;
 }
 
 nlohmann::ordered_json CalibrationToJson(const Calibration& calibration, const Provenance& provenance) {

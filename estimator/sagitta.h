@@ -77,6 +77,9 @@ Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& option
 // error in the intervals.
 Calibration ExtendedCalibration(const Diagnosis& diagnosis, std::uint64_t seed = 1);
 
+// estimate.learnt.json as written. diagnosis.learnt: not null.
+nlohmann::ordered_json LearntEstimateToJson(const Diagnosis& diagnosis, const Provenance& provenance);
+
 // estimate.json as written: the estimate, its verdict, cross-validation and suspect rows.
 nlohmann::ordered_json CalibrationToJson(const Calibration& calibration, const Provenance& provenance);
 

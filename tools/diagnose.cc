@@ -111,7 +111,7 @@ void WriteResults(const Provenance& provenance, Calibration extended, const Simu
   if (diagnosis.next) files.push_back({kNextFile, NextToCsv(diagnosis)});
   if (diagnosis.learnt) {
     const DiagnosedModel& learnt = diagnosis.learnt->model;
-    files.push_back({kLearntEstimateFile, DumpJson(EstimateToJson(*learnt.problem, learnt.estimate, provenance))});
+    files.push_back({kLearntEstimateFile, DumpJson(LearntEstimateToJson(diagnosis, provenance))});
     files.push_back({kLearntFile, RunComment(provenance) + LearntFunctionsInFile() + RobotToYaml(RobotOf(learnt))});
   }
   out.Write(files, {ResidualsFile(extended.problem, extended.estimate)});

@@ -115,6 +115,10 @@ void AddTrustTo(const Estimate& estimate, const Trust& trust, Json* json) {
   (*json)["suspects"] = Json::array();
   for (const Suspect& suspect : trust.suspects)
     (*json)["suspects"].push_back({{"row", suspect.row}, {"words", suspect.words}});
+  AddModelErrorTo(estimate, trust, json);
+}
+
+void AddModelErrorTo(const Estimate& estimate, const Trust& trust, Json* json) {
   (*json)["model_error"] = ModelErrorToJson(estimate, trust);
   for (size_t i = 0; i < estimate.table.size() && i < trust.ci95_noise_only.size(); ++i) {
     Json& row = (*json)["parameters"][i];

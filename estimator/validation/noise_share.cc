@@ -34,4 +34,10 @@ NoiseShare ShareOfNoise(const Estimate& estimate, const std::vector<int>& points
   return share;
 }
 
+double BeyondScatter(const UnseenPoints& unseen) {
+  if (unseen.points == 0) return 0.0;
+  const double scatter = 3.0 * (1.0 - unseen.parameters_share) * unseen.predicted_rms * unseen.predicted_rms;
+  return scatter > 0.0 ? std::sqrt(std::max(0.0, unseen.distance_rms * unseen.distance_rms - scatter)) : 0.0;
+}
+
 }  // namespace sagitta

@@ -28,4 +28,8 @@ struct NoiseShare {
 // points: those of `unseen`.
 NoiseShare ShareOfNoise(const Estimate& estimate, const std::vector<int>& points, const UnseenPoints& unseen);
 
+// m, RMS distance: what errors on points that were not fitted are beyond the scatter of instrument and joints, on
+// average, whether or not that is beyond chance; 0 where nothing is known.
+double BeyondScatter(const UnseenPoints& unseen);
+
 }  // namespace sagitta

@@ -321,4 +321,12 @@ Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, 
   return trust;
 }
 
+Trust JudgeByHoldout(const CalibrationProblem& problem, Estimate* estimate) {
+  Trust trust;
+  trust.holdout = JudgeHoldout(problem, *estimate);
+  trust.noise.beyond_noise = BeyondScatter(trust.holdout);
+  AddModelError(problem.experiment().significance, &trust, estimate);
+  return trust;
+}
+
 }  // namespace sagitta

@@ -56,4 +56,9 @@ Trust JudgeTrust(const CalibrationProblem& problem, std::uint64_t seed, Estimate
 Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, const FoldPlan& folds,
                  Estimate* estimate, const BetweenParts& between);
 
+// The same by the points held out alone, of an estimate that is known to follow a cause in part, as what is learnt of
+// one without a name: all that these points are off by beyond scatter is model error, not only what is beyond chance.
+// No verdict. Widens the intervals in the table.
+Trust JudgeByHoldout(const CalibrationProblem& problem, Estimate* estimate);
+
 }  // namespace sagitta

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "estimator/diagnosis/cautions.h"
@@ -13,6 +14,7 @@
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/report/diagnosis_words.h"
+#include "estimator/sagitta.h"
 #include "models/constants.h"
 #include "tests/support/moved_kr270.h"
 
@@ -383,6 +385,17 @@ TEST(Diagnosis, WhatHasNoNameIsLearntAndPredicts) {
   const LearntModel& learnt = *diagnosis.learnt;
   EXPECT_GT(learnt.gap.closed, 0.8);
   EXPECT_LT(HoldoutRms(learnt.model), 0.6 * HoldoutRms(diagnosis.final));
+  // Predictions allow for what it does not follow.
+  Estimate estimate = learnt.model.estimate;
+  const Trust judged = JudgeByHoldout(*learnt.model.problem, &estimate);
+  const double distance = judged.holdout.distance_rms, predicted = judged.holdout.predicted_rms;
+  ASSERT_GT(predicted, 0.0);
+  const double scatter = 3.0 * predicted * predicted * (1.0 - judged.holdout.parameters_share);
+  const double rest = std::sqrt(std::max(0.0, distance * distance - scatter));
+  EXPECT_GT(rest, 0.0);
+  const nlohmann::ordered_json json = LearntEstimateToJson(diagnosis, {});
+  EXPECT_NEAR(json.at("model_error").at("rest_mm").get<double>(), 1e3 * rest, 1e-9);
+  EXPECT_TRUE(json.at("parameters").at(0).contains("sigma_noise_only"));
   const auto value = [&](double q) {
     double sum = 0.0;
     for (const EffectSpec& function : learnt.functions) {  // bumps of several widths
