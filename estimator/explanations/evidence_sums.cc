@@ -132,18 +132,19 @@ std::vector<RowSums> EvidenceColumns::SumEach(const JointScatter& scatter, const
 AlongSources EvidenceColumns::SumAlong(const std::vector<Source>& sources) const {
   const Measurements& data = extended_.data();
   const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(data.shots.size(), sources.size());
-  AlongSources sums{none, none};
+  const auto count = static_cast<long>(sources.size());
+  AlongSources sums{none, none, Eigen::MatrixXd::Zero(none.rows(), count * count)};
   Block scratch;
   for (size_t b = 0; b < observations_of_block_.size(); ++b) {
     const Block& block = BlockOf(b, &scratch);
-    for (size_t s = 0; s < sources.size(); ++s) {
-      const Eigen::VectorXd moved = SourceRows(block, sources[s]);
-      for (size_t o = 0; o < block.observations.size(); ++o) {
-        const long shot = data.observations[block.observations[o]].shot, top = static_cast<long>(3 * o);
-        const auto own = moved.segment<3>(top);
-        sums.square(shot, static_cast<long>(s)) += own.squaredNorm();
-        sums.residual(shot, static_cast<long>(s)) += block.here.residual.segment<3>(top).dot(own);
-      }
+    Eigen::MatrixXd moved(block.here.num_rows(), count);
+    for (long s = 0; s < count; ++s) moved.col(s) = SourceRows(block, sources[static_cast<size_t>(s)]);
+    for (size_t o = 0; o < block.observations.size(); ++o) {
+      const long shot = data.observations[block.observations[o]].shot, top = static_cast<long>(3 * o);
+      const Eigen::MatrixXd own = moved.middleRows<3>(top), products = own.transpose() * own;
+      sums.square.row(shot) += products.diagonal().transpose();
+      sums.products.row(shot) += products.reshaped().transpose();
+      sums.residual.row(shot) += block.here.residual.segment<3>(top).transpose() * own;
     }
   }
   return sums;

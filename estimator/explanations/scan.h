@@ -13,9 +13,9 @@
 namespace sagitta {
 
 // Of a unit of each source in each shot, over the fitted rows: its square, and its product with the residual (shots x
-// sources); noise as stated, nothing eliminated.
+// sources); noise as stated, nothing eliminated. products: of each two sources, shots x their matrix by columns.
 struct AlongSources {
-  Eigen::MatrixXd square, residual;
+  Eigen::MatrixXd square, residual, products = {};
 
   // Of chi-square, by a function f of the shots that one source follows: (f'b)^2 / sum a f^2, as the residual is
   // orthogonal to what is believed. is_offset: a constant is believed, and f counts from its mean.
@@ -38,6 +38,12 @@ struct JumpsToTry {
 // each is believed.
 std::vector<TriedJump> TryJumps(const AlongSources& along, const std::vector<int>& fitted, const Eigen::VectorXd& x,
                                 const JumpsToTry& jumps);
+
+// Where a function of x that is constant but for k jumps has them, k = 0 .. most_jumps or as many as there are gaps:
+// those that explain most of chi-square together, each source with values of its own (Bellman 1961; Bai and Perron
+// 2003, J. Appl. Econometrics 18, 1). Nothing else is considered.
+std::vector<std::vector<Gap>> BestJumps(const AlongSources& along, const std::vector<int>& fitted,
+                                        const Eigen::VectorXd& x, int most_gaps, size_t most_jumps);
 
 // What was tried so far.
 template <class Function>

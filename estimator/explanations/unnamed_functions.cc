@@ -8,6 +8,10 @@
 namespace sagitta {
 namespace {
 
+// Jumps in time that go together; of all moments between visits.
+constexpr size_t kJumpsInTime[] = {1, 2, 3, 4, 6, 8, 12};
+constexpr int kMostMoments = 200;
+
 constexpr double kAlike = 1e-3;  // of the largest: directions of functions that add less are dropped
 
 // As the setting `by` names it; "" where none does.
@@ -28,14 +32,33 @@ const char* SettingOf(DriverKind kind) {
   return "";
 }
 
+// Of each effect one with each of these settings in place of its own.
+std::vector<EffectSpec> EachWith(const std::vector<EffectSpec>& effects, const std::vector<Settings>& each) {
+  std::vector<EffectSpec> all;
+  for (const EffectSpec& effect : effects) {
+    for (const Settings& settings : each) {
+      all.push_back(effect);
+      for (const auto& [name, value] : settings) all.back().settings[name] = value;
+    }
+  }
+  return all;
+}
+
+// Ways to choose k of n.
+double Ways(size_t n, size_t k) {
+  double ways = 1.0;
+  for (size_t i = 0; i < k; ++i) ways *= static_cast<double>(n - i) / static_cast<double>(i + 1);
+  return ways;
+}
+
 }  // namespace
 
 void GroupedFunctions::Append(const Eigen::MatrixXd& more, const std::string& kind, const Settings& settings,
-                              const std::string& effect, double listed) {
+                              const std::string& effect, double listed, const std::vector<Settings>& each) {
   const long before = columns.cols();
   columns.conservativeResize(more.rows(), before + more.cols());
   columns.rightCols(more.cols()) = more;
-  groups.push_back({kind, static_cast<int>(before), static_cast<int>(more.cols()), settings, effect, listed});
+  groups.push_back({kind, static_cast<int>(before), static_cast<int>(more.cols()), settings, effect, listed, each});
   few_ = nullptr;
 }
 
@@ -71,6 +94,22 @@ void UnnamedList::AppendRamps(const Eigen::VectorXd& time, int count, GroupedFun
                     {{"knots", std::to_string(count)}, {"shape", "ramps"}});
 }
 
+void UnnamedList::AppendJumpsInTime(const AlongSources& along, size_t fewest, GroupedFunctions* functions) const {
+  const Eigen::VectorXd time = TimeOf(problem_).of_shot;
+  const size_t places = Gaps(time(fitted_), kMostMoments).size(), most = kJumpsInTime[std::size(kJumpsInTime) - 1];
+  const std::vector<std::vector<Gap>> best = BestJumps(along, fitted_, time, kMostMoments, most);
+  for (const size_t count : kJumpsInTime) {
+    if (count < fewest || count >= best.size()) continue;
+    Eigen::MatrixXd jumps(time.size(), static_cast<long>(count));
+    std::vector<Settings> settings;
+    for (const Gap& gap : best[count]) {
+      jumps.col(static_cast<long>(settings.size())) = OverKnots(time, {gap.first, gap.second, 1, true});
+      settings.push_back({{"from", AsSetting(gap.first)}, {"to", AsSetting(gap.second)}});
+    }
+    functions->Append(jumps, "step", {{"knots", "1"}, {"shape", "ramps"}}, "", 1.0 / Ways(places, count), settings);
+  }
+}
+
 EffectSpec UnnamedList::Over(const Driver& driver, const std::string& effect, const std::string& target) const {
   const Range range = RangeOf(driver.of_shot);
   EffectSpec spec{effect, target, {{"by", SettingOf(driver.kind)}}, {}};
@@ -88,22 +127,21 @@ void UnnamedList::AddFunctions(const GroupedFunctions& functions, const UnnamedF
 }
 
 void UnnamedList::AddEach(const std::vector<GroupedFunctions>& of_source, const UnnamedFunction& what,
-                          const std::string& family, bool together) {
+                          const std::string& family, size_t together) {
   if (of_source.empty()) return;
   std::vector<int> own;
   for (size_t s = 0; s < of_source.size(); ++s) {
     const std::shared_ptr<const Compressed>& few = of_source[s].Few();
     for (const int column : columns_->Add({what.sources[s], {few, &few->basis}})) own.push_back(column);
   }
-  const long lists = together ? 1 : of_source.size();  // of coefficients
+  const long lists = of_source.size() / together;  // of coefficients
   for (const GroupedFunctions::Group& group : of_source[0].groups) {
     ColumnGroup columns{own, Eigen::MatrixXd::Zero(own.size(), group.count * lists)};
-    long top = 0, left = 0;
-    for (const GroupedFunctions& functions : of_source) {
-      const Eigen::MatrixXd mixing = functions.Few()->mixing.middleCols(group.first, group.count);
-      columns.mixing.block(top, left, mixing.rows(), mixing.cols()) = mixing;
+    long top = 0;
+    for (size_t s = 0; s < of_source.size(); ++s) {
+      const Eigen::MatrixXd mixing = of_source[s].Few()->mixing.middleCols(group.first, group.count);
+      columns.mixing.block(top, static_cast<long>(s / together) * group.count, mixing.rows(), group.count) = mixing;
       top += mixing.rows();
-      if (!together) left += mixing.cols();
     }
     UnnamedFunction function = what;
     function.kind = group.kind;
@@ -111,6 +149,7 @@ void UnnamedList::AddEach(const std::vector<GroupedFunctions>& of_source, const 
       if (!group.effect.empty()) effect = {group.effect, effect.target, {}, {}};
       effect.settings.insert(group.settings.begin(), group.settings.end());
     }
+    if (!group.each.empty()) function.effects = EachWith(function.effects, group.each);
     list_.push_back({std::move(columns), std::move(function), family, group.listed});
   }
 }

@@ -30,15 +30,16 @@ struct GroupedFunctions {
   struct Group {
     std::string kind;
     int first, count;
-    Settings settings;   // of the effect that is the same function
-    std::string effect;  // its name; empty: that of the whole list, over the driver's range
-    double listed;       // UnnamedGroup::listed
+    Settings settings;           // of the effect that is the same function
+    std::string effect;          // its name; empty: that of the whole list, over the driver's range
+    double listed;               // UnnamedGroup::listed
+    std::vector<Settings> each;  // the effect is several, each with these too; empty: it is one
   };
   Eigen::MatrixXd columns;
   std::vector<Group> groups;
 
   void Append(const Eigen::MatrixXd& more, const std::string& kind, const Settings& settings,
-              const std::string& effect = "", double listed = 1.0);
+              const std::string& effect = "", double listed = 1.0, const std::vector<Settings>& each = {});
   // Fewer columns that these are made of; kept for the next source that has the same functions.
   const std::shared_ptr<const Compressed>& Few() const;
 
@@ -75,10 +76,13 @@ class UnnamedList {
   EffectSpec Over(const Driver& driver, const std::string& effect, const std::string& target) const;
   // Every group of functions on one source or on several, each with coefficients of its own.
   void AddFunctions(const GroupedFunctions& functions, const UnnamedFunction& what, const std::string& family);
-  // The same where each source has functions of its own, in groups that are alike. together: all sources have the same
-  // coefficients.
+  // The same where each source has functions of its own, in groups that are alike. together: so many sources after each
+  // other have the same coefficients.
   void AddEach(const std::vector<GroupedFunctions>& of_source, const UnnamedFunction& what, const std::string& family,
-               bool together = false);
+               size_t together = 1);
+  // What stays as it is but for a few jumps in time, which lie where the rows say, `fewest` at least. The prior counts
+  // all places that they may have.
+  void AppendJumpsInTime(const AlongSources& along, size_t fewest, GroupedFunctions* functions) const;
 
   const CalibrationProblem& problem_;
   EvidenceColumns* columns_;

@@ -84,17 +84,24 @@ class PlaceFunctions : public UnnamedList {
                          const EffectSpec& effect) {
       AddFunctions(each, UnnamedFunction(station, {"time"}, words, sources, {effect}, time), "station in time");
     };
-    const std::vector<Source> axes = Axes(Source::Kind::kStation, owner);
+    const std::vector<Source> axes = Axes(Source::Kind::kStation, owner),
+                              scale = {{Source::Kind::kStationScale, owner, 0}};
     add(WavesOf(time.of_shot, axes), StationMoves(station), axes, motion("point"));
-    add(functions, StationMoves(station), axes, motion("point"));
+    add(WithJumps(functions, axes), StationMoves(station), axes, motion("point"));
     EffectSpec turn = motion("turn");
     turn.settings.merge(VectorSettings("about_", 1e3 * parameters_.BaseInStation(owner).translation, "_mm"));
-    add(functions, BaseTurnsInStation(station), Axes(Source::Kind::kStationTurn, owner), turn);
-    add(of_scale, StationGrows(station), {{Source::Kind::kStationScale, owner, 0}}, motion("scale"));
+    const std::vector<Source> turns = Axes(Source::Kind::kStationTurn, owner);
+    add(WithJumps(functions, turns), BaseTurnsInStation(station), turns, turn);
+    add(WithJumps(of_scale, scale), StationGrows(station), scale, motion("scale"));
     for (const Source& axis : axes) {
       const char name = "xyz"[axis.axis];
       add(functions, StationMovesAlong(station, name), {axis}, motion(std::string(1, name)));
     }
+  }
+
+  GroupedFunctions WithJumps(GroupedFunctions functions, const std::vector<Source>& sources) const {
+    if (OrderOf(problem_).kind == DriverKind::kTime) AppendJumpsInTime(columns_->SumAlong(sources), 1, &functions);
+    return functions;
   }
 
   // Waves in time: of all periods down to two visits those that the rows say most of, each by itself; half a wave more
@@ -274,12 +281,17 @@ class PlaceFunctions : public UnnamedList {
       falls.effects.push_back({"learnt_marker_seat", marker, {}, {}});
       leans.effects.push_back({"learnt_marker_motion", marker, down_settings_, {}});
       leans.effects.back().settings["by"] = "gravity";
-      if (order.kind == DriverKind::kTime) jumps.effects.push_back(Over(order, "learnt_marker_motion", marker));
+      const bool is_of_it = order.kind == DriverKind::kTime && !IsTool(markers);
+      if (is_of_it) jumps.effects.push_back(Over(order, "learnt_marker_motion", marker));
     }
+    if (order.kind == DriverKind::kTime && IsTool(markers)) jumps.effects = {ToolMotion()};
     AddFunctions(Sides(sources), falls, "loose");
     AddFunctions(of_down_, leans, "loose");
     GroupedFunctions seats;
-    seats.Append(Stretches(order.of_shot, kSeats), "other", {{"knots", std::to_string(kFineBumps)}});
+    seats.Append(Stretches(order.of_shot, kSeats), "other",
+                 {{"knots", std::to_string(kFineBumps)}, {"shape", "ramps"}});
+    const size_t fewest = markers.size() > 1 ? 1 : 2;  // one jump of one marker is marker_shift
+    if (order.kind == DriverKind::kTime) AppendJumpsInTime(columns_->SumAlong(sources), fewest, &seats);
     AddFunctions(seats, jumps, "loose");
   }
 
@@ -392,6 +404,32 @@ class PlaceFunctions : public UnnamedList {
     for (int axis = 0; axis < kPlateAxes; ++axis) plate.push_back({Source::Kind::kPlate, 0, axis});
     AddLoose("what carries the markers", "flange", markers, plate);
     AddGivingWay(markers, plate);
+    if (IsTool(markers) && OrderOf(problem_).kind == DriverKind::kTime) AddToolInTime(plate);
+  }
+
+  // Whether all markers ride on the flange: with them the tool moves.
+  bool IsTool(const std::vector<int>& markers) const {
+    return markers.size() > 1 && markers.size() == problem_.data().markers.size();
+  }
+
+  EffectSpec ToolMotion() const { return Over(TimeOf(problem_), "learnt_tool_motion", JointName(joints() - 1)); }
+
+  // The tool warms up, is pushed or slips: it moves as a body, or along or about one axis of the flange.
+  void AddToolInTime(const std::vector<Source>& plate) {
+    const Driver time = TimeOf(problem_);
+    GroupedFunctions functions;
+    if (!Smooth(time.of_shot, "time", &functions)) return;
+    const auto add = [&](const std::string& words, const std::vector<Source>& sources, const EffectSpec& effect) {
+      AddFunctions(functions, UnnamedFunction("flange", {"time"}, words, sources, {effect}, time), "tool in time");
+    };
+    add(ToolMoves(), plate, ToolMotion());
+    AppendRamps(time.of_shot, kRamps, &functions);
+    for (const Source& axis : plate) {
+      const std::string name(1, "xyz"[axis.axis % 3]);
+      EffectSpec effect = ToolMotion();
+      effect.settings["moves"] = (axis.axis < 3 ? "" : "r") + name;
+      add(axis.axis < 3 ? ToolMovesAlong(name) : ToolTurnsAbout(name), {axis}, effect);
+    }
   }
 
   // What carries the markers gives way to the load, or opens under it: functions of the direction of gravity times the

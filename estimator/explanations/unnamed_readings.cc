@@ -22,8 +22,6 @@ constexpr int kFewestQuarters = 4;
 constexpr int kMostQuarters = 400;
 constexpr size_t kRangeWaves = 4;
 
-constexpr bool kTogether = true;  // all markers go by the same coefficients
-
 const char* NameOf(Sensed angle) { return angle == Sensed::kAzimuth ? "azimuth" : "elevation"; }
 
 class ReadingFunctions : public UnnamedList {
@@ -152,7 +150,7 @@ class ReadingFunctions : public UnnamedList {
     AddEach(of_source,
             UnnamedFunction(name, {name}, ReadsWrongOver(name, NameOf(reads), NameOf(by)), SourcesOf(station, reads),
                             {effect}),
-            "reading", kTogether);
+            "reading", markers_.size());
   }
 
   // Waves of one period, of each marker.
@@ -231,7 +229,7 @@ class ReadingFunctions : public UnnamedList {
       AddEach(WavesOf(AsSetting(period), listed),
               UnnamedFunction(name, {name}, RangeRepeats(name, Significant(period, 3)), sources,
                               {{"learnt_range_wave", name, {}, {}}}),
-              "range wave", kTogether);
+              "range wave", markers_.size());
     }
   }
 

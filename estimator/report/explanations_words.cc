@@ -90,6 +90,16 @@ std::string LoadSlides(const std::string& load, const std::string& along) {
 
 std::string ChangesItsSeat(const std::string& what) { return what + " changes its seat between visits"; }
 
+std::string ToolMoves() { return "what carries the markers moves with time"; }
+
+std::string ToolMovesAlong(const std::string& axis) {
+  return "what carries the markers moves along " + axis + " of the flange with time";
+}
+
+std::string ToolTurnsAbout(const std::string& axis) {
+  return "what carries the markers turns about " + axis + " of the flange with time";
+}
+
 std::string WaveInWords(const std::string& size, int per_turn, const std::string& driver) {
   return "a wave of " + size + " that repeats " + (per_turn == 1 ? "once" : std::to_string(per_turn) + " times") +
          " per turn of " + driver;

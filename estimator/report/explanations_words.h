@@ -38,6 +38,10 @@ std::string LoadShiftsWithGravity(const std::string& load);
 // `along`: x, y, z or each axis.
 std::string LoadSlides(const std::string& load, const std::string& along);
 std::string ChangesItsSeat(const std::string& what);
+std::string ToolMoves();
+// `axis`: x, y or z of the flange.
+std::string ToolMovesAlong(const std::string& axis);
+std::string ToolTurnsAbout(const std::string& axis);
 
 // Shapes of a learnt function; sizes come as text with their units.
 std::string WaveInWords(const std::string& size, int per_turn, const std::string& driver);

@@ -1,9 +1,10 @@
 // A smooth function by its knots: Gaussian bumps, as wide as they are apart. With independent weights of unit variance
 // it is a random function of unit variance inside the knots (the sum over an endless row of squared bumps is sqrt(pi));
 // beyond them it fades to zero within two distances.
-// Or what changes at once, creeps or wanders: ramps from one knot to the next, which keep their end. With independent
-// weights it is a random walk from zero at the first knot; the factor sqrt(6 / n) of n ramps gives it unit variance
-// about its mean over the range where the weights have (of Brownian motion that is a sixth of the variance at the end).
+// Or what changes at once, creeps or wanders: ramps from one knot to the next, which keep their end; one alone is a
+// jump somewhere between two knots. With independent weights it is a random walk from zero at the first knot; the
+// factor sqrt(6 / n) of n ramps gives it unit variance about its mean over the range where the weights have (of
+// Brownian motion that is a sixth of the variance at the end).
 #pragma once
 
 #include <algorithm>
@@ -27,7 +28,7 @@ struct Knots {
   int count = 2;  // functions
   bool ramps = false;
 
-  double Apart() const { return (high - low) / (ramps ? count : count - 1); }
+  double Apart() const { return (high - low) / (ramps ? count : std::max(1, count - 1)); }
   double At(int k) const { return low + k * Apart(); }
   double Value(int k, double x) const {
     if (!ramps) return Bump(x, At(k), Apart());

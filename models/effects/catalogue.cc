@@ -46,6 +46,7 @@ const std::vector<const EffectDefinition*>& EffectCatalogue() {
       &LearntStationWave(),
       &LearntMarkerMotion(),
       &LearntMarkerSeat(),
+      &LearntToolMotion(),
       &LearntStationField(),
       &LearntLoadShift(),
       &LearntLoadSlide(),

@@ -51,6 +51,7 @@ const EffectDefinition& LearntMarkerSeat();
 const EffectDefinition& LearntStationField();
 const EffectDefinition& LearntLoadShift();
 const EffectDefinition& LearntLoadSlide();
+const EffectDefinition& LearntToolMotion();
 const EffectDefinition& LearntPull();
 const EffectDefinition& LearntLag();
 const EffectDefinition& LearntReading();

@@ -10,6 +10,7 @@
 #include "models/effects/bump.h"
 #include "models/effects/catalogue.h"
 #include "models/effects/pose_functions.h"
+#include "models/kinematics.h"
 
 namespace sagitta {
 namespace {
@@ -67,7 +68,7 @@ int NumPlaceFunctions(const EffectSpec& spec) {
   return (spec.IntegerSetting("degree", 1) > 1 ? kNumFieldFunctions : 3) + (IsPerLoad(spec) ? 1 : 0);
 }
 
-// Number of weights along one axis; what a file states is checked to be 2 knots or more.
+// Number of weights along one axis.
 int WeightCount(const EffectSpec& spec) {
   if (IsBy(spec, "place")) return NumPlaceFunctions(spec);
   return IsBy(spec, "gravity") ? NumDirectionFunctions(spec.IntegerSetting("degree", 1))
@@ -136,6 +137,26 @@ std::vector<EffectParameter> StationWeights(const Robot&, const EffectSpec& spec
       AppendWeights(spec, name, Quantity::kShift, kTypicalMovement, &weights);
     } else {
       AppendWeights(spec, "r" + name, Quantity::kSmallAngle, kTypicalStationTurn, &weights);
+    }
+  }
+  return weights;
+}
+
+// What of the tool moves: along x, y, z of the flange (0 to 2), about them (3 to 5).
+std::vector<int> ToolAxes(const EffectSpec& spec) {
+  const std::string moves = spec.TextSetting("moves", "all");
+  if (moves == "all") return {0, 1, 2, 3, 4, 5};
+  return {moves[0] == 'r' ? 3 + (moves[1] - 'x') : moves[0] - 'x'};
+}
+
+std::vector<EffectParameter> ToolWeights(const Robot&, const EffectSpec& spec) {
+  std::vector<EffectParameter> weights;
+  for (const int axis : ToolAxes(spec)) {
+    const std::string name(1, "xyz"[axis % 3]);
+    if (axis < 3) {
+      AppendWeights(spec, name, Quantity::kShift, kTypicalMovement, &weights);
+    } else {
+      AppendWeights(spec, "r" + name, Quantity::kSmallAngle, kTypicalPlateTurn, &weights);
     }
   }
   return weights;
@@ -251,6 +272,27 @@ void MoveMarker(const EffectContext& context, ShotTerms* terms) {
   }
 }
 
+// Markers move as one body: along the flange's axes, or about them through its origin. A turn w is one of the frame
+// after the joint, which would move the flange's origin, at p in that frame, by w x p: the markers move by as much
+// less.
+void MoveTool(const EffectContext& context, ShotTerms* terms) {
+  const Chain& chain = context.chain();
+  const std::vector<Pose<double>> frames = NominalFrames(chain, context.shot->q);
+  const Pose<double>&joint = frames[chain.FrameAfterJoint(context.joint())], &flange = frames[chain.FlangeFrame()];
+  const Matrix3<double> joint_from_flange = joint.rotation.transpose() * flange.rotation;
+  const Vector3<double> off = flange.rotation.transpose() * (flange.translation - joint.translation);
+  const auto markers = static_cast<int>(context.markers->size());
+  ForEachAxis(context, ToolAxes(*context.spec), FunctionsOf(context), [&](int parameter, int axis, double function) {
+    const Vector3<double> along = function * Vector3<double>::Unit(axis % 3);
+    const Vector3<double> shift = axis < 3 ? along : Vector3<double>(-along.cross(off));
+    for (int m = 0; m < markers; ++m) terms->markers.push_back({m, parameter, shift});
+    const Vector3<double> turn = joint_from_flange * along;
+    for (int k = 0; k < 3 && axis >= 3; ++k) {
+      terms->slots.push_back({TiltSlot(chain, context.joint(), static_cast<Axis>(k)), parameter, turn[k]});
+    }
+  });
+}
+
 // By where the nominal flange is in the base frame, from a middle and in units of a spread.
 void DistortField(const EffectContext& context, ShotTerms* terms) {
   if (context.shot->station != context.spec->target) return;
@@ -287,7 +329,6 @@ EffectDefinition Learnt(EffectDefinition effect, const std::vector<std::string>&
   to.greater_than = "from";
   to.only_with = along_a_line;
   SettingDefinition knots{"knots", Kind::kInteger, "", {}};
-  knots.least = 2;
   knots.only_with = along_a_line;
   SettingDefinition shape{"shape", Kind::kChoice, "bumps", {"bumps", "ramps"}};
   shape.silent = true;
@@ -378,6 +419,21 @@ const EffectDefinition& LearntStationMotion() {
       about.only_with = "moves=turn";
       effect.settings.push_back(about);
     }
+    return effect;
+  }();
+  return definition;
+}
+
+const EffectDefinition& LearntToolMotion() {
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect = Learnt({"learnt_tool_motion", "learnt motion of the tool",
+                                      "smooth function of its driver", EffectTarget::kJoint, ToolWeights, MoveTool},
+                                     {"time_s", "temperature_K"});
+    SettingDefinition moves{"moves", SettingDefinition::Kind::kChoice, "all", {"all", "x", "y", "z", "rx", "ry", "rz"}};
+    moves.silent = true;
+    effect.settings.push_back(moves);
+    effect.tilts = true;
+    effect.on_prismatic = true;
     return effect;
   }();
   return definition;

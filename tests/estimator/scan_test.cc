@@ -83,6 +83,58 @@ TEST(Scan, OneSourceOfSeveral) {
   }
 }
 
+// Two jumps at once, of two sources that move the same rows: those that leave least of all pairs, each fitted.
+TEST(Scan, JumpsThatGoTogetherExplainMost) {
+  std::mt19937 generator(9);
+  std::normal_distribution<double> normal;
+  Rows rows;
+  rows.moved = Eigen::MatrixXd::NullaryExpr(kShots * kRowsOfShot, kSources, [&] { return normal(generator); });
+  rows.moved.col(1) += 2.0 * rows.moved.col(0);
+  rows.residual = Eigen::VectorXd::NullaryExpr(kShots * kRowsOfShot, [&] { return normal(generator); });
+  rows.residual -= rows.moved * rows.moved.householderQr().solve(rows.residual);
+  rows.along = {Eigen::MatrixXd::Zero(kShots, kSources), Eigen::MatrixXd::Zero(kShots, kSources),
+                Eigen::MatrixXd::Zero(kShots, kSources * kSources)};
+  Eigen::VectorXd x(kShots);
+  std::vector<int> all;
+  for (int s = 0; s < kShots; ++s) {
+    const Eigen::MatrixXd own = rows.moved.middleRows<kRowsOfShot>(kRowsOfShot * s);
+    const Eigen::MatrixXd products = own.transpose() * own;
+    rows.along.square.row(s) = products.diagonal().transpose();
+    rows.along.products.row(s) = products.reshaped().transpose();
+    rows.along.residual.row(s) = rows.residual.segment<kRowsOfShot>(kRowsOfShot * s).transpose() * own;
+    x[s] = s / 4;
+    all.push_back(s);
+  }
+  const auto left_by = [&rows](const std::vector<Eigen::VectorXd>& functions) {
+    Eigen::MatrixXd columns(rows.moved.rows(), kSources * (1 + static_cast<long>(functions.size())));
+    columns.leftCols(kSources) = rows.moved;
+    for (size_t f = 0; f < functions.size(); ++f) {
+      for (int row = 0; row < rows.moved.rows(); ++row) {
+        columns.block<1, kSources>(row, kSources * (1 + static_cast<long>(f))) =
+            functions[f][row / kRowsOfShot] * rows.moved.row(row);
+      }
+    }
+    return (rows.residual - columns * columns.householderQr().solve(rows.residual)).squaredNorm();
+  };
+  const std::vector<Gap> gaps = Gaps(x, 100);
+  std::vector<Gap> least;
+  double left = rows.residual.squaredNorm();
+  for (size_t j = 1; j < gaps.size(); ++j) {
+    for (size_t i = 0; i < j; ++i) {
+      const double here = left_by({Jump(x, gaps[i]), Jump(x, gaps[j])});
+      if (here < left) {
+        left = here;
+        least = {gaps[i], gaps[j]};
+      }
+    }
+  }
+  const std::vector<std::vector<Gap>> best = BestJumps(rows.along, all, x, 100, 20);
+  ASSERT_EQ(best.size(), gaps.size() + 1);  // no more jumps than gaps
+  EXPECT_TRUE(best[0].empty());
+  EXPECT_EQ(best[2], least);
+  EXPECT_EQ(best[gaps.size()], gaps);
+}
+
 // Shots that are held out have no sums, and their places make no gaps.
 TEST(Scan, JumpsLieBetweenFittedShotsWithEnoughOnEachSide) {
   const Rows rows = RandomRows();

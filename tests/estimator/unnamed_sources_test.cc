@@ -202,8 +202,8 @@ TEST(UnnamedFunctions, AreEffectsOfTheModel) {
     const bool is_sharp = group.function.depends_on == std::vector<std::string>{"visits"};
     EXPECT_LT(left, is_sharp ? 0.3 : 2e-3) << group.function.words;
   }
-  EXPECT_GE(families.size(), 19u);
-  for (const char* family : {"reading", "range wave", "load shift", "lag", "pull", "base by place"}) {
+  EXPECT_GE(families.size(), 20u);
+  for (const char* family : {"tool in time", "reading", "range wave", "load shift", "lag", "pull", "base by place"}) {
     EXPECT_EQ(families.count(family), 1u) << family;
   }
 }

@@ -54,6 +54,7 @@ TEST(EffectCatalogue, HasEveryEffectOfTheFormat) {
                                              "learnt_station_wave",
                                              "learnt_marker_motion",
                                              "learnt_marker_seat",
+                                             "learnt_tool_motion",
                                              "learnt_station_field",
                                              "learnt_load_shift",
                                              "learnt_load_slide",

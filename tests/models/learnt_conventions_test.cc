@@ -90,6 +90,27 @@ TEST(LearntConventions, LearntTurnOfTheBaseByPlaceAndLoad) {
   ExpectPoint(scene.Seen(), 1.4, 14e-6, 0.5, 1e-12);
 }
 
+// One ramp of 100 urad is a jump of sqrt(6) times that, 244.94897 urad, half of it in the middle. About z of the flange
+// the marker, 100 mm along y of it, moves by 24.494897 um against x, and nothing along y: not about the joint, 400 mm
+// away. Along y of the flange 30 um are 73.484692 um.
+TEST(LearntConventions, LearntMotionOfTheTool) {
+  TwoLinkScene scene;
+  scene.marker = {0.0, 0.1, 0.0};
+  scene.shot().has_time = true;
+  std::map<std::string, std::string> settings = {{"by", "time_s"}, {"from", "100"},    {"to", "200"},
+                                                 {"knots", "1"},   {"shape", "ramps"}, {"moves", "rz"}};
+  scene.Add({"learnt_tool_motion", "J2", settings, {100e-6}});
+  scene.shot().time = 100.0;
+  ExpectPoint(scene.Seen(), 1.4, 0.1, 0.5, 1e-12);
+  scene.shot().time = 150.0;
+  ExpectPoint(scene.Seen(), 1.4 - 12.247449e-6, 0.1, 0.5, 2e-8);
+  scene.shot().time = 300.0;
+  ExpectPoint(scene.Seen(), 1.4 - 24.494897e-6, 0.1, 0.5, 2e-8);
+  settings["moves"] = "y";
+  scene.robot.effects[0] = {"learnt_tool_motion", "J2", settings, {30e-6}};
+  ExpectPoint(scene.Seen(), 1.4, 0.1 + 73.484692e-6, 0.5, 1e-11);
+}
+
 // Three shots 100 s apart, J2 at these angles.
 TwoLinkScene ThreeShots(double first_deg, double second_deg, double third_deg) {
   TwoLinkScene scene;
