@@ -324,7 +324,11 @@ Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, 
 Trust JudgeByHoldout(const CalibrationProblem& problem, Estimate* estimate) {
   Trust trust;
   trust.holdout = JudgeHoldout(problem, *estimate);
-  trust.noise.beyond_noise = BeyondScatter(trust.holdout);
+  // Where the residuals refute the stated noise, the scale that makes it fit them holds what the estimate lacks.
+  UnseenPoints as_stated = trust.holdout;
+  if (estimate->sigma.stated && estimate->sigma.scaled)
+    as_stated.predicted_rms /= std::max(1.0, estimate->sigma.a_posteriori);
+  trust.noise.beyond_noise = BeyondScatter(as_stated);
   AddModelError(problem.experiment().significance, &trust, estimate);
   return trust;
 }

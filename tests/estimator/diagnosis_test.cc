@@ -388,7 +388,8 @@ TEST(Diagnosis, WhatHasNoNameIsLearntAndPredicts) {
   // Predictions allow for what it does not follow.
   Estimate estimate = learnt.model.estimate;
   const Trust judged = JudgeByHoldout(*learnt.model.problem, &estimate);
-  const double distance = judged.holdout.distance_rms, predicted = judged.holdout.predicted_rms;
+  const double scale = estimate.sigma.scaled ? std::max(1.0, estimate.sigma.a_posteriori) : 1.0;  // of what is stated
+  const double distance = judged.holdout.distance_rms, predicted = judged.holdout.predicted_rms / scale;
   ASSERT_GT(predicted, 0.0);
   const double scatter = 3.0 * predicted * predicted * (1.0 - judged.holdout.parameters_share);
   const double rest = std::sqrt(std::max(0.0, distance * distance - scatter));
