@@ -188,7 +188,10 @@ Certificate Polish(const CalibrationProblem& problem, const NormalEquations& equ
     if (!certificate.valid) return certificate;
     const Eigen::VectorXd delta = BoundedGaussNewton(problem, here, *parameters, &certificate);
     if (certificate.exact_fit || !(certificate.step < reach)) return certificate;
+    const ParameterSet before = *parameters;
     Move(here.rows.columns, delta, 1.0, parameters);
+    // 1e-5 standard deviations change columns by less than 1e-10 of themselves.
+    if (certificate.step < kConvergedSteps) equations.KeepMoved(before, here.rows.columns, delta, *parameters);
   }
   return certificate;
 }

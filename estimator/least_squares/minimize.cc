@@ -12,6 +12,7 @@
 #include "estimator/least_squares/condensed_cost.h"
 #include "estimator/least_squares/constrained_blocks.h"
 #include "estimator/least_squares/gauss_newton.h"
+#include "estimator/least_squares/normal_equations.h"
 #include "estimator/least_squares/structure.h"
 #include "problems/interruption.h"
 #include "problems/range.h"
@@ -83,6 +84,44 @@ class StopWhenInterrupted : public ceres::IterationCallback {
   }
 };
 
+// Ceres sees that the cost decides no more from a step that it evaluates and does not go. The sums where it stands say
+// so before, r'r - r'J (J'J)^-1 J'r: what one more Gauss-Newton step would gain, and a pass over all rows is saved.
+class StopAtOptimum : public ceres::IterationCallback {
+ public:
+  // parameters: where the solver puts each iteration's values.
+  StopAtOptimum(const NormalEquations& equations, const ParameterSet& parameters, double tolerance)
+      : equations_(equations),
+        parameters_(parameters),
+        columns_(parameters.EstimatedCoordinates()),
+        tolerance_(tolerance) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& iteration) override {
+    if (iteration.iteration > 0 && !iteration.step_is_successful) return ceres::SOLVER_CONTINUE;
+    const NormalSums here = equations_.Sum(parameters_, columns_);  // they are kept
+    if (!here.valid) return ceres::SOLVER_CONTINUE;
+    const double left = Condense(here).residual.tail(1).squaredNorm();
+    const bool gains_nothing = here.squared_residual() - left <= tolerance_ * here.squared_residual();
+    return gains_nothing ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const NormalEquations& equations_;
+  const ParameterSet& parameters_;
+  const std::vector<int> columns_;
+  const double tolerance_;  // of the sum of squares
+};
+
+// Ceres' steps keep a rotation's norm to round-off: many of them drift. Values that are as good as they are stay, and
+// with them what was summed there.
+void Normalise(ParameterSet* parameters) {
+  constexpr double kDrift = 1e-14;
+  for (int s = 0; s < parameters->num_stations(); ++s) {
+    const std::vector<double>& values = parameters->station_rotation(s).values;
+    const double squares = Eigen::Map<const Eigen::Vector4d>(values.data()).squaredNorm();
+    if (std::abs(squares - 1.0) > kDrift) parameters->SetBaseInStation(s, parameters->BaseInStation(s));
+  }
+}
+
 MinimizeSummary RunSolver(ceres::Solver::Options solver, ceres::Problem* problem, ParameterSet* parameters) {
   StopWhenInterrupted stop;
   solver.callbacks.push_back(&stop);
@@ -91,15 +130,13 @@ MinimizeSummary RunSolver(ceres::Solver::Options solver, ceres::Problem* problem
   CheckInterruption();
   MinimizeSummary result;
   result.usable = summary.IsSolutionUsable();
-  result.converged = summary.termination_type == ceres::CONVERGENCE;
+  result.converged = summary.termination_type == ceres::CONVERGENCE || summary.termination_type == ceres::USER_SUCCESS;
   result.iterations = static_cast<int>(summary.iterations.size()) - 1;
   result.initial_cost = summary.initial_cost;
   result.final_cost = summary.final_cost;
   result.seconds = summary.total_time_in_seconds;
   result.message = summary.message;
-  for (int s = 0; s < parameters->num_stations(); ++s) {
-    parameters->SetBaseInStation(s, parameters->BaseInStation(s));  // unit norm against drift
-  }
+  Normalise(parameters);
   return result;
 }
 
@@ -192,7 +229,13 @@ MinimizeSummary MinimizeSums(const NormalEquations& equations, const MinimizeOpt
     if (!bounded) RemoveBounds(*parameters, &ceres_problem);
     MinimizeOptions own = options;
     own.num_threads = 1;  // the one cost has threads of its own
-    return RunSolver(SolverOptions(own), &ceres_problem, parameters);
+    ceres::Solver::Options solver = SolverOptions(own);
+    StopAtOptimum at_optimum(equations, *parameters, solver.function_tolerance);
+    if (!bounded) {
+      solver.callbacks.push_back(&at_optimum);
+      solver.update_state_every_iteration = true;
+    }
+    return RunSolver(std::move(solver), &ceres_problem, parameters);
   };
   const auto step_onto = [&equations](ParameterSet* from, MinimizeSummary* summary) {
     return StepOntoBounds(equations, from, summary);

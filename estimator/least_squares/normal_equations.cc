@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <mutex>
+#include <utility>
 
 #include "estimator/least_squares/batch_algebra.h"
 #include "estimator/least_squares/parallel.h"
@@ -93,11 +94,14 @@ struct NormalEquations::Latest {
       return sums.valid && values == asked && sums.columns == columns;
     }
   };
+  std::atomic<int> passes{0};
   std::mutex mutex;  // of those who ask at the same time
   Point latest, before;
 };
 
 NormalEquations::~NormalEquations() = default;
+
+int NormalEquations::num_passes() const { return latest_->passes; }
 
 NormalEquations::NormalEquations(const CalibrationProblem& problem, const std::vector<int>& observations,
                                  const NoiseRoots& noise, LatentTreatment treatment, int num_threads)
@@ -114,6 +118,7 @@ NormalEquations::NormalEquations(const CalibrationProblem& problem, const std::v
 NormalSums NormalEquations::SumOfAll(const ParameterSet& parameters, const std::vector<int>& columns,
                                      const std::vector<double>& weights) const {
   const RowBatches::Request request(*batches_, parameters, columns);
+  ++latest_->passes;
   const int n = static_cast<int>(columns.size());
   std::vector<Eigen::MatrixXd> parts(blocks_.size());
   std::vector<BatchScratch> scratches(std::max(1, num_threads_));
@@ -177,6 +182,19 @@ NormalSums NormalEquations::Sum(const ParameterSet& parameters, const std::vecto
   result.matrix += both.transpose() * both;
   result.rows += priors.num_rows();
   return result;
+}
+
+void NormalEquations::KeepMoved(const ParameterSet& from, const std::vector<int>& columns, const Eigen::VectorXd& step,
+                                const ParameterSet& to) const {
+  const std::lock_guard<std::mutex> lock(latest_->mutex);
+  if (!latest_->latest.Holds(AllValues(from), columns)) return;
+  Latest::Point moved{AllValues(to), latest_->latest.sums};
+  Eigen::MatrixXd& matrix = moved.sums.matrix;
+  const Eigen::Index n = step.size();
+  // [J r + J d] = [J r] [1 d; 0 1]
+  matrix.col(n) += matrix.leftCols(n) * step;
+  matrix.row(n) += step.transpose() * matrix.topRows(n);
+  latest_->before = std::exchange(latest_->latest, std::move(moved));
 }
 
 FittedRows RowsOf(const NormalEquations& equations, const ParameterSet& parameters, const std::vector<int>& columns) {

@@ -23,6 +23,7 @@ class NormalEquations {
 
   int num_threads() const { return num_threads_; }
   const RowBatches& batches() const { return *batches_; }
+  int num_passes() const;  // over the rows, so far
   const std::shared_ptr<const RowBatches>& shared_batches() const { return batches_; }
 
   // weights: how often each observation counts; empty: once. `with_priors`: and what the parameters' priors add. The
@@ -30,6 +31,10 @@ class NormalEquations {
   // and what is held, and how far the optimum is, are asked of it once more.
   NormalSums Sum(const ParameterSet& parameters, const std::vector<int>& columns,
                  const std::vector<double>& weights = {}, bool with_priors = true) const;
+  // After a step, SI, too small for J to change: what is kept of where it began is kept as the sums of where it ended,
+  // r + J step in place of r, so that no pass is made there.
+  void KeepMoved(const ParameterSet& from, const std::vector<int>& columns, const Eigen::VectorXd& step,
+                 const ParameterSet& to) const;
 
  private:
   struct Block;

@@ -6,6 +6,7 @@
 #include <ceres/problem.h>
 #include <gtest/gtest.h>
 
+#include "estimator/alignment/starting_values.h"
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/cluster_sandwich.h"
@@ -197,6 +198,25 @@ TEST_P(NormalEquationsOf, SumsAreOfTheValuesThatAreAskedFor) {
   EXPECT_NE(equations.Sum(parameters_, columns_).matrix, equations.Sum(moved, columns_).matrix);
 }
 
+// After a small step they need no pass.
+TEST_P(NormalEquationsOf, MovedSumsAreThoseOfWhereTheyAreMovedTo) {
+  const NormalEquations equations(problem_, rows_.observations, rows_.noise, LatentTreatment::kMarginalise, 1);
+  const Eigen::VectorXd step =  // standard deviations
+      1e-5 * equations.Sum(parameters_, columns_).matrix.diagonal().head(columns_.size()).cwiseSqrt().cwiseInverse();
+  ParameterSet moved = parameters_;
+  Move(columns_, step, 1.0, &moved);
+  const Eigen::MatrixXd there = equations.Sum(moved, columns_).matrix;
+  equations.Sum(parameters_, columns_);
+  const int passes = equations.num_passes();
+  equations.KeepMoved(parameters_, columns_, step, moved);
+  const Eigen::MatrixXd kept = equations.Sum(moved, columns_).matrix;
+  EXPECT_EQ(equations.num_passes(), passes);
+  const Eigen::VectorXd size = there.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+  EXPECT_LT((size.asDiagonal() * (kept - there) * size.asDiagonal()).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_NE(kept, equations.Sum(parameters_, columns_).matrix);
+  EXPECT_EQ(equations.num_passes(), passes);  // where it began is kept as well
+}
+
 // Pieces: the same rows, each once, deviations of joints with their visit.
 TEST_P(NormalEquationsOf, PiecesAreTheRows) {
   const std::vector<int> clusters = ConfigurationClusters(problem_.data(), rows_.observations);
@@ -297,6 +317,24 @@ TEST(NormalEquationsOfMany, SumsAreThoseOfTheRows) {
   EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-10);
   EXPECT_EQ(one, sums_of(2));
   EXPECT_EQ(one, sums_of(5));
+}
+
+// One pass for each iteration and one for the start: no step is looked at that is not gone, and where it ends the sums
+// are at hand.
+TEST(NormalEquationsOfMany, ASolveMakesNoPassInVain) {
+  const CalibrationProblem problem = Rigid(300);
+  const ResidualSelection rows = CalibrationResiduals(problem, kFallbackSigma);
+  const NormalEquations equations(problem, rows.observations, rows.noise, LatentTreatment::kMarginalise, 1);
+  ParameterSet parameters = problem.parameters;
+  FindStartingValues(problem, rows.observations, StartingValueOptions(), &parameters);
+  const MinimizeSummary solved = MinimizeSums(equations, MinimizeOptions(), &parameters);
+  EXPECT_TRUE(solved.converged);
+  EXPECT_GE(solved.iterations, 1);
+  EXPECT_EQ(equations.num_passes(), 1 + solved.iterations);
+  const Linearization left = Condense(equations.Sum(parameters, parameters.EstimatedCoordinates()));
+  EXPECT_EQ(equations.num_passes(), 1 + solved.iterations);
+  const double cost = left.residual.squaredNorm();
+  EXPECT_LE(cost - left.residual.tail(1).squaredNorm(), 1e-9 * cost);
 }
 
 // Cost and gradient of a least-squares problem (tangent columns, those of `later` last) whose later blocks are at the
