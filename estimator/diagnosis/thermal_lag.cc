@@ -13,7 +13,7 @@ namespace {
 constexpr double kLongestLag = 1800.0, kLagSpacing = 60.0;  // s
 constexpr double kBeyondOwn = 2.0;                          // times the lag that the effect states, where that is more
 constexpr const char* kLagSetting = "lag_s";
-constexpr int kDigits = 4;              // of a lag in s
+constexpr int kDigitsOfLag = 4;         // of a lag in s
 constexpr double kBetweenShots = 60.0;  // s, where no time is stated
 
 bool IsDrivenByTemperature(const Robot& robot, const EffectSpec& spec) {
@@ -41,7 +41,7 @@ double OwnLag(const EffectSpec& spec) { return spec.NumberSetting(kLagSetting, 0
 
 EffectSpec WithLag(EffectSpec spec, double lag) {
   spec.settings.erase(kLagSetting);
-  if (lag > 0.0) spec.settings[kLagSetting] = Significant(lag, kDigits);
+  if (lag > 0.0) spec.settings[kLagSetting] = Significant(lag, kDigitsOfLag);
   return spec;
 }
 

@@ -189,46 +189,63 @@ bool VisitShared(const Pieces& pieces, int num_threads, const SharedVisit& visit
   return valid;
 }
 
-// Steps of a register's units, next to the columns of their rows.
+// Steps of a register's units, next to the columns of their rows: those that all rows share, and of each marker its
+// own.
 class StepLanes {
  public:
   StepLanes(const BatchColumns& columns, int rows_of_unit)
-      : columns_(columns),
-        rows_(rows_of_unit),
-        steps_(static_cast<size_t>(rows_of_unit / 3 * columns.columns) * kBatchLanes, 0.0) {}
+      : columns_(columns.columns), first_(columns.own.empty() ? 0 : columns.first), markers_(rows_of_unit / 3) {
+    for (int c = first_; c < columns_; ++c) AddPlace(columns.of[c], c - first_);
+    for (int m = 0; m < markers_; ++m) {
+      for (int c = 0; c < first_; ++c) AddPlace(columns.Of(3 * m, c), columns_ - first_ + m * first_ + c);
+    }
+    steps_.assign(static_cast<size_t>(columns_ - first_ + markers_ * first_) * kBatchLanes, 0.0);
+  }
 
   void Set(size_t lane, const Eigen::VectorXd& step) {
-    for (size_t at = lane, c = 0; at < steps_.size(); at += kBatchLanes, ++c) {
-      const auto column = static_cast<int>(c) % columns_.columns, marker = static_cast<int>(c) / columns_.columns;
-      const int own = columns_.Of(3 * marker, column);
-      if (own >= 0) steps_[at] = step[own];
-    }
+    for (const Place& place : places_) steps_[place.to + lane] = step[place.from];
   }
   void Visit(const std::array<RowBatches::Unit, kBatchLanes>& units, const double* rows,
              const std::function<void(int position, const Vector3<double>& moved)>& visit) const {
-    const size_t stride = static_cast<size_t>(columns_.columns) * kBatchLanes;
-    for (int r = 0; r < rows_; r += 3) {
-      std::array<std::array<double, kBatchLanes>, 3> moved;
-      for (int axis = 0; axis < 3; ++axis) moved[axis] = Moved(r + axis, rows + (r + axis) * stride);
+    const size_t stride = static_cast<size_t>(columns_) * kBatchLanes;
+    for (int m = 0; m < markers_; ++m, rows += 3 * stride) {
+      Lanes moved[3] = {};
+      AddMoved(rows + static_cast<size_t>(first_) * kBatchLanes, columns_ - first_, steps_.data(), moved);
+      const size_t own = static_cast<size_t>(columns_ - first_ + m * first_) * kBatchLanes;
+      AddMoved(rows, first_, steps_.data() + own, moved);
       for (size_t lane = 0; lane < units.size(); ++lane) {
-        if (!units[lane].empty()) visit(units[lane][r / 3], {moved[0][lane], moved[1][lane], moved[2][lane]});
+        if (!units[lane].empty()) visit(units[lane][m], {moved[0][lane], moved[1][lane], moved[2][lane]});
       }
     }
   }
 
  private:
-  // J d of a row of each lane.
-  std::array<double, kBatchLanes> Moved(int row, const double* numbers) const {
-    std::array<double, kBatchLanes> moved{};
-    const double* step = steps_.data() + static_cast<size_t>(row / 3 * columns_.columns) * kBatchLanes;
-    for (int c = 0; c < columns_.columns; ++c, numbers += kBatchLanes, step += kBatchLanes) {
-      for (size_t lane = 0; lane < moved.size(); ++lane) moved[lane] += numbers[lane] * step[lane];
-    }
-    return moved;
+  using Lanes = std::array<double, kBatchLanes>;
+  struct Place {
+    size_t to;
+    int from;
+  };
+
+  void AddPlace(int from, int column) {
+    if (from >= 0) places_.push_back({static_cast<size_t>(column) * kBatchLanes, from});
   }
 
-  const BatchColumns& columns_;
-  const int rows_;
+  // What some columns add to J d of the three rows of a marker, of each lane.
+  void AddMoved(const double* numbers, int count, const double* step, Lanes (&moved)[3]) const {
+    const size_t stride = static_cast<size_t>(columns_) * kBatchLanes;
+    Lanes sums[3] = {moved[0], moved[1], moved[2]};
+    for (int c = 0; c < count; ++c, numbers += kBatchLanes, step += kBatchLanes) {
+      for (size_t axis = 0; axis < 3; ++axis) {
+        for (size_t lane = 0; lane < kBatchLanes; ++lane) {
+          sums[axis][lane] += numbers[axis * stride + lane] * step[lane];
+        }
+      }
+    }
+    std::copy_n(sums, 3, moved);
+  }
+
+  const int columns_, first_, markers_;
+  std::vector<Place> places_;
   std::vector<double> steps_;
 };
 

@@ -2,7 +2,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <functional>
 #include <iterator>
@@ -393,7 +392,7 @@ std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed, 
     count_of[g] += fitted[c] ? 1 : 0;
   }
   const std::string seed_text = std::to_string(seed) + ":";
-  const auto hash_of = [&](int g) { return Sha256(seed_text + data.configurations[first_of[g]].id); };
+  const auto text_of = [&](int g) { return seed_text + data.configurations[first_of[g]].id; };
   std::vector<Hashed> hashed;
   for (size_t g = 0; g < first_of.size(); ++g) {
     if (count_of[g] > 0) hashed.push_back({0, static_cast<int>(g)});
@@ -402,13 +401,12 @@ std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed, 
   ParallelFor(static_cast<int>((hashed.size() + kHashedAtOnce - 1) / kHashedAtOnce), num_threads, [&](int block, int) {
     const size_t begin = static_cast<size_t>(block) * kHashedAtOnce;
     for (size_t i = begin; i < std::min(hashed.size(), begin + kHashedAtOnce); ++i) {
-      const std::string hash = hash_of(hashed[i].group);  // small letters: in the order of the texts
-      std::from_chars(hash.data(), hash.data() + 16, hashed[i].first, 16);
+      hashed[i].first = StartOfSha256(text_of(hashed[i].group));
     }
   });
   std::sort(hashed.begin(), hashed.end(), [&](const Hashed& one, const Hashed& other) {
     if (one.first != other.first || one.group == other.group) return one.first < other.first;
-    const std::string hash = hash_of(one.group), hash_of_other = hash_of(other.group);
+    const std::string hash = Sha256(text_of(one.group)), hash_of_other = Sha256(text_of(other.group));
     return hash != hash_of_other ? hash < hash_of_other : one.group < other.group;
   });
   const int count = std::min(kFolds, static_cast<int>(hashed.size()));

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -161,14 +162,34 @@ int LineOfInvalidUtf8(const std::string& bytes) {
   return 0;
 }
 
-std::string Sha256(const std::string& bytes) {
+namespace {
+
+using Digest = std::array<unsigned char, EVP_MAX_MD_SIZE>;
+
+// Returns how many bytes of it there are.
+unsigned int DigestOf(const std::string& bytes, Digest* digest) {
   // Looked up once: names of configurations are hashed by the ten thousand.
   static const EVP_MD* const kSha256 = EVP_MD_fetch(nullptr, "SHA256", nullptr);
-  unsigned char digest[EVP_MAX_MD_SIZE];
   unsigned int size = 0;
-  if (kSha256 == nullptr || EVP_Digest(bytes.data(), bytes.size(), digest, &size, kSha256, nullptr) != 1) {
+  if (kSha256 == nullptr || EVP_Digest(bytes.data(), bytes.size(), digest->data(), &size, kSha256, nullptr) != 1) {
     throw std::runtime_error("SHA-256 is not available in this OpenSSL");
   }
+  return size;
+}
+
+}  // namespace
+
+std::uint64_t StartOfSha256(const std::string& bytes) {
+  Digest digest;
+  DigestOf(bytes, &digest);
+  std::uint64_t start = 0;
+  for (size_t i = 0; i < sizeof(start); ++i) start = start << 8 | digest[i];
+  return start;
+}
+
+std::string Sha256(const std::string& bytes) {
+  Digest digest;
+  const unsigned int size = DigestOf(bytes, &digest);
   constexpr char kHex[] = "0123456789abcdef";
   std::string text;
   text.reserve(2 * size);

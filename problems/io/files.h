@@ -1,6 +1,7 @@
 // Files as bytes: reading each once, provenance. Writing: output_files.h.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace sagitta {
@@ -37,6 +38,8 @@ int LineOfInvalidUtf8(const std::string& bytes);
 
 // Lower-case hexadecimal digest.
 std::string Sha256(const std::string& bytes);
+// Its first sixteen letters as a number: in the order of the texts.
+std::uint64_t StartOfSha256(const std::string& bytes);
 
 // The shortest decimal text that reads back to the same double.
 std::string FormatNumber(double value);

@@ -18,6 +18,7 @@ class FilesTest : public FileTest {};
 
 // FIPS 180-4 examples.
 TEST_F(FilesTest, Sha256MatchesNistVectors) {
+  EXPECT_EQ(StartOfSha256(""), 0xe3b0c44298fc1c14U);
   EXPECT_EQ(Sha256(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
   EXPECT_EQ(Sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   EXPECT_EQ(Sha256("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
