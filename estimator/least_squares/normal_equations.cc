@@ -191,9 +191,11 @@ void NormalEquations::KeepMoved(const ParameterSet& from, const std::vector<int>
   Latest::Point moved{AllValues(to), latest_->latest.sums};
   Eigen::MatrixXd& matrix = moved.sums.matrix;
   const Eigen::Index n = step.size();
-  // [J r + J d] = [J r] [1 d; 0 1]
-  matrix.col(n) += matrix.leftCols(n) * step;
-  matrix.row(n) += step.transpose() * matrix.topRows(n);
+  // J'(r + J d) = J'r + J'J d,  |r + J d|^2 = r'r + d'J'r + d'J'(r + J d)
+  const Eigen::VectorXd gradient = matrix.col(n).head(n);
+  matrix.col(n).head(n) += matrix.topLeftCorner(n, n) * step;
+  matrix.row(n) = matrix.col(n).transpose();
+  matrix(n, n) += step.dot(gradient + matrix.col(n).head(n));
   latest_->before = std::exchange(latest_->latest, std::move(moved));
 }
 

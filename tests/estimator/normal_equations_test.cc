@@ -206,14 +206,15 @@ TEST_P(NormalEquationsOf, MovedSumsAreThoseOfWhereTheyAreMovedTo) {
   ParameterSet moved = parameters_;
   Move(columns_, step, 1.0, &moved);
   const Eigen::MatrixXd there = equations.Sum(moved, columns_).matrix;
-  equations.Sum(parameters_, columns_);
+  const Eigen::MatrixXd before = equations.Sum(parameters_, columns_).matrix;
   const int passes = equations.num_passes();
   equations.KeepMoved(parameters_, columns_, step, moved);
   const Eigen::MatrixXd kept = equations.Sum(moved, columns_).matrix;
   EXPECT_EQ(equations.num_passes(), passes);
   const Eigen::VectorXd size = there.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
   EXPECT_LT((size.asDiagonal() * (kept - there) * size.asDiagonal()).cwiseAbs().maxCoeff(), 1e-6);
-  EXPECT_NE(kept, equations.Sum(parameters_, columns_).matrix);
+  EXPECT_EQ(kept, kept.transpose());
+  EXPECT_EQ(equations.Sum(parameters_, columns_).matrix, before);
   EXPECT_EQ(equations.num_passes(), passes);  // where it began is kept as well
 }
 
@@ -335,6 +336,14 @@ TEST(NormalEquationsOfMany, ASolveMakesNoPassInVain) {
   EXPECT_EQ(equations.num_passes(), 1 + solved.iterations);
   const double cost = left.residual.squaredNorm();
   EXPECT_LE(cost - left.residual.tail(1).squaredNorm(), 1e-9 * cost);
+  // Nothing is left after the last step.
+  const Eigen::VectorXd step = SolveLinearization(left).step;
+  ParameterSet moved = parameters;
+  Move(left.columns, step, 1.0, &moved);
+  equations.KeepMoved(parameters, left.columns, step, moved);
+  const Linearization after = Condense(equations.Sum(moved, left.columns));
+  EXPECT_LT(SolveLinearization(after).step.norm(), 1e-6 * step.norm());
+  EXPECT_EQ(equations.num_passes(), 1 + solved.iterations);
 }
 
 // Cost and gradient of a least-squares problem (tangent columns, those of `later` last) whose later blocks are at the
