@@ -210,7 +210,7 @@ class Session {
       return ProbabilityOf(a) < ProbabilityOf(b);
     };
     const auto least = std::min_element(selected_.begin(), selected_.end(), is_less);
-    if (posterior_.IsNamed(ProbabilityOf(*least))) return -1;
+    if (weighed_.IsNamed(ProbabilityOf(*least))) return -1;
     LeaveUnnamed(*least);
     return static_cast<int>(least - selected_.begin());
   }

@@ -17,7 +17,7 @@ ReportedPosterior ReportPosterior(const Evidence& evidence, const Posterior& pos
   ReportedPosterior report;
   report.nothing = posterior.nothing;
   report.noise = posterior.noise;
-  report.unnamed = posterior.unnamed;
+  report.unnamed = averaged.unnamed;
   report.prior = prior;
   for (const NamedProbability& entry : averaged.explanations) {
     report.explanations.push_back({list.start[entry.explanation], entry.probability});

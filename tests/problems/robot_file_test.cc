@@ -34,8 +34,7 @@ compliance:
   A1: {k_urad_per_Nm: 0.302}
   L2: {k_um_per_N: 0.05}
 gravity_compensator:
-  {joint: A1, type: spring, L_mm: 184.72, a_x_mm: 685.93, a_y_mm: 123.30, s0_mm: 458, Kc_N_per_mm: 15, preload: false,
-   prior_sigma: {a_x_mm: 300, Kc_N_per_mm: 2}}
+  {joint: A1, type: spring, L_mm: 184.72, a_x_mm: 685.93, a_y_mm: 123.30, s0_mm: 458, Kc_N_per_mm: 15, preload: false, prior_sigma: {a_x_mm: 300, Kc_N_per_mm: 2}}
 effects: []
 )";
 
