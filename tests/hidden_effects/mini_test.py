@@ -545,6 +545,15 @@ class WhatWasOnceNamedWrong(WithFolder):
         self.assertLess(max(e['probability'] for e in said['explanations']), said['unnamed'])
         self.assertEqual((diagnosis['verdict'], diagnosis['steps']), ('unknown', []))
 
+    def test_a_slip_is_found_whichever_moment_explains_most_at_first(self):
+        """Every second moment is weighed first: of these the nearest to the slip explained less than a later one."""
+        diagnosis, sealed = self.diagnosed({'study': 22001, 'case': 9000014, 'kinds': 'joint_slip',
+                                            'scales': 2.7944051719915537, 'robot': 'kr270',
+                                            'configurations': 60, 'stations': 1, 'without': 'approach',
+                                            'repeatability_urad': 8})
+        self.assertEqual(sealed, [('joint_slip', 'A2')])
+        self.assertEqual([(s['effect'], s['target']) for s in diagnosis['steps']], sealed)
+
     def test_wide_functions_on_half_of_a_real_arm(self):
         """Three smooth functions with a residual of 10^6, averaged over all their sizes, were once given a weight
         above all others by rounding: nothing was named."""
