@@ -211,11 +211,12 @@ std::vector<int> ObservationsOf(const Measurements& data, bool validation) {
   return indices;
 }
 
-// Of all parts, where any has one.
-std::vector<double> SpringPriors(const ParameterSet& own) {
+// What a robot file states of these coordinates, where it states any.
+std::vector<double> PriorsOf(const ParameterSet& own, const std::vector<std::string>& names) {
   std::vector<double> priors;
-  for (const CompensatorPart part : kCompensatorParts) {
-    priors.push_back(own.coordinates()[own.FindCoordinate(part)].effect_prior);
+  for (const std::string& name : names) {
+    const int i = own.FindCoordinate(name);
+    priors.push_back(i < 0 ? 0.0 : own.coordinates()[i].effect_prior);
   }
   const bool any = std::any_of(priors.begin(), priors.end(), [](double sigma) { return sigma > 0.0; });
   return any ? priors : std::vector<double>();
@@ -232,16 +233,17 @@ std::vector<int> CalibrationProblem::ValidationObservations() const { return Obs
 Robot CalibrationProblem::RobotWith(const ParameterSet& own) const {
   Robot robot = model_->WithValues(own.ModelValues());
   for (EffectSpec& spec : robot.effects) {
-    const std::vector<EffectParameter> parts = FindEffect(robot, spec.effect)->parameters(robot, spec);
-    std::vector<double> priors;
-    for (const EffectParameter& part : parts) {
-      const int i = own.FindCoordinate(spec.Path() + "/" + part.name);
-      priors.push_back(i < 0 ? 0.0 : own.coordinates()[i].effect_prior);
+    std::vector<std::string> names;
+    for (const EffectParameter& part : FindEffect(robot, spec.effect)->parameters(robot, spec)) {
+      names.push_back(spec.Path() + "/" + part.name);
     }
-    const bool any = std::any_of(priors.begin(), priors.end(), [](double sigma) { return sigma > 0.0; });
-    spec.prior_sigmas = any ? std::move(priors) : std::vector<double>();
+    spec.prior_sigmas = PriorsOf(own, names);
   }
-  if (robot.gravity_compensator) robot.gravity_compensator->prior_sigmas = SpringPriors(own);
+  if (robot.gravity_compensator) {
+    std::vector<std::string> names;
+    for (const CompensatorPart part : kCompensatorParts) names.push_back(NameOf(part));
+    robot.gravity_compensator->prior_sigmas = PriorsOf(own, names);
+  }
   return robot;
 }
 

@@ -26,9 +26,8 @@ struct ReportedPosterior {
   std::vector<ReportedFlip> flips;
 };
 
-// `posterior` is of the evidence's models; effects and what has no name have the probabilities
-// of `averaged`. gate: of the probability that
-// something is missing, above which it is named.
+// `posterior` is of the evidence's models; effects and what has no name have the probabilities of `averaged`. gate: of
+// the probability that something is missing, above which it is named.
 ReportedPosterior ReportPosterior(const Evidence& evidence, const Posterior& posterior, const Posterior& averaged,
                                   const PriorMasses& prior, double gate);
 

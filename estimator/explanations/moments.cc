@@ -55,8 +55,8 @@ std::vector<Candidate> BestMoments(const CalibrationProblem& problem, const Para
     moments[others.Path()].Try(log_evidence, candidates[c]);
   }
   std::vector<Candidate> best;
-  for (const auto& [others, scan] : moments) {
-    for (Candidate& candidate : Scan<Candidate>(scan).Best(kMostCentres)) best.push_back(std::move(candidate));
+  for (auto& [others, scan] : moments) {
+    for (Candidate& candidate : scan.Best(kMostCentres)) best.push_back(std::move(candidate));
   }
   return best;
 }
@@ -89,7 +89,7 @@ std::vector<Candidate> RefinedMoments(const CalibrationProblem& problem, const P
   }
   for (size_t stride = StrideOf(times); stride > 1 && !tried.empty();) {
     const size_t finer = std::max<size_t>(1, stride / kMostAround);
-    const std::vector<Candidate> centres = BestMoments(problem, parameters, tried);
+    std::vector<Candidate> centres = BestMoments(problem, parameters, tried);
     std::set<std::string> known;  // moments of one effect may be near each other
     for (const Candidate& candidate : tried) known.insert(candidate.spec.Path());
     std::vector<Candidate> around;
@@ -107,7 +107,7 @@ std::vector<Candidate> RefinedMoments(const CalibrationProblem& problem, const P
       }
     }
     refined.insert(refined.end(), around.begin(), around.end());
-    tried = centres;
+    tried = std::move(centres);
     tried.insert(tried.end(), around.begin(), around.end());
     stride = finer;
   }

@@ -125,18 +125,23 @@ std::vector<int> StationAxes(const EffectSpec& spec) {
   return {0, 1, 2, 3, 4, 5};
 }
 
+// Of a motion along x, y, z (axes 0 to 2) or about them (3 to 5).
+void AppendMotion(const EffectSpec& spec, int axis, double typical_turn, std::vector<EffectParameter>* weights) {
+  const std::string name(1, "xyz"[axis % 3]);
+  if (axis < 3) {
+    AppendWeights(spec, name, Quantity::kShift, kTypicalMovement, weights);
+  } else {
+    AppendWeights(spec, "r" + name, Quantity::kSmallAngle, typical_turn, weights);
+  }
+}
+
 std::vector<EffectParameter> StationWeights(const Robot&, const EffectSpec& spec) {
   std::vector<EffectParameter> weights;
   for (const int axis : StationAxes(spec)) {
     if (axis == kScale) {
       AppendWeights(spec, "s", Quantity::kRatio, kTypicalScale, &weights);
-      continue;
-    }
-    const std::string name(1, "xyz"[axis % 3]);
-    if (axis < 3) {
-      AppendWeights(spec, name, Quantity::kShift, kTypicalMovement, &weights);
     } else {
-      AppendWeights(spec, "r" + name, Quantity::kSmallAngle, kTypicalStationTurn, &weights);
+      AppendMotion(spec, axis, kTypicalStationTurn, &weights);
     }
   }
   return weights;
@@ -151,14 +156,7 @@ std::vector<int> ToolAxes(const EffectSpec& spec) {
 
 std::vector<EffectParameter> ToolWeights(const Robot&, const EffectSpec& spec) {
   std::vector<EffectParameter> weights;
-  for (const int axis : ToolAxes(spec)) {
-    const std::string name(1, "xyz"[axis % 3]);
-    if (axis < 3) {
-      AppendWeights(spec, name, Quantity::kShift, kTypicalMovement, &weights);
-    } else {
-      AppendWeights(spec, "r" + name, Quantity::kSmallAngle, kTypicalPlateTurn, &weights);
-    }
-  }
+  for (const int axis : ToolAxes(spec)) AppendMotion(spec, axis, kTypicalPlateTurn, &weights);
   return weights;
 }
 
