@@ -83,6 +83,56 @@ void RefuseUnlistedCompliance(const CalibrationProblem& problem, const std::stri
               "add " + joint + " to estimate.compliance, or to compliance: of the robot file");
 }
 
+// Which of the model's parameters the experiment asks for.
+class ModelSelection {
+ public:
+  explicit ModelSelection(CalibrationProblem* problem)
+      : effects_(problem->experiment().estimate.effects.kind),
+        errors_(FreeErrors(problem)),
+        compliant_(CompliantJoints(problem->robot(), problem->data(), problem->experiment())),
+        spring_(FreeSpring(*problem)) {}
+
+  // name: of the coordinate, family/rest.
+  bool Holds(ParameterLaw law, const std::string& name) const {
+    const std::string own = name.substr(name.find('/') + 1);
+    switch (law) {
+      case ParameterLaw::kGeometry:
+        return IsIn(errors_, own);
+      case ParameterLaw::kCompliance:
+        return IsIn(compliant_, own.substr(0, own.find('@')));
+      case ParameterLaw::kCompensator:
+        return IsIn(spring_, own);
+      case ParameterLaw::kEffect:
+        break;
+    }
+    // Learnt weights are as an earlier diagnosis found them, about what is left of its model: where they are not asked
+    // for they are kept.
+    const bool is_kept = effects_ == Selection::Kind::kDefault && IsLearnt(own);
+    return effects_ != Selection::Kind::kNone && !is_kept;
+  }
+
+ private:
+  static bool IsIn(const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  }
+
+  Selection::Kind effects_;
+  std::vector<std::string> errors_, compliant_, spring_;
+};
+
+void SetByName(const std::vector<std::string>& names, const char* key, bool free, CalibrationProblem* problem) {
+  ParameterSet& parameters = problem->parameters;
+  for (const std::string& name : names) {
+    const std::vector<int> matches = parameters.Match(name);
+    if (matches.empty()) {
+      RefuseUnlistedCompliance(*problem, name, key);
+      FailProblem(*problem, key, "there is no parameter '" + name + "'",
+                  SpellingHint(name, KnownNextTo(name, parameters)));
+    }
+    for (const int i : matches) parameters.coordinate(i).free = free;
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> CompliantJoints(const Robot& robot, const Measurements& data, const Experiment& experiment) {
@@ -117,9 +167,7 @@ Robot WithCompliances(Robot robot, const std::vector<std::string>& joints) {
 void SetFree(CalibrationProblem* problem) {
   ParameterSet& parameters = problem->parameters;
   const EstimateSpec& estimate = problem->experiment().estimate;
-  const std::vector<std::string> errors = FreeErrors(problem);
-  const std::vector<std::string> compliant = CompliantJoints(problem->robot(), problem->data(), problem->experiment());
-  const std::vector<std::string> spring = FreeSpring(*problem);
+  const ModelSelection selected(problem);
   for (int i = 0; i < parameters.num_coordinates(); ++i) {
     Coordinate& coordinate = parameters.coordinate(i);
     const ParameterBlock& block = parameters.blocks()[coordinate.block];
@@ -127,54 +175,22 @@ void SetFree(CalibrationProblem* problem) {
       case BlockKind::kStationTranslation:
       case BlockKind::kStationRotation:
         coordinate.free = estimate.base;
-        continue;
+        break;
       case BlockKind::kMarker:
       case BlockKind::kMarkerRotation:
         coordinate.free = estimate.markers;
-        continue;
+        break;
       case BlockKind::kModelParameter:
+        coordinate.free = selected.Holds(problem->model().parameters()[block.owner].law, coordinate.name);
         break;
-    }
-    const std::string name = coordinate.name.substr(coordinate.name.find('/') + 1);
-    const auto is_in = [&](const std::vector<std::string>& names, const std::string& wanted) {
-      return std::find(names.begin(), names.end(), wanted) != names.end();
-    };
-    switch (problem->model().parameters()[block.owner].law) {
-      case ParameterLaw::kGeometry:
-        coordinate.free = is_in(errors, name);
-        break;
-      case ParameterLaw::kCompliance:
-        coordinate.free = is_in(compliant, name.substr(0, name.find('@')));
-        break;
-      case ParameterLaw::kCompensator:
-        coordinate.free = is_in(spring, name);
-        break;
-      case ParameterLaw::kEffect: {
-        // Learnt weights stand for a prior that a robot file does not hold. Without it a weight that few rows excite
-        // goes anywhere: they are estimated where asked for, else kept.
-        const bool is_kept = estimate.effects.kind == Selection::Kind::kDefault && IsLearnt(name);
-        coordinate.free = estimate.effects.kind != Selection::Kind::kNone && !is_kept;
-        break;
-      }
     }
   }
-  const auto apply = [&](const std::vector<std::string>& names, const char* key, bool free) {
-    for (const std::string& name : names) {
-      const std::vector<int> matches = parameters.Match(name);
-      if (matches.empty()) {
-        RefuseUnlistedCompliance(*problem, name, key);
-        FailProblem(*problem, key, "there is no parameter '" + name + "'",
-                    SpellingHint(name, KnownNextTo(name, parameters)));
-      }
-      for (const int i : matches) parameters.coordinate(i).free = free;
-    }
-  };
   for (const std::string& name : estimate.free) {  // a part of a larger selection may be fixed, not the same
     if (std::count(estimate.fixed.begin(), estimate.fixed.end(), name) == 0) continue;
     FailProblem(*problem, "--fixed", "'" + name + "' is asked to be free and fixed", "drop it from one of the two");
   }
-  apply(estimate.free, "--free", true);
-  apply(estimate.fixed, "--fixed", false);
+  SetByName(estimate.free, "--free", true, problem);
+  SetByName(estimate.fixed, "--fixed", false, problem);
 }
 
 }  // namespace sagitta

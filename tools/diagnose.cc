@@ -154,6 +154,40 @@ std::vector<std::string> OlderFiles(const Diagnosis& diagnosis, const std::strin
   return older;
 }
 
+DiagnosisOptions OptionsFor(const CalibrationProblem& problem, const PriorMasses& prior, bool against_columns) {
+  DiagnosisOptions options;
+  options.significance = problem.experiment().significance;
+  options.prior = prior;
+  options.points_are_measured = !against_columns;
+  options.joint.num_threads = FLAGS_threads;
+  return options;
+}
+
+Diagnosis DiagnoseWithProgress(const CalibrationProblem& problem, bool quiet, DiagnosisOptions options) {
+  // Per cent, the means of the UR5 and of series D and B + C + D of the UR10; how often it is weighed anew is not
+  // known before.
+  Progress progress(quiet, {{"fitting the believed model", 3.0},
+                            {"listing", 3.0},
+                            {"weighing", 54.0},
+                            {"fitting the extended model", 5.0},
+                            {"alternatives and halves", 9.0},
+                            {"learning", 26.0}});
+  FoundSoFar found;
+  options.progress = [&progress](const std::string& what) { progress.Say(what); };
+  options.found = [&found](const FoundSoFar& now) { found = now; };
+  Diagnosis diagnosis;
+  SayingWhatWasFound([&] { diagnosis = Diagnose(problem, options); }, [&] { return InWords(problem.robot(), found); });
+  return diagnosis;
+}
+
+void SayWhereResultsAre(const Diagnosis& diagnosis, const std::string& folder) {
+  std::cout << "\n"
+            << ResultsIn(folder,
+                         {"diagnosis.json", "robot.extended.yaml", "estimate.json", "residuals.csv", "report.html"});
+  const std::vector<std::string> older = OlderFiles(diagnosis, folder);
+  if (!older.empty()) std::cout << OlderFilesIn(folder, older);
+}
+
 int RunDiagnose(const CommandLine& line) {
   ExpectArguments(line, DiagnoseCommand(), 1, 1000);
   const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
@@ -168,27 +202,7 @@ int RunDiagnose(const CommandLine& line) {
   const bool against_columns = AgainstColumnsFromFlags();
   const SimulationBaseline baseline = BaselineOf(inputs, against_columns);
   const CalibrationProblem& problem = baseline.problem;
-  Diagnosis diagnosis;
-  {
-    // Per cent, the means of the UR5 and of series D and B + C + D of the UR10; how often it is weighed anew is not
-    // known before.
-    Progress progress(FLAGS_quiet, {{"fitting the believed model", 3.0},
-                                    {"listing", 3.0},
-                                    {"weighing", 54.0},
-                                    {"fitting the extended model", 5.0},
-                                    {"alternatives and halves", 9.0},
-                                    {"learning", 26.0}});
-    FoundSoFar found;
-    DiagnosisOptions options;
-    options.significance = problem.experiment().significance;
-    options.prior = inputs.prior;
-    options.points_are_measured = !against_columns;
-    options.joint.num_threads = FLAGS_threads;
-    options.progress = [&progress](const std::string& what) { progress.Say(what); };
-    options.found = [&found](const FoundSoFar& now) { found = now; };
-    SayingWhatWasFound([&] { diagnosis = Diagnose(problem, options); },
-                       [&] { return InWords(problem.robot(), found); });
-  }
+  Diagnosis diagnosis = DiagnoseWithProgress(problem, FLAGS_quiet, OptionsFor(problem, inputs.prior, against_columns));
   if (!IsUsable(diagnosis.status)) {
     std::cerr << "sagitta: no diagnosis: the believed model does not fit: " << StatusName(diagnosis.status) << ": "
               << diagnosis.message << "\n";
@@ -204,11 +218,7 @@ int RunDiagnose(const CommandLine& line) {
     const Provenance provenance{line.text, "joint", inputs.files, against_columns ? "columns" : ""};
     WriteResults(provenance, Extended(diagnosis, FLAGS_seed, against_columns), baseline, diagnosis, json, *out);
     RemoveOlderProposal(diagnosis, FLAGS_out);
-    std::cout << "\n"
-              << ResultsIn(FLAGS_out,
-                           {"diagnosis.json", "robot.extended.yaml", "estimate.json", "residuals.csv", "report.html"});
-    const std::vector<std::string> older = OlderFiles(diagnosis, FLAGS_out);
-    if (!older.empty()) std::cout << OlderFilesIn(FLAGS_out, older);
+    SayWhereResultsAre(diagnosis, FLAGS_out);
   }
   return EndWith(unmet);
 }

@@ -229,79 +229,115 @@ std::string ExperimentText(const std::map<std::string, double>& masses) {
   return text;
 }
 
+// What is given: one robot or none, and tables.
+struct Files {
+  std::vector<std::string> robots;
+  std::vector<TextTable> tables;
+};
+
+Files ReadFiles(const std::vector<std::string>& paths) {
+  Files files;
+  for (const std::string& path : paths) {
+    if (LooksLikeRobot(path)) {
+      files.robots.push_back(path);
+    } else {
+      files.tables.push_back(ReadTextTable(path));
+    }
+  }
+  if (!files.tables.empty()) return files;
+  throw InputError({paths[0], 0, ""}, "there are no measurements among the files",
+                   "a robot alone is for 'sagitta convert'");
+}
+
+// The tables as one file of measurements.
+struct Interpretation {
+  std::vector<Choice> choices;  // of each table
+  ImportedRows rows;
+  std::vector<std::string> guesses;  // each once
+
+  void Guess(const std::string& words) {
+    if (std::find(guesses.begin(), guesses.end(), words) == guesses.end()) guesses.push_back(words);
+  }
+};
+
+// Several files are several stations and markers where no column says so.
+RowDefaults DefaultsOf(size_t table, const std::vector<std::string>& labels, const ImportPlan& plan,
+                       Interpretation* read) {
+  RowDefaults defaults;
+  if (labels.size() == 1) return defaults;
+  defaults.station = labels[table];
+  defaults.marker = "M" + std::to_string(table + 1);
+  if (!plan.Find("station")) read->Guess(StationPerFile());
+  if (!plan.Find("marker")) read->Guess(MarkerPerFile());
+  return defaults;
+}
+
+Interpretation Interpret(const std::vector<TextTable>& tables, const RobotReading& reading,
+                         const std::map<std::string, std::string>& columns, const std::string& rotation,
+                         Progress* progress) {
+  Interpretation read;
+  read.guesses = reading.guesses;
+  const bool is_point_stated = columns.count("x_mm") + columns.count("x_m") + columns.count("x_um") > 0;
+  const std::vector<std::string> labels = Labels(tables);
+  for (size_t t = 0; t < tables.size(); ++t) {
+    progress->Say("interpreting the readings of " + labels[t]);
+    const auto plans = PossiblePlans(tables[t], reading.robot.chain.joints, columns);
+    Choice choice = ChoosePlan(reading.robot, tables[t], plans, true);
+    RefuseComputedPoints(tables[t], choice, is_point_stated);
+    DecideRotation(reading.robot, tables[t], rotation, &choice);
+    for (const std::string& words : choice.plan.guesses) read.Guess(words);
+    read.rows.Add(tables[t], choice.plan, DefaultsOf(t, labels, choice.plan, &read));
+    read.choices.push_back(std::move(choice));
+  }
+  return read;
+}
+
+void RefuseGuesses(const std::vector<std::string>& guesses) {
+  if (guesses.empty()) return;
+  std::string all;
+  for (const std::string& words : guesses) all += "\n  - " + words;
+  throw InputError({"", 0, "--strict"}, std::to_string(guesses.size()) + " things would have to be guessed:" + all,
+                   "say them: --map=COLUMN=HEADER,…, units in headers, columns station and marker");
+}
+
+void PrintWhatWasRead(const FoundRobot& found, const std::vector<TextTable>& tables, const Interpretation& read) {
+  const Robot& robot = found.reading.robot;
+  std::cout << "Robot: " << found.words << ", " << found.reading.format << ", " << robot.num_joints() << " joints"
+            << (robot.name.empty() ? "" : ", " + robot.name) << "\n";
+  for (const std::string& note : found.reading.notes) std::cout << "  " << note << "\n";
+  for (size_t t = 0; t < tables.size(); ++t) PrintPlan(tables[t], read.choices[t]);
+  if (!read.rows.notes().empty()) std::cout << "\n";
+  for (const std::string& note : read.rows.notes()) std::cout << note << "\n";
+  PrintGuesses(read.guesses);
+}
+
 int RunImport(const CommandLine& line) {
   ExpectArguments(line, ImportCommand(), 1, 1000);
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "the folder for the files is missing", "--out=DIR");
   const std::map<std::string, std::string> columns = MapFromFlags();
   const OutputFolder out(FLAGS_out, {"robot.yaml", "measurements.csv", "experiment.yaml"});
-  std::vector<std::string> robot_files;
-  std::vector<TextTable> tables;
   std::optional<Progress> progress;  // shares as measured on 390000 rows of the KR 270
   progress.emplace(FLAGS_quiet,
                    std::vector<ProgressPhase>{
                        {"reading the files", 4.0}, {"interpreting", 3.0}, {"writing", 1.0}, {"checking", 1.0}});
   progress->Say("reading the files");
-  for (const std::string& path : line.arguments) {
-    if (LooksLikeRobot(path)) {
-      robot_files.push_back(path);
-    } else {
-      tables.push_back(ReadTextTable(path));
-    }
-  }
-  if (tables.empty())
-    throw InputError({line.arguments[0], 0, ""}, "there are no measurements among the files",
-                     "a robot alone is for 'sagitta convert'");
-  const FoundRobot found = RobotOf(robot_files, FLAGS_robot, RobotOptionsFromFlags(), tables, columns);
+  const Files files = ReadFiles(line.arguments);
+  const FoundRobot found = RobotOf(files.robots, FLAGS_robot, RobotOptionsFromFlags(), files.tables, columns);
   const Robot& robot = found.reading.robot;
-
-  std::vector<std::string> guesses = found.reading.guesses;
-  const auto guess = [&guesses](const std::string& words) {
-    if (std::find(guesses.begin(), guesses.end(), words) == guesses.end()) guesses.push_back(words);
-  };
-  std::vector<Choice> choices;
-  ImportedRows rows;
-  const std::vector<std::string> labels = Labels(tables);
-  for (size_t t = 0; t < tables.size(); ++t) {
-    progress->Say("interpreting the readings of " + labels[t]);
-    choices.push_back(ChoosePlan(robot, tables[t], PossiblePlans(tables[t], robot.chain.joints, columns), true));
-    RefuseComputedPoints(tables[t], choices.back(),
-                         columns.count("x_mm") + columns.count("x_m") + columns.count("x_um") > 0);
-    DecideRotation(robot, tables[t], FLAGS_rotation, &choices.back());
-    const ImportPlan& plan = choices.back().plan;
-    for (const std::string& words : plan.guesses) guess(words);
-    RowDefaults defaults;
-    if (tables.size() > 1) {
-      defaults.station = labels[t];
-      defaults.marker = "M" + std::to_string(t + 1);
-      if (!plan.Find("station")) guess(StationPerFile());
-      if (!plan.Find("marker")) guess(MarkerPerFile());
-    }
-    rows.Add(tables[t], plan, defaults);
-  }
-  if (FLAGS_strict && !guesses.empty()) {
-    std::string all;
-    for (const std::string& words : guesses) all += "\n  - " + words;
-    throw InputError({"", 0, "--strict"}, std::to_string(guesses.size()) + " things would have to be guessed:" + all,
-                     "say them: --map=COLUMN=HEADER,…, units in headers, columns station and marker");
-  }
+  const Interpretation read = Interpret(files.tables, found.reading, columns, FLAGS_rotation, &*progress);
+  if (FLAGS_strict) RefuseGuesses(read.guesses);
   progress->Say("writing the rows");
-  const std::string csv = rows.ToCsv(robot.num_joints());
+  const std::string csv = read.rows.ToCsv(robot.num_joints());
   progress->Say("checking what was written");
   const std::set<std::string> loads = LoadsIn(robot, csv);  // before anything is written: it may be interrupted
   out.Write({{"robot.yaml", RobotToYaml(robot)},
              {"measurements.csv", csv},
-             {"experiment.yaml", ExperimentText(rows.masses())}});
+             {"experiment.yaml", ExperimentText(read.rows.masses())}});
   progress.reset();
-  std::cout << "Robot: " << found.words << ", " << found.reading.format << ", " << robot.num_joints() << " joints"
-            << (robot.name.empty() ? "" : ", " + robot.name) << "\n";
-  for (const std::string& note : found.reading.notes) std::cout << "  " << note << "\n";
-  for (size_t t = 0; t < tables.size(); ++t) PrintPlan(tables[t], choices[t]);
-  if (!rows.notes().empty()) std::cout << "\n";
-  for (const std::string& note : rows.notes()) std::cout << note << "\n";
-  PrintGuesses(guesses);
+  PrintWhatWasRead(found, files.tables, read);
   std::cout << "\n"
-            << rows.size() << " readings in " << FLAGS_out << ": robot.yaml, measurements.csv, experiment.yaml\n";
-  PrintWhatLoadsNeed(loads, rows.masses());
+            << read.rows.size() << " readings in " << FLAGS_out << ": robot.yaml, measurements.csv, experiment.yaml\n";
+  PrintWhatLoadsNeed(loads, read.rows.masses());
   std::cout << "Next: sagitta calibrate " << FLAGS_out << "/experiment.yaml --out=results\n";
   return 0;
 }

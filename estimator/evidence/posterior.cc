@@ -63,6 +63,91 @@ struct NamesInOrder {
   std::vector<int> first, place;
 };
 
+// The entries, most probable first.
+template <typename Key, typename Entry>
+std::vector<Entry> ByProbability(const std::map<Key, Entry>& entries) {
+  std::vector<Entry> sorted;
+  for (const auto& [key, entry] : entries) {
+    sorted.push_back(entry);
+    sorted.back().probability = std::min(1.0, entry.probability);  // rounding of the sums
+  }
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const Entry& a, const Entry& b) { return a.probability > b.probability; });
+  return sorted;
+}
+
+// With p(M) of all models M = (view, set):  P(name) = sum of p(M) over M that hold it;  P(nothing) = sum over the empty
+// set as stated of p(M) (1 - P(sigma is wrong | M)), the rest of the empty sets is noise.
+class SumsByName {
+ public:
+  SumsByName(const Evidence& evidence, const std::vector<WeightedModel>& models)
+      : evidence_(evidence), all_(evidence.list()) {
+    for (size_t i = 0; i < models.size(); ++i) {
+      if (models[i].set.members.empty() && !HasUnnamed(evidence, models[i])) {
+        AddEmpty(models[i]);
+      } else {
+        Add(models[i], static_cast<int>(i));
+      }
+    }
+  }
+
+  Posterior ToPosterior() && {
+    posterior_.unnamed = std::min(1.0, posterior_.unnamed);
+    posterior_.sets = ByProbability(sets_);
+    posterior_.explanations = ByProbability(named_);
+    posterior_.functions = ByProbability(functions_);
+    return std::move(posterior_);
+  }
+
+ private:
+  void AddEmpty(const WeightedModel& model) {
+    const bool is_stated = evidence_.ViewOf(model).kind == NoiseView::Kind::kStated;
+    const double wrong = is_stated ? evidence_.SigmaIsWrong(model) : 1.0;
+    posterior_.noise += wrong * model.probability;
+    posterior_.nothing += (1.0 - wrong) * model.probability;
+  }
+
+  // The models come in the order of their probability: the first of a kind is its most probable.
+  void Add(const WeightedModel& model, int place) {
+    const bool has_unnamed = HasUnnamed(evidence_, model);
+    if (has_unnamed) posterior_.unnamed += model.probability;
+    std::vector<int> names, effects, pieces;
+    for (const int m : model.set.members) {
+      const int name = all_.place[m];
+      if (model.HasPiece(m)) {
+        pieces.push_back(name);
+        continue;
+      }
+      names.push_back(name);
+      if (!evidence_.list().IsUnnamed(m)) effects.push_back(name);
+      AddMember(m, name, model.probability);
+    }
+    names = EachOnce(names);
+    const NameSet fresh{names, EachOnce(effects), EachOnce(pieces), has_unnamed, 0.0, place, {}};
+    NameSet& set = sets_.emplace(std::make_pair(names, IsPose(evidence_, model)), fresh).first->second;
+    set.probability += model.probability;
+    set.models.push_back(place);
+  }
+
+  void AddMember(int member, int name, double probability) {
+    auto& entries = evidence_.list().IsUnnamed(member) ? functions_ : named_;
+    const NamedProbability fresh{evidence_.list().name[member], member, 0.0};
+    NamedProbability& entry = entries.emplace(name, fresh).first->second;
+    entry.probability += probability;
+    double& most = most_[name];
+    if (probability <= most) return;
+    most = probability;
+    entry.explanation = member;
+  }
+
+  const Evidence& evidence_;
+  NamesInOrder all_;
+  Posterior posterior_;
+  std::map<std::pair<std::vector<int>, bool>, NameSet> sets_;  // by names, and whether a deviation follows the pose
+  std::map<int, NamedProbability> named_, functions_;          // by the place of the name
+  std::map<int, double> most_;                                 // of one model with that name
+};
+
 // The first explanation of each name that only the former have.
 std::vector<int> Without(const NamesInOrder& all, const std::vector<int>& names, const std::vector<int>& others) {
   std::vector<int> own;
@@ -121,68 +206,8 @@ size_t Posterior::Leading(double gate) const {
   }
 }
 
-// With p(M) of all models M = (view, set):  P(name) = sum of p(M) over M that hold it;  P(nothing) = sum over the empty
-// set as stated of p(M) (1 - P(sigma is wrong | M)), the rest of the empty sets is noise.
 Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>& models) {
-  Posterior posterior;
-  std::map<std::pair<std::vector<int>, bool>, NameSet> sets;
-  std::map<int, NamedProbability> named, functions;
-  std::map<int, double> most;
-  const ExplanationList& list = evidence.list();
-  const NamesInOrder all(list);
-  for (size_t i = 0; i < models.size(); ++i) {
-    const WeightedModel& model = models[i];
-    const bool has_unnamed = HasUnnamed(evidence, model);
-    if (has_unnamed) posterior.unnamed += model.probability;
-    if (model.set.members.empty() && !has_unnamed) {
-      const bool is_stated = evidence.ViewOf(model).kind == NoiseView::Kind::kStated;
-      const double wrong = is_stated ? evidence.SigmaIsWrong(model) : 1.0;
-      posterior.noise += wrong * model.probability;
-      posterior.nothing += (1.0 - wrong) * model.probability;
-      continue;
-    }
-    std::vector<int> names, pieces;
-    for (const int m : model.set.members) {
-      if (model.HasPiece(m)) {
-        pieces.push_back(all.place[m]);
-        continue;
-      }
-      const int name = all.place[m];
-      names.push_back(name);
-      const auto [entry, is_new] = (list.IsUnnamed(m) ? functions : named).try_emplace(name);
-      if (is_new) entry->second = {list.name[m], m, 0.0};
-      if (model.probability > most[name]) {
-        most[name] = model.probability;
-        entry->second.explanation = m;
-      }
-      entry->second.probability += model.probability;
-    }
-    names = EachOnce(names);
-    std::vector<int> effects;
-    for (const int name : names) {
-      if (named.count(name) > 0) effects.push_back(name);
-    }
-    // The first of a kind is the most probable.
-    const NameSet fresh{names, effects, EachOnce(pieces), has_unnamed, 0.0, static_cast<int>(i), {}};
-    NameSet& set = sets.emplace(std::make_pair(names, IsPose(evidence, model)), fresh).first->second;
-    set.probability += model.probability;
-    set.models.push_back(static_cast<int>(i));
-  }
-  const auto sorted = [](const auto& entries) {
-    std::vector<typename std::decay_t<decltype(entries)>::mapped_type> entries_by_probability;
-    for (const auto& [key, entry] : entries) entries_by_probability.push_back(entry);
-    std::stable_sort(entries_by_probability.begin(), entries_by_probability.end(),
-                     [](const auto& a, const auto& b) { return a.probability > b.probability; });
-    return entries_by_probability;
-  };
-  for (auto* entries : {&named, &functions}) {  // rounding of the sums
-    for (auto& [name, entry] : *entries) entry.probability = std::min(1.0, entry.probability);
-  }
-  posterior.unnamed = std::min(1.0, posterior.unnamed);
-  posterior.sets = sorted(sets);
-  posterior.explanations = sorted(named);
-  posterior.functions = sorted(functions);
-  return posterior;
+  return SumsByName(evidence, models).ToPosterior();
 }
 
 double ProbabilityOf(const std::string& effect, const Evidence& evidence, const std::vector<WeightedModel>& models) {

@@ -57,6 +57,76 @@ std::optional<Finding> LongRobot(const CalibrationProblem& problem, const Aligne
   return DescribeReading(reading, aligned.misfit, {});
 }
 
+// A unit that is wrong in the robot or in a column, or points that are all one.
+std::optional<Finding> WrongLengths(const CalibrationProblem& problem, const AlignedSample& aligned) {
+  double spread = 0.0;
+  const bool is_one_point = AreAllOnePoint(problem, &spread);
+  std::optional<Finding> robot = is_one_point ? LongRobot(problem, aligned, spread) : std::nullopt;
+  if (robot) return robot;
+  if (const auto unit = GuessWrongUnit(problem, aligned)) {
+    return Finding{Severity::kSerious,
+                   "unit",
+                   unit->column + ": " + unit->words,
+                   unit->hint,
+                   {unit->file + ":" + std::to_string(unit->line)}};
+  }
+  // Metres that are called mm lie within millimetres of each other, too: so this comes last.
+  if (is_one_point) return OnePointInWords(spread);
+  return std::nullopt;
+}
+
+// The other readings of the files, with the nominal robot's misfit to a sample of the rows under each.
+struct RereadReadings {
+  explicit RereadReadings(const CalibrationProblem& problem) : all(AllReadings(problem)) {
+    const CalibrationProblem sampled = SampledProblem(problem);
+    const std::vector<int> some = SampleOfRows(sampled);
+    as_stated = AlignedMisfit(sampled, some);
+    double least = as_stated;
+    for (Reading& reading : all) {
+      reading.misfit = MisfitUnder(reading, sampled, some);
+      least = std::min(least, reading.misfit);
+    }
+    best = std::max(kPerfect * Reach(problem), kAsGood * least);
+    const auto found =
+        std::find_if(all.begin(), all.end(), [this](const Reading& reading) { return reading.misfit <= best; });
+    if (found != all.end() && found->misfit * kReadingImprovement < as_stated) simplest = found - all.begin();
+  }
+
+  // Names of others that do as well as the simplest.
+  std::vector<std::string> Alike() const {
+    std::vector<std::string> alike;
+    for (size_t k = *simplest + 1; k < all.size() && alike.size() < kMostAlike; ++k) {
+      if (all[k].misfit <= best) alike.push_back(all[k].name);
+    }
+    return alike;
+  }
+
+  std::vector<Reading> BestOf(size_t count) const {
+    std::vector<Reading> sorted = all;
+    std::stable_sort(sorted.begin(), sorted.end(),
+                     [](const Reading& a, const Reading& b) { return a.misfit < b.misfit; });
+    sorted.resize(std::min(count, sorted.size()));
+    return sorted;
+  }
+
+  std::vector<Reading> all;  // simplest first
+  double as_stated = 0.0, best = 0.0;
+  std::optional<size_t> simplest;  // of those that explain the rows
+
+ private:
+  // Some readings leave rows out. Where those were what did not fit, the others fit as stated as well.
+  double MisfitUnder(const Reading& reading, const CalibrationProblem& sampled, const std::vector<int>& some) const {
+    const CalibrationProblem reread = Reread(sampled, reading);
+    std::vector<int> rows;
+    for (const int i : some) {
+      if (!reread.data().observations[i].excluded) rows.push_back(i);
+    }
+    const double misfit = AlignedMisfit(reread, rows);
+    const bool leaves_out = rows.size() < some.size();
+    return leaves_out && misfit * kReadingImprovement >= AlignedMisfit(sampled, rows) ? as_stated : misfit;
+  }
+};
+
 }  // namespace
 
 double SuspiciousMisfit(const Chain& chain) { return kSuspiciousReading * Reach(chain); }
@@ -71,56 +141,17 @@ ReadingLint LintReadings(const CalibrationProblem& problem, const AlignedSample&
   const ExplainedErrors errors = ExplainByErrors(problem, aligned.rows);
   lint.is_suspicious = !(errors.left <= suspicious && errors.relative <= kLargestError);
   if (!lint.is_suspicious) return lint;
-  double spread = 0.0;
-  const bool is_one_point = AreAllOnePoint(problem, &spread);
-  const std::optional<Finding> robot = is_one_point ? LongRobot(problem, aligned, spread) : std::nullopt;
-  // Metres that are called mm lie within millimetres of each other, too.
-  const auto unit = robot ? std::nullopt : GuessWrongUnit(problem, aligned);
-  if (robot) {
-    lint.findings.push_back(*robot);
-  } else if (unit) {
-    lint.findings.push_back({Severity::kSerious,
-                             "unit",
-                             unit->column + ": " + unit->words,
-                             unit->hint,
-                             {unit->file + ":" + std::to_string(unit->line)}});
-  } else if (is_one_point) {
-    lint.findings.push_back(OnePointInWords(spread));
+  if (const std::optional<Finding> length = WrongLengths(problem, aligned)) {
+    lint.findings.push_back(*length);
+    lint.is_explained = true;
+    return lint;
   }
-  lint.is_explained = !lint.findings.empty();
-  if (lint.is_explained) return lint;
-  std::vector<Reading> readings = AllReadings(problem);
-  const CalibrationProblem sampled = SampledProblem(problem);
-  const std::vector<int> some = SampleOfRows(sampled);
-  const double as_stated = AlignedMisfit(sampled, some);
-  for (Reading& reading : readings) {
-    const CalibrationProblem reread = Reread(sampled, reading);
-    std::vector<int> rows;
-    for (const int i : some) {
-      if (!reread.data().observations[i].excluded) rows.push_back(i);
-    }
-    reading.misfit = AlignedMisfit(reread, rows);
-    // Some readings leave rows out. Where those were what did not fit, the others fit as stated as well.
-    const bool leaves_out = rows.size() < some.size();
-    if (leaves_out && reading.misfit * kReadingImprovement >= AlignedMisfit(sampled, rows)) reading.misfit = as_stated;
-  }
-  double least = as_stated;
-  for (const Reading& reading : readings) least = std::min(least, reading.misfit);
-  const double best = std::max(kPerfect * Reach(problem), kAsGood * least);
-  const auto simplest =
-      std::find_if(readings.begin(), readings.end(), [&](const Reading& reading) { return reading.misfit <= best; });
-  const bool explains = simplest != readings.end() && simplest->misfit * kReadingImprovement < as_stated;
-  lint.is_explained = explains;
-  std::vector<std::string> alike;
-  for (auto other = simplest; explains && ++other != readings.end() && alike.size() < kMostAlike;) {
-    if (other->misfit <= best) alike.push_back(other->name);
-  }
-  lint.findings.push_back(explains ? DescribeReading(*simplest, as_stated, alike)
-                                   : Unexplained(problem, lint.misfit, suspicious, errors));
-  std::stable_sort(readings.begin(), readings.end(),
-                   [](const Reading& a, const Reading& b) { return a.misfit < b.misfit; });
-  for (size_t i = 0; i < std::min(kShown, readings.size()); ++i)
-    lint.readings.push_back({readings[i].name, readings[i].misfit});
+  const RereadReadings reread(problem);
+  lint.is_explained = reread.simplest.has_value();
+  lint.findings.push_back(lint.is_explained
+                              ? DescribeReading(reread.all[*reread.simplest], reread.as_stated, reread.Alike())
+                              : Unexplained(problem, lint.misfit, suspicious, errors));
+  for (const Reading& reading : reread.BestOf(kShown)) lint.readings.push_back({reading.name, reading.misfit});
   return lint;
 }
 

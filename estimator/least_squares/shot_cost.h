@@ -43,6 +43,13 @@ class ShotCost : public ceres::CostFunction {
   ShotCost(const ForwardModel* model, ShotInput shot, std::vector<MarkerMeasurement> markers, std::vector<double> theta,
            std::vector<int> active, std::vector<int> latent_joints);
 
+  int FirstActiveBlock() const { return 2 + static_cast<int>(markers_.size()); }
+  int LatentBlock() const { return FirstActiveBlock() + static_cast<int>(active_.size()); }
+  std::vector<MarkerInFrame> MarkersAt(double const* const* parameters) const;
+  // The three rows of reading m in all blocks. whiten: d r / d prediction.
+  void WriteJacobians(int m, const Matrix3<double>& whiten, const PointPrediction& prediction,
+                      double const* const* parameters, double** jacobians) const;
+
   const ForwardModel* model_;
   ShotInput shot_;
   std::vector<MarkerMeasurement> markers_;

@@ -174,37 +174,16 @@ std::future<std::string> DigestMeanwhile(const std::string& text) {
   return std::async(text.size() < kLarge ? later : std::launch::async | later, Sha256, std::cref(text));
 }
 
-}  // namespace
-
-CsvTable ReadCsvTable(const std::string& path) { return ParseCsvTable(ReadTextFile(path), path); }
-
-CsvTable ParseCsvTable(const std::string& text, const std::string& path) {
-  if (const int bad_line = LineOfInvalidUtf8(text))
-    throw InputError(
-        {path, bad_line, ""}, "this is not a text file in UTF-8",
-        "save it as UTF-8, the sheet of a workbook as CSV; 'sagitta import' reads tables in UTF-16 and Latin-1 "
-        "as well");
-  CsvTable table;
-  table.file.path = path;
-  std::future<std::string> digest = DigestMeanwhile(text);
-  std::string_view content = text;
-  if (content.substr(0, 3) == "\xEF\xBB\xBF") content.remove_prefix(3);
-
-  const bool has_control = MayHoldControl(content);
-  LineReader reader(content);
-  CsvLine line;
-  if (!reader.Next(&line)) throw InputError({path, 0, ""}, "the file is empty", "a header row is expected");
-  table.header_line = line.number;
-  table.file.header = SplitCells(path, line);
-  CheckHeader(path, line, table.file.header);
-
-  const size_t columns = table.file.header.size();
-  MeasurementRows& rows = table.file.rows;
+// The lines below the header.
+void AddRows(const std::string& path, std::string_view content, bool has_control, LineReader* reader, CsvTable* table) {
+  const size_t columns = table->file.header.size();
+  MeasurementRows& rows = table->file.rows;
   const auto holds = [&](char c) { return content.find(c) != std::string_view::npos; };
   // No cell is guarded or in quotes; and none of all has blanks about it: '\r' stands at ends of lines alone.
   const bool is_plain = !holds('"') && !holds('\''), is_without_blanks = !has_control && !holds(' ') && !holds('\t');
   std::string quoted;
-  while (reader.Next(&line)) {
+  CsvLine line;
+  while (reader->Next(&line)) {
     CheckInterruption();
     if (has_control) CheckControl(path, line);
     if (rows.empty()) {
@@ -229,6 +208,33 @@ CsvTable ParseCsvTable(const std::string& text, const std::string& path) {
                        "split the file, or leave out columns that nothing needs");
     }
   }
+}
+
+}  // namespace
+
+CsvTable ReadCsvTable(const std::string& path) { return ParseCsvTable(ReadTextFile(path), path); }
+
+CsvTable ParseCsvTable(const std::string& text, const std::string& path) {
+  if (const int bad_line = LineOfInvalidUtf8(text))
+    throw InputError(
+        {path, bad_line, ""}, "this is not a text file in UTF-8",
+        "save it as UTF-8, the sheet of a workbook as CSV; 'sagitta import' reads tables in UTF-16 and Latin-1 "
+        "as well");
+  CsvTable table;
+  table.file.path = path;
+  std::future<std::string> digest = DigestMeanwhile(text);
+  std::string_view content = text;
+  if (content.substr(0, 3) == "\xEF\xBB\xBF") content.remove_prefix(3);
+
+  const bool has_control = MayHoldControl(content);
+  LineReader reader(content);
+  CsvLine line;
+  if (!reader.Next(&line)) throw InputError({path, 0, ""}, "the file is empty", "a header row is expected");
+  table.header_line = line.number;
+  table.file.header = SplitCells(path, line);
+  CheckHeader(path, line, table.file.header);
+
+  AddRows(path, content, has_control, &reader, &table);
   if (table.file.rows.empty()) throw InputError({path, table.header_line, ""}, "there are no rows below the header");
   table.file.sha256 = digest.get();
   return table;

@@ -5,15 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "problems/io/import/import_plan.h"
+#include "problems/io/import/table_rows.h"
 
 namespace sagitta {
-
-// What stands for columns that a table does not have.
-struct RowDefaults {
-  std::string station = "S1";
-  std::string marker = "M1";
-};
 
 class ImportedRows {
  public:
@@ -27,19 +21,14 @@ class ImportedRows {
 
   size_t size() const { return rows_.size(); }
   // Loads whose masses, kg, the cells state ("5 kg", or 5 where the header says kg).
-  const std::map<std::string, double>& masses() const { return masses_; }
+  const std::map<std::string, double>& masses() const { return names_.masses; }
   const std::vector<std::string>& notes() const { return notes_; }  // lost readings, columns that say nothing
 
  private:
-  using Row = std::map<std::string, std::string>;  // cell by column
+  void NameConfigurations(std::vector<ImportedRow>* rows, bool has_column, int joints);
 
-  static void DropPartOfTorques(const ImportPlan& plan, Row* row);
-  std::string LoadName(const TextTable& table, const PlannedColumn& column, const std::string& cell);
-  void NameConfigurations(std::vector<Row>* rows, bool has_column, int joints);
-
-  std::vector<Row> rows_;
-  std::map<std::string, double> masses_;
-  std::map<std::string, std::string> unit_of_;  // by stem, as the first table has it
+  std::vector<ImportedRow> rows_;
+  ImportedNames names_;
   std::vector<std::string> notes_;
 };
 
