@@ -154,12 +154,13 @@ std::vector<std::string> OlderFiles(const Diagnosis& diagnosis, const std::strin
   return older;
 }
 
-DiagnosisOptions OptionsFor(const CalibrationProblem& problem, const PriorMasses& prior, bool against_columns) {
+DiagnosisOptions OptionsFor(const CalibrationProblem& problem, const PriorMasses& prior, bool against_columns,
+                            int threads) {
   DiagnosisOptions options;
   options.significance = problem.experiment().significance;
   options.prior = prior;
   options.points_are_measured = !against_columns;
-  options.joint.num_threads = FLAGS_threads;
+  options.joint.num_threads = threads;
   return options;
 }
 
@@ -202,7 +203,8 @@ int RunDiagnose(const CommandLine& line) {
   const bool against_columns = AgainstColumnsFromFlags();
   const SimulationBaseline baseline = BaselineOf(inputs, against_columns);
   const CalibrationProblem& problem = baseline.problem;
-  Diagnosis diagnosis = DiagnoseWithProgress(problem, FLAGS_quiet, OptionsFor(problem, inputs.prior, against_columns));
+  Diagnosis diagnosis =
+      DiagnoseWithProgress(problem, FLAGS_quiet, OptionsFor(problem, inputs.prior, against_columns, FLAGS_threads));
   if (!IsUsable(diagnosis.status)) {
     std::cerr << "sagitta: no diagnosis: the believed model does not fit: " << StatusName(diagnosis.status) << ": "
               << diagnosis.message << "\n";
