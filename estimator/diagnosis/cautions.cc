@@ -17,6 +17,7 @@
 #include "estimator/report/diagnosis_caution_words.h"
 #include "estimator/report/validation_words.h"
 #include "models/constants.h"
+#include "models/effects/catalogue.h"
 #include "problems/split.h"
 
 namespace sagitta {
@@ -199,6 +200,12 @@ std::string OfOrder(const CalibrationProblem& problem) {
   return in_order.empty() ? "" : JointsFollowTheOrder(in_order);
 }
 
+bool IsCompliance(const EffectSpec& spec) {
+  const EffectDefinition* definition = FindEffect(spec.effect);
+  return definition == &JointComplianceEffect() || definition == &TransverseCompliance() ||
+         definition == &BaseCompliance();
+}
+
 }  // namespace
 
 std::vector<std::string> CautionsOfReadings(const CalibrationProblem& problem) {
@@ -233,6 +240,26 @@ void CautionOfHalves(const std::vector<FoundEffect>& effects, std::vector<std::s
     if (p * static_cast<double>(effects.size()) < kHalvesContradict) contradicted.push_back(effect.candidate.spec);
   }
   if (!contradicted.empty()) cautions->push_back(HalvesContradict(contradicted));
+}
+
+void CautionOfOneLoad(const CalibrationProblem& problem, const std::vector<FoundEffect>& effects,
+                      std::vector<std::string>* cautions) {
+  if (problem.experiment().torques_measured) return;  // those of the links are in them
+  std::set<std::string> loads;
+  for (const int i : problem.CalibrationObservations()) {
+    loads.insert(problem.data().shots[problem.data().observations[i].shot].load);
+  }
+  std::vector<EffectSpec> bent;
+  for (const FoundEffect& effect : effects) {
+    if (IsCompliance(effect.candidate.spec)) bent.push_back(effect.candidate.spec);
+  }
+  if (loads.size() == 1 && !bent.empty()) cautions->push_back(LinksBendToo(bent));
+}
+
+void CautionsOfValues(const CalibrationProblem& problem, const std::vector<FoundEffect>& effects,
+                      std::vector<std::string>* cautions) {
+  CautionOfHalves(effects, cautions);
+  CautionOfOneLoad(problem, effects, cautions);
 }
 
 void CautionOfNotNamed(const std::vector<std::pair<EffectSpec, double>>& unconfirmed, Diagnosis* diagnosis) {

@@ -20,6 +20,14 @@ std::vector<std::string> FindCautions(const CalibrationProblem& stated, const Di
 // as many of a hundred diagnoses as one effect's would be.
 void CautionOfHalves(const std::vector<FoundEffect>& effects, std::vector<std::string>* cautions);
 
+// Of compliances that were found where every fitted row carries the same load: links bend the arm, too.
+void CautionOfOneLoad(const CalibrationProblem& problem, const std::vector<FoundEffect>& effects,
+                      std::vector<std::string>* cautions);
+
+// Both.
+void CautionsOfValues(const CalibrationProblem& problem, const std::vector<FoundEffect>& effects,
+                      std::vector<std::string>* cautions);
+
 // Of effects that are probable by themselves and not named, but for those that untouched rows did not confirm.
 void CautionOfNotNamed(const std::vector<std::pair<EffectSpec, double>>& unconfirmed, Diagnosis* diagnosis);
 

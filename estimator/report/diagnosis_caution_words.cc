@@ -151,6 +151,16 @@ std::string HalvesContradict(const std::vector<EffectSpec>& effects) {
          ": something else, or something more, is at work there. The intervals do not allow for that.";
 }
 
+std::string LinksBendToo(const std::vector<EffectSpec>& effects) {
+  std::vector<std::string> names;
+  for (const EffectSpec& spec : effects) names.push_back(NameOnTarget(spec));
+  return "All fitted rows carry the same load, and the weights of the links, which bend the arm as well, are not in "
+         "the "
+         "model: the values of " +
+         Enumerate(names, kNamesListed) +
+         " hold for this load and may be too large for another. Measure some poses with another load or with none.";
+}
+
 std::string NotConfirmed(const std::vector<std::pair<EffectSpec, double>>& effects) {
   return WithProbabilities(effects) + (effects.size() == 1 ? " is" : " are") +
          " not named: where something without a name may be left, an effect is named only if it predicts rows "

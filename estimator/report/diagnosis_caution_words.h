@@ -50,6 +50,7 @@ std::string EffectsAreUndecided();
 std::string IsOneOfSeveral(const std::vector<std::vector<EffectSpec>>& instead);
 std::string ProbabilitiesAreRough();
 std::string HalvesContradict(const std::vector<EffectSpec>& effects);
+std::string LinksBendToo(const std::vector<EffectSpec>& effects);
 std::string NotConfirmed(const std::vector<std::pair<EffectSpec, double>>& effects);
 // Probable, and not in the most probable set; in it, and refused by the full model.
 std::string NotInLeading(const std::vector<std::pair<EffectSpec, double>>& effects);

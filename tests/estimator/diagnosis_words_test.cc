@@ -9,6 +9,7 @@
 #include "estimator/diagnosis/cautions.h"
 #include "estimator/report/diagnosis_next_words.h"
 #include "tests/support/kr270_experiment.h"
+#include "tests/support/loaded_kr270.h"
 #include "tests/support/moved_kr270.h"
 
 namespace sagitta::diagnosis_words_test {
@@ -63,6 +64,27 @@ TEST(DiagnosisWords, HalvesThatContradictEachOtherAreACaution) {
   CautionOfHalves(effects, &cautions);
   ASSERT_EQ(cautions.size(), 1u);
   EXPECT_THAT(cautions[0], AllOf(HasSubstr("contradict"), HasSubstr("warm_up on S1"), Not(HasSubstr("A4"))));
+}
+
+// The rows of the KR 270 are unloaded and under 250 kg; under 250 kg alone its links bend it as its load does.
+TEST(DiagnosisWords, ACompliancesOneLoadIsACaution) {
+  const test::LoadedTruth truth;
+  Measurements data = test::LoadedRows(test::LoadedDesign(), truth);
+  test::Measure(test::ExactPoints(truth, data), 3e-5, 1, &data);
+  const test::LoadedSetup setup = test::SetupFor(truth);
+  CalibrationProblem problem = MakeCalibrationProblem(setup.robot, data, setup.experiment);
+  const std::vector<FoundEffect> effects = {Found("encoder_gain", "A4", 0.99), Found("joint_compliance", "A2", 0.99)};
+  std::vector<std::string> cautions;
+  CautionOfOneLoad(problem, effects, &cautions);
+  EXPECT_TRUE(cautions.empty());
+  for (Observation& row : problem.mutable_data()->observations) {
+    row.excluded = !IsLoaded(problem.data().shots[row.shot]);
+  }
+  CautionOfOneLoad(problem, {effects[0]}, &cautions);
+  EXPECT_TRUE(cautions.empty());
+  CautionOfOneLoad(problem, effects, &cautions);
+  ASSERT_EQ(cautions.size(), 1u);
+  EXPECT_THAT(cautions[0], AllOf(HasSubstr("joint_compliance on A2"), Not(HasSubstr("A4"))));
 }
 
 TEST(DiagnosisWords, WhyAProbableEffectIsNotNamedIsACaution) {

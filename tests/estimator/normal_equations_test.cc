@@ -218,6 +218,20 @@ TEST_P(NormalEquationsOf, MovedSumsAreThoseOfWhereTheyAreMovedTo) {
   EXPECT_EQ(equations.num_passes(), passes);  // where it began is kept as well
 }
 
+// |r + J d|^2 = r'r + 2 d'J'r + d'J'J d, however far the step goes.
+TEST_P(NormalEquationsOf, MovedSquaresAreThoseOfTheLinearModel) {
+  const NormalEquations equations(problem_, rows_.observations, rows_.noise, LatentTreatment::kMarginalise, 1);
+  const Eigen::MatrixXd before = equations.Sum(parameters_, columns_).matrix;
+  const auto n = static_cast<long>(columns_.size());
+  const Eigen::VectorXd step = before.diagonal().head(n).cwiseSqrt().cwiseInverse();
+  ParameterSet moved = parameters_;
+  Move(columns_, step, 1.0, &moved);
+  equations.KeepMoved(parameters_, columns_, step, moved);
+  const double squares =
+      before(n, n) + 2.0 * step.dot(before.col(n).head(n)) + step.dot(before.topLeftCorner(n, n) * step);
+  EXPECT_NEAR(equations.Sum(moved, columns_).matrix(n, n) / squares, 1.0, 1e-12);
+}
+
 // Pieces: the same rows, each once, deviations of joints with their visit.
 TEST_P(NormalEquationsOf, PiecesAreTheRows) {
   const std::vector<int> clusters = ConfigurationClusters(problem_.data(), rows_.observations);

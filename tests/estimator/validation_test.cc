@@ -141,6 +141,27 @@ TEST(Trust, HoldoutBeyondItsPredictionIsSaidAndInTheIntervals) {
   EXPECT_EQ(trust.ci95_noise_only[0].low, before.low);
 }
 
+// Noise that is stated as half of what it is: the residuals scale it by two, and what is lacking is counted beyond what
+// is stated.
+TEST(Trust, WhatRefutesTheStatedNoiseIsLackOfALearntModel) {
+  Experiment experiment;
+  experiment.validation.kind = ValidationSpec::Kind::kFraction;
+  experiment.validation.fraction = 0.3;
+  const CalibrationProblem problem = Problem(
+      [](Measurements* data) {
+        for (Observation& row : data->observations) row.sigma *= 0.5;
+      },
+      experiment);
+  Estimate estimate = EstimateJointly(problem);
+  ASSERT_TRUE(estimate.sigma.scaled);
+  const double scale = estimate.sigma.a_posteriori;
+  ASSERT_NEAR(scale, 2.0, 0.3);
+  const Trust trust = JudgeByHoldout(problem, &estimate);
+  const double stated = trust.holdout.predicted_rms / scale, distance = trust.holdout.distance_rms;
+  const double scatter = 3.0 * stated * stated * (1.0 - trust.holdout.parameters_share);
+  EXPECT_NEAR(trust.noise.beyond_noise, std::sqrt(distance * distance - scatter), 1e-12);
+}
+
 // Gross rows among the fitted ones make the prediction too large for clean held-out points: that is no agreement.
 TEST(Trust, APredictionThatIsTooLargeDoesNotAgree) {
   Experiment experiment;

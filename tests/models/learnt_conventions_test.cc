@@ -10,6 +10,7 @@ namespace sagitta::learnt_conventions_test {
 namespace {
 
 using test::ExpectPoint;
+using test::Rotate;
 using test::TwoLinkScene;
 
 // Knots at 0 and 1 of gravity's component along the flange's x, which is 0 at q2 = 0: the first bump is pi^(-1/4) =
@@ -109,6 +110,11 @@ TEST(LearntConventions, LearntMotionOfTheTool) {
   settings["moves"] = "y";
   scene.robot.effects[0] = {"learnt_tool_motion", "J2", settings, {30e-6}};
   ExpectPoint(scene.Seen(), 1.4, 0.1 + 73.484692e-6, 0.5, 1e-11);
+  // On a flange that is turned by 90 deg about x the marker is upright, and moves as before.
+  settings["moves"] = "rz";
+  scene.robot.effects[0] = {"learnt_tool_motion", "J2", settings, {100e-6}};
+  scene.robot.chain.transforms.push_back(Rotate(Axis::kX, 90.0 * kDegree));
+  ExpectPoint(scene.Seen(), 1.4 - 24.494897e-6, 0.0, 0.6, 2e-8);
 }
 
 // Three shots 100 s apart, J2 at these angles.
