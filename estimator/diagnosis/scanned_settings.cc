@@ -104,11 +104,6 @@ double LeastOf(const std::vector<FitAt>& fits) {
 
 }  // namespace
 
-std::string ScannedSetting(const Robot& robot, const EffectSpec& spec) {
-  const SettingDefinition* setting = ScannedDefinition(robot, spec);
-  return setting == nullptr ? "" : setting->name;
-}
-
 double TuneSettings(const Evidence& evidence, const JointOptions& joint, RefittedSet* refitted) {
   if (!refitted->IsUsable()) return 0.0;
   double gain = 0.0;

@@ -11,9 +11,6 @@
 
 namespace sagitta {
 
-// "" or the setting that is scanned for this effect.
-std::string ScannedSetting(const Robot& robot, const EffectSpec& spec);
-
 // Each scanned setting of a refitted set's effects where chi-square is least, the other effects estimated with it; the
 // set is refitted where that is worth as much as kInDoubt in log likelihood. Returns the gain, 0 where it stays.
 double TuneSettings(const Evidence& evidence, const JointOptions& joint, RefittedSet* refitted);

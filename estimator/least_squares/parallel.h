@@ -2,10 +2,7 @@
 // on how many: every piece has its number and its own seed.
 #pragma once
 
-#include <algorithm>
 #include <functional>
-#include <optional>
-#include <vector>
 
 namespace sagitta {
 
@@ -18,18 +15,5 @@ void ParallelFor(int n, int threads, const std::function<void(int i, int worker)
 // has i. The first exception is thrown again here.
 void MakeAndUse(int n, int threads, int slots, const std::function<void(int i, int slot)>& make,
                 const std::function<void(int slot, int user)>& use);
-
-// The result of the smallest i in 0..n-1 for which work(i) has one; those beyond it are tried by the way only.
-template <typename Result>
-std::optional<Result> FirstFound(int n, int threads, const std::function<std::optional<Result>(int i)>& work) {
-  for (int first = 0; first < n; first += threads) {
-    std::vector<std::optional<Result>> found(std::min(threads, n - first));
-    ParallelFor(static_cast<int>(found.size()), threads, [&](int i, int) { found[i] = work(first + i); });
-    for (std::optional<Result>& result : found) {
-      if (result) return std::move(result);
-    }
-  }
-  return std::nullopt;
-}
 
 }  // namespace sagitta

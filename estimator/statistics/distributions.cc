@@ -59,8 +59,6 @@ double WelchDof(double a, double dof_a, double b, double dof_b) {
   return weight > 0.0 ? (a + b) * (a + b) / weight : std::numeric_limits<double>::infinity();
 }
 
-double BetaQuantile(double p, double a, double b) { return quantile(Beta(a, b), p); }
-
 double KolmogorovSurvival(double d, double n) {
   // P(D > d) = 2 sum_k (-1)^(k-1) exp(-2 k^2 x^2), x = (sqrt n + 0.12 + 0.11 / sqrt n) d (Stephens 1970).
   const double root = std::sqrt(n);

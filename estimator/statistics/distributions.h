@@ -21,8 +21,6 @@ double WelchDof(double a, double dof_a, double b, double dof_b);
 // P(largest distance between an empirical distribution of n numbers and the true one > d), Kolmogorov's series with
 // Stephens' correction for finite n; two samples: n = n1 n2 / (n1 + n2).
 double KolmogorovSurvival(double d, double n);
-// x with P(Beta(a, b) <= x) = p.
-double BetaQuantile(double p, double a, double b);
 // P(Binomial(n, p) >= k), 0 <= k <= n + 1.
 double BinomialSurvival(int k, int n, double p);
 

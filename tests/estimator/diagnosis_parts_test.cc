@@ -1,4 +1,4 @@
-// Parts of the diagnosis alone: what can be tested, what counts as an outlier, searches on several threads.
+// Parts of the diagnosis alone: what can be tested, what counts as an outlier.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +10,6 @@
 #include "estimator/diagnosis/selected_effects.h"
 #include "estimator/explanations/candidates.h"
 #include "estimator/least_squares/linearization.h"
-#include "estimator/least_squares/parallel.h"
 #include "problems/loads.h"
 #include "tests/support/moved_kr270.h"
 
@@ -203,16 +202,6 @@ TEST(SolveLinearization, FewerRowsThanColumnsIsNotOfFullRank) {
   few.jacobian = Eigen::MatrixXd::Random(2, 3);
   few.residual = Eigen::VectorXd::Ones(2);
   EXPECT_FALSE(SolveLinearization(few).full_rank);
-}
-
-TEST(FirstFound, IsTheSmallestWhateverTheThreads) {
-  for (const int threads : {1, 2, 3, 8}) {
-    const auto found =
-        FirstFound<int>(10, threads, [](int i) { return i >= 4 ? std::optional<int>(i) : std::nullopt; });
-    ASSERT_TRUE(found);
-    EXPECT_EQ(*found, 4);
-    EXPECT_FALSE(FirstFound<int>(4, threads, [](int) { return std::optional<int>(); }));
-  }
 }
 
 }  // namespace
