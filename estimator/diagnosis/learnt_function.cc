@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "estimator/explanations/driver_functions.h"
 #include "estimator/report/explanations_words.h"
@@ -186,6 +187,58 @@ class FormulaSearch {
   Formula best_;
 };
 
+// The posterior of one member of a set, in typical sizes: f_a(shot) = (columns - their mean) mixing_a c of each axis a.
+class FunctionOfAxes {
+ public:
+  FunctionOfAxes(const Evidence& evidence, const WeightedModel& model, int member, std::vector<int> shots, size_t axes)
+      : group_(evidence.list().math[member].group),
+        height_(static_cast<long>(group_.columns.size() / axes)),
+        axes_(static_cast<long>(axes)),
+        shots_(std::move(shots)),
+        values_(evidence.ValuesOfMember(model, member)) {
+    const std::vector<int> own(group_.columns.begin(), group_.columns.begin() + height_);
+    columns_ = evidence.columns().FunctionOf(own);
+    mean_ = columns_(shots_, Eigen::all).colwise().mean();
+  }
+
+  // The one that moves most.
+  long StrongestAxis() const {
+    const Eigen::MatrixXd seen = columns_(shots_, Eigen::all).rowwise() - mean_;
+    Eigen::VectorXd squares(axes_);
+    for (long a = 0; a < axes_; ++a) squares[a] = (seen * Mixing(a) * values_.values).squaredNorm();
+    long strongest = 0;
+    squares.maxCoeff(&strongest);
+    return strongest;
+  }
+
+  // Its values and their standard deviations times `unit`, at kTableRows of the driver's values, ascending.
+  std::vector<FunctionPoint> Table(long axis, const Eigen::VectorXd& of_shot, double unit) const {
+    std::vector<int> shots = shots_;
+    std::sort(shots.begin(), shots.end(), [&](int a, int b) { return of_shot[a] < of_shot[b]; });
+    const auto equal = [&](int a, int b) { return of_shot[a] == of_shot[b]; };
+    shots.erase(std::unique(shots.begin(), shots.end(), equal), shots.end());
+    const size_t rows = std::min(kTableRows, shots.size());
+    std::vector<FunctionPoint> table;
+    for (size_t r = 0; r < rows; ++r) {
+      const int shot = shots[rows > 1 ? r * (shots.size() - 1) / (rows - 1) : 0];
+      const Eigen::VectorXd row = ((columns_.row(shot) - mean_) * Mixing(axis)).transpose();
+      table.push_back({of_shot[shot], unit * row.dot(values_.values),
+                       unit * std::sqrt(std::max(0.0, row.dot(values_.covariance * row)))});
+    }
+    return table;
+  }
+
+ private:
+  Eigen::MatrixXd Mixing(long axis) const { return group_.mixing.middleRows(axis * height_, height_); }
+
+  const ColumnGroup& group_;
+  long height_, axes_;
+  std::vector<int> shots_;  // fitted
+  GroupValues values_;
+  Eigen::MatrixXd columns_;
+  Eigen::RowVectorXd mean_;
+};
+
 }  // namespace
 
 LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& problem) {
@@ -195,47 +248,18 @@ LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& mode
   const int member = StrongestFunction(evidence, model, &with);
   if (member < 0) return learnt;
   learnt.what = evidence.list().functions[evidence.list().unnamed[member]];
-  const UnnamedFunction& what = learnt.what;
   for (const int m : model.pieces) learnt.pieces.push_back(evidence.list().SpecOf(m));
-  if (what.driver.of_shot.size() == 0) return learnt;
-
-  const ColumnGroup& group = evidence.list().math[member].group;
-  const auto [coefficients, covariance] = evidence.ValuesOfMember(with, member);
-  // Of several axes, the one that moves most.
-  const long height = static_cast<long>(group.columns.size() / what.sources.size());
-  long best = 0;
-  double most = -1.0;
-  const std::vector<int> own(group.columns.begin(), group.columns.begin() + height);
-  const Eigen::MatrixXd functions = evidence.columns().FunctionOf(own);
-  std::vector<int> shots = FittedShots(problem);
-  const Eigen::MatrixXd seen = functions(shots, Eigen::all);
-  const Eigen::RowVectorXd mean = seen.colwise().mean();
-  for (long s = 0; s < static_cast<long>(what.sources.size()); ++s) {
-    const double size =
-        ((seen.rowwise() - mean) * group.mixing.middleRows(s * height, height) * coefficients).squaredNorm();
-    if (size <= most) continue;
-    most = size;
-    best = s;
-  }
-  const Source& source = what.sources[best];
-  const SourceUnit in = UnitOf(source, problem.robot().chain);
+  const Driver& driver = learnt.what.driver;
+  if (driver.of_shot.size() == 0) return learnt;
+  const FunctionOfAxes function(evidence, with, member, FittedShots(problem), learnt.what.sources.size());
+  const long axis = function.StrongestAxis();
+  const SourceUnit in = UnitOf(learnt.what.sources[axis], problem.robot().chain);
   learnt.unit = in.micro;
-  std::sort(shots.begin(), shots.end(), [&](int a, int b) { return what.driver.of_shot[a] < what.driver.of_shot[b]; });
-  const auto equal = [&](int a, int b) { return what.driver.of_shot[a] == what.driver.of_shot[b]; };
-  shots.erase(std::unique(shots.begin(), shots.end(), equal), shots.end());
-  const size_t rows = std::min(kTableRows, shots.size());
-  for (size_t r = 0; r < rows; ++r) {
-    const int shot = shots[rows > 1 ? r * (shots.size() - 1) / (rows - 1) : 0];
-    const Eigen::VectorXd row =
-        ((functions.row(shot) - mean) * group.mixing.middleRows(best * height, height)).transpose();
-    const double unit = in.typical / kMicro;
-    learnt.table.push_back({what.driver.of_shot[shot], unit * row.dot(coefficients),
-                            unit * std::sqrt(std::max(0.0, row.dot(covariance * row)))});
-  }
-  const int joint = problem.robot().chain.FindJoint(what.driver.name);
-  const bool is_joint_value = what.driver.kind == DriverKind::kAngle || what.driver.kind == DriverKind::kTravel;
+  learnt.table = function.Table(axis, driver.of_shot, in.typical / kMicro);
+  const int joint = problem.robot().chain.FindJoint(driver.name);
+  const bool is_joint_value = driver.kind == DriverKind::kAngle || driver.kind == DriverKind::kTravel;
   const std::string joint_value = is_joint_value && joint >= 0 ? "q" + std::to_string(joint + 1) : "";
-  learnt.driver = joint_value.empty() ? what.driver.name : joint_value;
+  learnt.driver = joint_value.empty() ? driver.name : joint_value;
   const Formula nearest = FormulaSearch(learnt, joint_value.empty() ? "x" : joint_value).Nearest();
   learnt.formula = nearest.formula;
   learnt.words = nearest.words;

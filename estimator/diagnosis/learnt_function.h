@@ -25,8 +25,8 @@ struct LearntFunction {
   std::string unit;      // of the table, which is empty where there is more than one driver
   std::vector<FunctionPoint> table;
   std::string driver;  // q3: the joint by its number; else the driver's name
-  std::string
-      formula;  // that the table is nearest to, of the driver in its unit: 75.8·cos(10·q3) + 8.93·sin(10·q3) + 1.2
+  // That the table is nearest to, of the driver in its unit: 75.8·cos(10·q3) + 8.93·sin(10·q3) + 1.2
+  std::string formula;
   std::string words;               // the same
   std::vector<EffectSpec> pieces;  // of the same cause, each like an effect of the catalogue
 };

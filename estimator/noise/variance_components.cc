@@ -74,6 +74,27 @@ double FalsePosition(const Function& f, double inside, double outside, double th
   return 0.5 * (inside + outside);
 }
 
+// D = -2 ln L: its second derivatives are twice the information. Of variances that are free and not at their least.
+Eigen::MatrixXd CovarianceOf(const Eigen::VectorXd& variances, const std::vector<bool>& is_free,
+                             const Eigen::MatrixXd& hessian) {
+  const long n = variances.size();
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
+  std::vector<int> inner;
+  for (int i = 0; i < n; ++i) {
+    if (is_free[i] && variances[i] > (i == 0 ? kSmallestInstrument : 0.0)) inner.push_back(i);
+  }
+  if (inner.empty()) return covariance;
+  const Eigen::MatrixXd info = 0.5 * hessian(inner, inner);
+  const Eigen::MatrixXd inverse = info.ldlt().solve(Eigen::MatrixXd::Identity(inner.size(), inner.size()).eval());
+  const auto unit = [](int i) { return i == 0 ? 1.0 : kReference * kReference; };
+  for (size_t r = 0; r < inner.size(); ++r) {
+    for (size_t c = 0; c < inner.size(); ++c) {
+      covariance(inner[r], inner[c]) = inverse(r, c) * unit(inner[r]) * unit(inner[c]);
+    }
+  }
+  return covariance;
+}
+
 }  // namespace
 
 RestrictedLikelihood::RestrictedLikelihood(const CalibrationProblem& problem, const ParameterSet& parameters) {
@@ -265,26 +286,38 @@ double RestrictedLikelihood::Deviance(double instrument, const std::vector<Devia
 }
 
 RemlFit RestrictedLikelihood::Maximise(bool estimate_instrument, const std::vector<DeviationGroup>& groups) const {
-  const int n = static_cast<int>(groups.size()) + 1;
   std::vector<bool> is_free = {estimate_instrument};
   for (const DeviationGroup& group : groups) is_free.push_back(group.estimated);
-  // Several starts of all free deviations together: the deviance can have two valleys (instrument or robot).
-  Eigen::VectorXd best = StartVariances(groups);
-  if (estimate_instrument) {
+  RemlFit fit;
+  fit.variances = BestStart(is_free, groups);
+  fit.converged = Minimise(is_free, groups, &fit.variances);
+  const Evaluation here = Evaluate(fit.variances, groups, true);
+  fit.deviance = here.deviance;
+  fit.chi2 = here.chi2;
+  fit.covariance = CovarianceOf(fit.variances, is_free, here.hessian);
+  fit.variances.tail(static_cast<long>(groups.size())) *= kReference * kReference;
+  return fit;
+}
+
+// Several starts of all free deviations together: the deviance can have two valleys (instrument or robot).
+Eigen::VectorXd RestrictedLikelihood::BestStart(const std::vector<bool>& is_free,
+                                                const std::vector<DeviationGroup>& groups) const {
+  Eigen::VectorXd given = StartVariances(groups);
+  if (is_free[0]) {
     double square = rest_(columns_, columns_), rows = rest_rows_;
     if (rest_rows_ < dof_ / 4) {  // too few rows that no deviation touches
       square += rows_.col(columns_).squaredNorm();
       rows += static_cast<double>(rows_.rows());
     }
-    best[0] = std::max(10.0 * kSmallestInstrument, square / std::max(1.0, rows));
+    given[0] = std::max(10.0 * kSmallestInstrument, square / std::max(1.0, rows));
   }
-  double lowest = std::numeric_limits<double>::infinity();
   std::vector<double> starts = {-1.0};
   if (std::count(is_free.begin() + 1, is_free.end(), true) > 0) starts = {-1.0, 0.01, 1.0, 25.0, 400.0};
-  const Eigen::VectorXd given = best;
+  Eigen::VectorXd best = given;
+  double lowest = std::numeric_limits<double>::infinity();
   for (const double start : starts) {
     Eigen::VectorXd trial = given;
-    for (int i = 1; i < n; ++i) {
+    for (size_t i = 1; i < is_free.size(); ++i) {
       if (is_free[i] && start >= 0.0) trial[i] = start;
     }
     const double deviance = Evaluate(trial, groups, false).deviance;
@@ -292,29 +325,7 @@ RemlFit RestrictedLikelihood::Maximise(bool estimate_instrument, const std::vect
     lowest = deviance;
     best = trial;
   }
-  RemlFit fit;
-  fit.converged = Minimise(is_free, groups, &best);
-  const Evaluation here = Evaluate(best, groups, true);
-  fit.deviance = here.deviance;
-  fit.chi2 = here.chi2;
-  fit.variances = best;
-  fit.variances.tail(n - 1) *= kReference * kReference;
-  fit.covariance = Eigen::MatrixXd::Zero(n, n);
-  std::vector<int> inner;
-  for (int i = 0; i < n; ++i) {
-    if (is_free[i] && best[i] > (i == 0 ? kSmallestInstrument : 0.0)) inner.push_back(i);
-  }
-  if (inner.empty()) return fit;
-  // D = -2 ln L: its second derivatives are twice the information.
-  const Eigen::MatrixXd info = 0.5 * here.hessian(inner, inner);
-  const Eigen::MatrixXd inverse = info.ldlt().solve(Eigen::MatrixXd::Identity(inner.size(), inner.size()).eval());
-  const auto unit = [](int i) { return i == 0 ? 1.0 : kReference * kReference; };
-  for (size_t r = 0; r < inner.size(); ++r) {
-    for (size_t c = 0; c < inner.size(); ++c) {
-      fit.covariance(inner[r], inner[c]) = inverse(r, c) * unit(inner[r]) * unit(inner[c]);
-    }
-  }
-  return fit;
+  return best;
 }
 
 void RestrictedLikelihood::ProfileInterval(const RemlFit& fit, bool estimate_instrument,

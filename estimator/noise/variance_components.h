@@ -77,6 +77,7 @@ class RestrictedLikelihood {
   Whitened Whiten(const Eigen::VectorXd& variances, const std::vector<DeviationGroup>& groups) const;
   void Differentiate(const Whitened& whitened, double a, const std::vector<DeviationGroup>& groups,
                      Evaluation* result) const;
+  Eigen::VectorXd BestStart(const std::vector<bool>& is_free, const std::vector<DeviationGroup>& groups) const;
   bool Minimise(const std::vector<bool>& is_free, const std::vector<DeviationGroup>& groups,
                 Eigen::VectorXd* variances) const;
   Eigen::VectorXd StartVariances(const std::vector<DeviationGroup>& groups) const;
