@@ -243,6 +243,9 @@ struct EffectDefinition {
   std::vector<SettingDefinition> settings = {};
   bool tilts = false;  // needs the tilt slots of its joint, or of the foot
   EffectNeeds needs = EffectNeeds::kNothing;
+  // Sizes that are stated as a motion are those of the target that moves most: what a link weighs does not grow where
+  // its weight turns its joint little, about a nearly vertical axis.
+  bool one_size = false;
   EffectDriver driven_by = EffectDriver::kJoint;
   // "" or the column that this shot lacks, e.g. "approach3"; null: none but what drives it.
   std::string (*missing)(const EffectContext& context) = nullptr;

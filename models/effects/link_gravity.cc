@@ -34,6 +34,7 @@ const EffectDefinition& LinkGravity() {
     EffectDefinition effect{"link_gravity",       "weight of a link",       "statics of the links",
                             EffectTarget::kJoint, link_gravity::Parameters, link_gravity::Apply};
     effect.needs = EffectNeeds::kCompliances;
+    effect.one_size = true;
     effect.separate_by = kSeparateByWeight;
     effect.note = "All that is fixed to the link counts: a drive, cables, on the last link flange and tool.";
     effect.sizes =

@@ -6,7 +6,7 @@ namespace sagitta {
 namespace station_range_offset {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"offset", Quantity::kShift, 15e-6}};
+  return {{"offset", Quantity::kShift, 0.5e-3}};
 }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
@@ -23,7 +23,10 @@ const EffectDefinition& StationRangeOffset() {
         EffectTarget::kStation, station_range_offset::Parameters, station_range_offset::Apply};
     effect.separate_by = "a calibrated length measured in line with the instrument and from its middle";
     effect.note = "It counts from instrument_mm of the station; where that is not stated, from the origin.";
-    effect.sizes = "R0 of absolute distance meters: 10 to 25 um in tracker data sheets";
+    effect.sizes =
+        "between R0 of absolute distance meters, 10 to 25 um in tracker data sheets, and a reflector's radius that is "
+        "not "
+        "corrected, 6.35, 12.7 or 19.05 mm";
     return effect;
   }();
   return definition;

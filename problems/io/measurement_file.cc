@@ -13,6 +13,7 @@
 #include "problems/io/files.h"
 #include "problems/io/ids_by_text.h"
 #include "problems/io/measurement_row.h"
+#include "problems/io/measurement_warnings.h"
 
 namespace sagitta {
 namespace {
@@ -21,7 +22,6 @@ namespace {
 constexpr double kSameJointValue = 1e-9;  // rad or m
 constexpr double kLongShot = 600.0;       // s
 constexpr int kFewestCopies = 3;          // readings that agree by chance: one, or two of a coarse display
-constexpr int kMany = 5;                  // rows of one label: the file is no list of single points
 
 int IndexOf(std::string_view name, IdsByText* words, std::vector<std::string>* names) {
   const int index = words->IndexOf(name);
@@ -346,39 +346,6 @@ void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns,
   }
 }
 
-// "s1" next to "S1": a slip of the hand makes another instrument of it, with a pose of its own.
-void WarnOfLetterCase(const std::string& what, const std::vector<std::string>& labels,
-                      std::vector<std::string>* warnings) {
-  std::map<std::string, std::string> seen;  // by the label in small letters
-  for (const std::string& label : labels) {
-    std::string small = label;
-    for (char& c : small) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    const auto [entry, is_new] = seen.emplace(small, label);
-    if (is_new) continue;
-    warnings->push_back(what + " '" + entry->second + "' and '" + label +
-                        "' differ in letter case alone and count as two: is it one?");
-  }
-}
-
-// A label in one row alone, where others are in many: unknowns of its own absorb all that the row says.
-template <typename LabelOf>
-void WarnOfSingleRows(const std::string& what, const std::vector<std::string>& labels, const LabelOf& label_of,
-                      Measurements* data) {
-  std::vector<int> count(labels.size(), 0), first(labels.size(), -1);
-  for (const Observation& row : data->observations) {
-    if (!row.is_point()) continue;
-    const int label = label_of(row);
-    if (count[label]++ == 0) first[label] = static_cast<int>(&row - data->observations.data());
-  }
-  if (count.empty() || *std::max_element(count.begin(), count.end()) < kMany) return;
-  for (size_t k = 0; k < labels.size(); ++k) {
-    if (count[k] != 1) continue;
-    data->warnings.push_back(what + " '" + labels[k] + "' is in one row alone (" +
-                             data->SourceOf(data->observations[first[k]]) +
-                             "), which by itself says nothing of the robot: is the label right?");
-  }
-}
-
 // Files that are given twice in another dress (results of a calibration next to its rows) would halve the variance of
 // everything, and repeats that agree to the last digit say that there is no noise.
 void MeasurementsBuilder::WarnOfRepeated() {
@@ -398,12 +365,7 @@ void MeasurementsBuilder::WarnOfRepeated() {
 }
 
 Measurements MeasurementsBuilder::Take() {
-  WarnOfLetterCase("stations", data_.stations, &data_.warnings);
-  WarnOfLetterCase("markers", data_.markers, &data_.warnings);
-  WarnOfSingleRows(
-      "marker", data_.markers, [](const Observation& row) { return row.marker; }, &data_);
-  WarnOfSingleRows(
-      "station", data_.stations, [this](const Observation& row) { return data_.shots[row.shot].station; }, &data_);
+  WarnOfRows(&data_);
   if (lost_ > 0) {
     data_.warnings.push_back(std::to_string(lost_) + (lost_ == 1 ? " reading is" : " readings are") +
                              " lost (x, y and z are empty): skipped (the first: " + first_lost_ + ")");

@@ -72,7 +72,7 @@ Section FindingSection(const Inspection& inspection, Severity severity, const st
       of_all_rows.emplace_back(finding.words, finding.remedy);
       continue;
     }
-    std::string words = "- " + finding.words + ".";
+    std::string words = "- " + finding.words + (finding.words.back() == '?' ? "" : ".");
     if (!finding.remedy.empty()) words += " Remedy: " + finding.remedy + ".";
     if (!finding.rows.empty()) words += " Rows: " + Enumerate(finding.rows, kShownRows) + ".";
     section.paragraphs.push_back(words);
