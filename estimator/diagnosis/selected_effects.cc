@@ -10,6 +10,7 @@
 
 #include "estimator/diagnosis/refit_order.h"
 #include "estimator/explanations/compensator_shapes.h"
+#include "estimator/explanations/drivers.h"
 #include "estimator/statistics/distributions.h"
 #include "models/effects/learnt_deviation.h"
 
@@ -113,7 +114,7 @@ double LogCorrection(const Evidence& evidence, const RefittedSet& refitted) {
   if (refitted.effects.size() != refitted.model.set.members.size()) return std::numeric_limits<double>::quiet_NaN();
   double log = LogFullOverLinear(evidence, refitted);
   for (const SelectedEffect& effect : refitted.effects) {
-    if (IsNewSpring(effect.candidate.spec)) log += LogPriorOfSpring(refitted.with_effects.estimate.parameters);
+    if (IsNewSpring(effect.candidate.spec)) log += LogPriorOfFitted(evidence, refitted, effect);
   }
   return log;
 }
@@ -223,6 +224,15 @@ RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel
     if (each.model.view == leading.view && is_same) return each;
   }
   return RefitSet(*evidence, leading, working, baseline, joint, LastOfView(refitted, leading.view));
+}
+
+double LogPriorOfFitted(const Evidence& evidence, const RefittedSet& refitted, const SelectedEffect& spring) {
+  const CalibrationProblem& problem = *refitted.lacking.problem;
+  const ParameterSet& parameters = refitted.with_effects.estimate.parameters;
+  const std::string& joint = spring.candidate.spec.target;
+  const Eigen::VectorXd angles = JointValues(problem, problem.robot().chain.FindJoint(joint));
+  const double share = evidence.list().springs.at(joint).Of(SpringTorques(parameters, angles(FittedShots(problem))));
+  return LogPriorOfSpring(parameters) + std::log(share / evidence.list().place[spring.explanation].weight);
 }
 
 double LogFullOverLinear(const Evidence& evidence, const RefittedSet& refitted) {

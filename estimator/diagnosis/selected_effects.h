@@ -52,6 +52,10 @@ RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel
 // out, which the full model cannot hold.
 double LogFullOverLinear(const Evidence& evidence, const RefittedSet& refitted);
 
+// What is known of a spring beyond its columns, once it is fitted: its rest length, and which way it acts, in place of
+// which way the springs act that its columns stand for.
+double LogPriorOfFitted(const Evidence& evidence, const RefittedSet& refitted, const SelectedEffect& spring);
+
 // P of a reduction by chance, the best of so many tests: chi-square in the noise that is stated; F in units of the
 // scatter that is left (chi-square per degree of freedom, dof of them) where that is more, or where none is stated.
 double CorrectedP(double reduction, int parameters, double scatter, int dof, bool is_sigma_stated, int tests);

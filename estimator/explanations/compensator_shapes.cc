@@ -127,6 +127,20 @@ Eigen::MatrixXd SpringColumns(const EffectSpec& shape, const Eigen::MatrixX2d& w
   return columns;
 }
 
+Eigen::VectorXd SpringTorques(const ParameterSet& parameters, const Eigen::VectorXd& angles) {
+  const auto value = [&](CompensatorPart part) { return parameters.Value(parameters.FindCoordinate(part)); };
+  const CompensatorParameters<double> spring{value(CompensatorPart::kL), value(CompensatorPart::kAx),
+                                             value(CompensatorPart::kAy), value(CompensatorPart::kS0),
+                                             value(CompensatorPart::kKc)};
+  return angles.unaryExpr([&](double q) { return CompensatorTorque(spring, std::cos(q), std::sin(q)); });
+}
+
+double SpringShares::Of(const Eigen::VectorXd& torques) const {
+  const double size = torques.norm() * of_weight.norm();
+  const double cosine = size > 0.0 ? torques.dot(of_weight) / size : 0.0;
+  return elsewhere + (cosine < 0.0 ? per_cosine * cosine * cosine : 0.0);
+}
+
 void SeedSpring(const Eigen::VectorXd& angles, const Eigen::VectorXd& torques, EffectSpec* shape) {
   const Eigen::Vector2d rates = TorquesPerRate(*shape, Wave(angles)).colPivHouseholderQr().solve(torques);
   std::vector<double>& p = shape->values;

@@ -44,6 +44,24 @@ std::vector<EffectSpec> CompensatorShapes(const std::string& joint);
 // length; what another rest length adds per standard deviation; and other directions and ratios within the grid's cell.
 Eigen::MatrixXd SpringColumns(const EffectSpec& shape, const Eigen::MatrixX2d& wave);
 
+// N m at each angle (rad, commanded), of the spring that a model has.
+Eigen::VectorXd SpringTorques(const ParameterSet& parameters, const Eigen::VectorXd& angles);
+
+// How probable a spring on a joint is before any row is seen, by its torque: a compensator is built where weight is
+// carried, and against it. With w the torque that a weight at the flange puts on the joint,
+//
+//   share = elsewhere + per_cosine cos^2(torque, w) where the cosine is negative, else elsewhere
+//
+// A coefficient of columns has either sign, and a spring that is shorter than its rest length pushes: which way it acts
+// is known once it is fitted.
+struct SpringShares {
+  Eigen::VectorXd of_weight;  // w at some shots, m
+  double per_cosine = 0.0, elsewhere = 0.0;
+
+  // torques: at these shots.
+  double Of(const Eigen::VectorXd& torques) const;
+};
+
 // Sets s0 and Kc of a shape so that its torques are nearest to those wanted; of a spring that no machine has (negative
 // rate or rest length) the nearest that one has.
 void SeedSpring(const Eigen::VectorXd& angles, const Eigen::VectorXd& torques, EffectSpec* shape);

@@ -165,19 +165,18 @@ class ListBuilder {
     if (of_weight_.size() == 0) of_weight_ = OnFitted(TorquesPerWeight(problem_, parameters_));
     const Chain& chain = problem_.robot().chain;
     const double sign = chain.transforms[chain.JointTransform(joint)].sign;  // a spring's torque is along the joint
+    SpringShares& shares = list_.springs[chain.joints[joint].name];
+    shares = {sign * of_weight_.col(joint), 1.0, 0.0};
     const long shapes = torques.cols() / kPerShape;
-    Eigen::VectorXd against(shapes);
-    for (long s = 0; s < shapes; ++s) {
-      const double size = torques.col(kPerShape * s).norm() * of_weight_.col(joint).norm();
-      const double cosine = size > 0.0 ? sign * torques.col(kPerShape * s).dot(of_weight_.col(joint)) / size : 0.0;
-      against[s] = cosine < 0.0 ? cosine * cosine : 0.0;
-    }
+    const auto of_shapes = [&]() -> Eigen::VectorXd {
+      return Eigen::VectorXd::NullaryExpr(shapes, [&](long s) { return shares.Of(torques.col(kPerShape * s)); });
+    };
     double all = 0.0;
     for (int j = 0; j < joints(); ++j) all += IsRevolute(problem_, j) ? of_weight_.col(j).squaredNorm() : 0.0;
-    const double sum = against.sum(), of_joint = all > 0.0 ? of_weight_.col(joint).squaredNorm() / all : 0.0;
-    const double elsewhere = kElsewhere / static_cast<double>(joints() * shapes);
-    if (!(sum > 0.0)) return Eigen::VectorXd::Constant(shapes, elsewhere);
-    return ((1.0 - kElsewhere) * of_joint / sum * against).array() + elsewhere;
+    const double sum = of_shapes().sum(), of_joint = all > 0.0 ? of_weight_.col(joint).squaredNorm() / all : 0.0;
+    shares.per_cosine = sum > 0.0 ? (1.0 - kElsewhere) * of_joint / sum : 0.0;
+    shares.elsewhere = kElsewhere / static_cast<double>(joints() * shapes);
+    return of_shapes();
   }
 
   Eigen::MatrixXd OnFitted(const Eigen::MatrixXd& functions) const { return functions(fitted_, Eigen::all); }

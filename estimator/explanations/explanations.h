@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "estimator/explanations/candidates.h"
+#include "estimator/explanations/compensator_shapes.h"
 #include "estimator/explanations/evidence_columns.h"
 #include "estimator/explanations/unnamed_functions.h"
 #include "estimator/random_effects/set_search.h"
@@ -33,12 +34,13 @@ struct NamedSet {
 // Everything that may be missing, with its share of the prior; lists of equal length.
 struct ExplanationList {
   std::vector<Explanation> math;
-  std::vector<int> candidate;         // of each, index into `candidates`; -1: unnamed
-  std::vector<int> unnamed;           // of each, index into `functions`; -1: of the catalogue
-  std::vector<EffectSpec> start;      // of each of the catalogue: a compensator's shape is in its values
-  std::vector<std::string> name;      // of each: the same for all change points, and for all shapes of a compensator
-  std::vector<PlaceInPrior> place;    // of each
-  std::vector<Candidate> candidates;  // as listed
+  std::vector<int> candidate;       // of each, index into `candidates`; -1: unnamed
+  std::vector<int> unnamed;         // of each, index into `functions`; -1: of the catalogue
+  std::vector<EffectSpec> start;    // of each of the catalogue: a compensator's shape is in its values
+  std::vector<std::string> name;    // of each: the same for all change points, and for all shapes of a compensator
+  std::vector<PlaceInPrior> place;  // of each
+  std::map<std::string, SpringShares> springs;  // by joint, at the fitted shots
+  std::vector<Candidate> candidates;            // as listed
   std::vector<UnnamedFunction> functions;
   std::vector<NotTestable> not_testable;
 
