@@ -62,21 +62,6 @@ Eigen::VectorXd Solve(const Determined& determined, const Eigen::VectorXd& gradi
   return determined.vectors * (determined.vectors.transpose() * gradient).cwiseQuotient(determined.values);
 }
 
-ColumnGroup Joined(const ColumnGroup& a, const ColumnGroup& b) {
-  ColumnGroup both;
-  both.columns = a.columns;
-  both.columns.insert(both.columns.end(), b.columns.begin(), b.columns.end());
-  both.mixing.setZero(both.columns.size(), a.size() + b.size());
-  const auto put = [&both](const ColumnGroup& group, long row, long column) {
-    const long height = static_cast<long>(group.columns.size());
-    both.mixing.block(row, column, height, group.size()) =
-        group.mixing.size() > 0 ? group.mixing : Eigen::MatrixXd::Identity(height, height);
-  };
-  put(a, 0, 0);
-  put(b, static_cast<long>(a.columns.size()), a.size());
-  return both;
-}
-
 // With c = A a the effect's contribution, a its values given the others:  |P_rival c|^2 / |c|^2.
 std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Posterior& posterior,
                                           const WeightedModel& model, size_t place,
@@ -119,14 +104,19 @@ Asked AskedOf(const Evidence& evidence, const WeightedModel& model, const std::v
   Asked asked{model.set.members, {}};
   std::map<int, int> at;
   for (size_t k = 0; k < asked.all.size(); ++k) at[asked.all[k]] = static_cast<int>(k);
+  const auto place_of = [&](int explanation) {
+    const auto entry = at.emplace(explanation, static_cast<int>(asked.all.size()));
+    if (entry.second) asked.all.push_back(explanation);
+    return entry.first->second;
+  };
+  const Needs needs(evidence.list().math);
   for (size_t k = 0; k < places.size(); ++k) {
     std::vector<int> own = {static_cast<int>(places[k])};
     for (const NamedProbability& rival : in_places[places[k]]) {
       if (own.size() > kRivalsOnHalves) break;
       if (rival.name == evidence.list().name[model.set.members[places[k]]]) continue;
-      const auto entry = at.emplace(rival.explanation, static_cast<int>(asked.all.size()));
-      if (entry.second) asked.all.push_back(rival.explanation);
-      own.push_back(entry.first->second);
+      if (needs.Of(rival.explanation) != kNoExplanation) place_of(needs.Of(rival.explanation));
+      own.push_back(place_of(rival.explanation));
     }
     asked.of.push_back(std::move(own));
   }

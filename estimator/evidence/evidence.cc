@@ -146,7 +146,12 @@ JointScatter Evidence::ScatterOf(const NoiseView& view) const {
 
 ViewedNormal Evidence::Viewed(const NoiseView& view) const {
   std::set<std::vector<int>> own;
-  for (const Explanation& explanation : list_.math) own.insert(explanation.group.columns);
+  const Needs needs(list_.math);
+  for (size_t k = 0; k < list_.math.size(); ++k) {
+    own.insert(list_.math[k].group.columns);
+    const int needed = needs.Of(static_cast<int>(k));
+    if (needed != kNoExplanation) own.insert(Joined(list_.math[needed].group, list_.math[k].group).columns);
+  }
   const JointScatter scatter = ScatterOf(view);
   return {view, scatter, columns_.ProjectAll(scatter, own)};
 }

@@ -46,7 +46,12 @@ const NamelessCauses::Pieces& NamelessCauses::PiecesOf(const std::vector<int>& f
       return IsLike(robot_, list_.functions[list_.unnamed[function]], list_.SpecOf(named));
     });
     pieces.may_be.push_back(may_be);
-    if (may_be) pieces.share += list_.math[k].share;
+  }
+  const Needs needs(list_.math);
+  for (size_t k = 0; k < list_.math.size() && is_new; ++k) {
+    const int needed = needs.Of(static_cast<int>(k));
+    if (needed != kNoExplanation && pieces.may_be[needed]) pieces.may_be[k] = true;
+    if (pieces.may_be[k]) pieces.share += list_.math[k].share;
   }
   return pieces;
 }

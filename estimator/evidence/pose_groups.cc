@@ -27,8 +27,12 @@ std::vector<int> WorthAsking(const Evidence& evidence, const WeightedModel& lead
   const auto columns_of = [&](int k) { return evidence.list().math[k].group.columns.size(); };
   size_t columns = 0;
   for (const int m : asked) columns += columns_of(m);
-  const auto ask = [&](int k) {
-    if (columns + columns_of(k) <= kMostColumns && asked.insert(k).second) columns += columns_of(k);
+  const Needs needs(evidence.list().math);
+  const auto ask = [&](int one) {
+    for (const int k : {needs.Of(one), one}) {
+      if (k != kNoExplanation && columns + columns_of(k) <= kMostColumns && asked.insert(k).second)
+        columns += columns_of(k);
+    }
   };
   for (size_t r = 0; r < kInPlace; ++r) {
     for (const std::vector<NamedProbability>& rivals : in_places) {

@@ -1,6 +1,7 @@
 #include "estimator/random_effects/set_search.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -24,57 +25,7 @@ constexpr size_t kMostBrokenUp = 6;   // members: a set of more is of what the c
 constexpr int kMostCauses = 5;        // in the place of a general one: the prior has 0.3^4 = 1 % for more
 constexpr size_t kMostSettled = 100;  // where a hundred sets share it, each has about a hundredth
 
-// What turns one set into another: places among the members.
-struct Difference {
-  std::vector<size_t> gone;  // of the one, last first
-  std::vector<size_t> come;  // of the other, ascending
-};
-
-// A member with another scale goes and comes.
-Difference DifferenceOf(const WeightedSet& one, const WeightedSet& other) {
-  const auto holds = [](const WeightedSet& set, int member, double scale) {
-    const size_t place = PlaceIn(set.members, member);
-    return place < set.members.size() && set.members[place] == member && set.scales[place] == scale;
-  };
-  Difference difference;
-  for (size_t k = one.members.size(); k-- > 0;) {
-    if (!holds(other, one.members[k], one.scales[k])) difference.gone.push_back(k);
-  }
-  for (size_t k = 0; k < other.members.size(); ++k) {
-    if (!holds(one, other.members[k], other.scales[k])) difference.come.push_back(k);
-  }
-  return difference;
-}
-
-// A set with one more; its weights are to be found.
-WeightedSet Grown(WeightedSet set, int candidate, double scale) {
-  const size_t at = PlaceIn(set.members, candidate);
-  set.members.insert(set.members.begin() + at, candidate);
-  set.scales.insert(set.scales.begin() + at, scale);
-  return set;
-}
-
 }  // namespace
-
-FewExplanations WithTheirColumns(const std::vector<Explanation>& list, const std::vector<int>& chosen) {
-  FewExplanations few;
-  for (const int k : chosen) {
-    const std::vector<int>& own = list[k].group.columns;
-    few.columns.insert(few.columns.end(), own.begin(), own.end());
-  }
-  few.columns = EachOnce(few.columns);
-  for (const int k : chosen) {
-    few.explanations.push_back(list[k]);
-    for (int& column : few.explanations.back().group.columns) column = PlaceIn(few.columns, column);
-  }
-  return few;
-}
-
-std::vector<const ColumnGroup*> GroupsOf(const std::vector<Explanation>& list, const std::vector<int>& members) {
-  std::vector<const ColumnGroup*> groups;
-  for (const int m : members) groups.push_back(&list[m].group);
-  return groups;
-}
 
 double SetPrior::Log(const std::vector<double>& shares) const {
   if (shares.empty()) return std::log(nothing);
@@ -86,11 +37,12 @@ double SetPrior::Log(const std::vector<double>& shares) const {
 
 SetSearch::SetSearch(const ProjectedNormal& normal, const std::vector<Explanation>& explanations, const SetPrior& prior,
                      const ResidualLikelihood& likelihood)
-    : normal_(normal), explanations_(explanations), prior_(prior), likelihood_(likelihood) {}
+    : normal_(normal), explanations_(explanations), needs_(explanations), prior_(prior), likelihood_(likelihood) {}
 
 bool SetSearch::IsExcluded(const Key& members, int candidate) const {
-  return std::any_of(members.begin(), members.end(),
-                     [&](int m) { return explanations_[m].excludes == explanations_[candidate].excludes; });
+  const int own = explanations_[candidate].excludes;
+  return needs_.IsHopeless(candidate) ||
+         std::any_of(members.begin(), members.end(), [&](int m) { return explanations_[m].excludes == own; });
 }
 
 std::vector<double> SetSearch::SharesOf(const Key& members) const {
@@ -99,10 +51,39 @@ std::vector<double> SetSearch::SharesOf(const Key& members) const {
   return shares;
 }
 
-std::vector<double> SetSearch::SharesWithOneMore(const Key& members) const {
+double SetSearch::LogPriorWithMore(const Key& members, int count) const {
   std::vector<double> shares = SharesOf(members);
-  shares.push_back(1.0);
-  return shares;
+  shares.resize(shares.size() + static_cast<size_t>(count), 1.0);
+  return prior_.Log(shares);
+}
+
+SetSearch::Coming SetSearch::ComingTo(const Key& members, int candidate) const {
+  const Explanation& own = explanations_[candidate];
+  const int lacked = needs_.LackedBy(members, candidate);
+  if (lacked == kNoExplanation) return {&own.group, &OwnOf(static_cast<size_t>(candidate)), std::log(own.share), 1};
+  WithNeed& both = with_need_[candidate];
+  if (both.own.size() == 0) {
+    both.group = Joined(explanations_[lacked].group, own.group);
+    both.own = OwnInformation(normal_, both.group);
+  }
+  return {&both.group, &both.own, std::log(own.share * explanations_[lacked].share), 2};
+}
+
+WeightedSet SetSearch::With(WeightedSet set, int candidate, double scale) const {
+  const int lacked = needs_.LackedBy(set.members, candidate);
+  if (lacked != kNoExplanation) set = Grown(std::move(set), lacked, scale);
+  return Grown(std::move(set), candidate, scale);
+}
+
+WeightedSet SetSearch::Less(const WeightedSet& set, size_t place) const {
+  WeightedSet less = set;
+  for (const size_t gone : needs_.GoingWith(set.members, place)) less = Without(std::move(less), gone);
+  return less;
+}
+
+Members SetSearch::Less(Members members, const WeightedSet& set, size_t place) const {
+  for (const size_t gone : needs_.GoingWith(set.members, place)) members.Remove(gone);
+  return members;
 }
 
 // Coordinate ascent over the scales, each member's given the others at theirs; then the average over each.
@@ -199,18 +180,21 @@ std::vector<double> SetSearch::Additions(const WeightedSet& given) const {
   return AdditionsTo(given, SweepOf(given), &scales);
 }
 
-// log w(set + k) = log L(set) + log B_k + log P(set + k), B_k by what the sweep leaves of G_kk and g_k.
+// log w(set + k) = log L(set) + log B_k + log P(set + k), B_k by what the sweep leaves of G_kk and g_k; k with what it
+// needs where the set lacks that.
 std::vector<double> SetSearch::AdditionsTo(const WeightedSet& set, const Sweep& sweep,
                                            std::vector<double>* scales) const {
-  const double base = set.log_likelihood + prior_.Log(SharesWithOneMore(set.members));
+  const double bases[] = {LogPriorWithMore(set.members, 1), LogPriorWithMore(set.members, 2)};
   std::vector<double> weights(explanations_.size(), -kInfinity);
   scales->assign(explanations_.size(), 1.0);
   for (size_t k = 0; k < explanations_.size(); ++k) {
     const Explanation& candidate = explanations_[k];
     if (IsExcluded(set.members, static_cast<int>(k)) || !(candidate.share > 0.0)) continue;
-    const GivenOthers given{OwnOf(k) - sweep.Taken(candidate.group), sweep.Gradient(candidate.group), sweep.residual(),
-                            0.0, candidate.group.num_scales};
-    weights[k] = base + AverageGain(likelihood_, given, &(*scales)[k]) + std::log(candidate.share);
+    const Coming coming = ComingTo(set.members, static_cast<int>(k));
+    const GivenOthers given{*coming.own - sweep.Taken(*coming.group), sweep.Gradient(*coming.group), sweep.residual(),
+                            0.0, coming.group->num_scales};
+    weights[k] = set.log_likelihood + bases[coming.count - 1] + AverageGain(likelihood_, given, &(*scales)[k]) +
+                 coming.log_share;
   }
   return weights;
 }
@@ -240,7 +224,7 @@ void SetSearch::Expand(const WeightedSet& given) {
 }
 
 void SetSearch::RecordGrown(WeightedSet set, int candidate, double scale, double log_weight) {
-  set = Grown(std::move(set), candidate, scale);
+  set = With(std::move(set), candidate, scale);
   set.log_weight = log_weight;
   set.log_likelihood = log_weight - prior_.Log(SharesOf(set.members));
   Record(std::move(set));
@@ -251,7 +235,7 @@ std::vector<WeightedSet> SetSearch::WithoutEach(const WeightedSet& set, const Me
   double averages = 0.0;  // of each member's scales, over its best
   std::vector<double> own_averages;
   for (size_t m = 0; m < set.members.size(); ++m) {
-    WeightedSet others = Without(set, m);
+    WeightedSet others = Less(set, m);
     const GivenOthers given = all.Of(m);
     others.log_likelihood = likelihood_.Log(given.residual) - 0.5 * given.log_det;
     without.push_back(std::move(others));
@@ -263,10 +247,8 @@ std::vector<WeightedSet> SetSearch::WithoutEach(const WeightedSet& set, const Me
     const WeightedSet* known = found_.Find(others.members);
     if (known != nullptr) {
       others = *known;
-    } else if (others.members.size() <= kAveragedTogether) {
-      Members left = all;
-      left.Remove(m);
-      others = EvaluateFrom(others.members, std::move(left));
+    } else if (others.members.size() <= kAveragedTogether || others.members.size() + 1 < set.members.size()) {
+      others = EvaluateFrom(others.members, Less(all, set, m));
     } else {
       others.log_likelihood += averages - own_averages[m];
       others.log_weight = others.log_likelihood + prior_.Log(SharesOf(others.members));
@@ -280,44 +262,47 @@ std::vector<double> SetSearch::LossesOf(const WeightedSet& set) const {
   const double whole = EvaluateFrom(set.members, all).log_weight;
   std::vector<double> losses;
   for (size_t m = 0; m < set.members.size(); ++m) {
-    Members left = all;
-    left.Remove(m);
-    losses.push_back(whole - EvaluateFrom(Without(set, m).members, std::move(left)).log_weight);
+    losses.push_back(whole - EvaluateFrom(Less(set, m).members, Less(all, set, m)).log_weight);
   }
   return losses;
 }
 
 // Every member's place for every candidate: each is removed from what is left of the candidates given all, at the
 // others' scales. Without a member G is no less than given all: what a candidate can add at most is first asked with
-// that of all, which a factor for all places says.
+// that of all, which a factor for all places says. What another member needs has no other in its place.
 std::vector<SetSearch::Swap> SetSearch::SwapsOf(const WeightedSet& set, const Sweep& sweep,
                                                 const std::vector<WeightedSet>& without) {
   std::vector<Sweep::WithoutOne> sweeps;
-  std::vector<double> bases;  // without the likelihood of what is left
+  std::vector<std::array<double, 2>> bases;  // of one and of two that come, without the likelihood of what is left
   for (size_t m = 0; m < set.members.size(); ++m) {
     sweeps.push_back(sweep.Without(m));
-    bases.push_back(without[m].log_likelihood + prior_.Log(SharesWithOneMore(without[m].members)) -
-                    likelihood_.Log(sweeps[m].residual));
+    const bool goes_alone = without[m].members.size() + 1 == set.members.size();
+    const double log_likelihood = goes_alone ? without[m].log_likelihood : -kInfinity;
+    const auto base = [&](int count) {
+      return log_likelihood + LogPriorWithMore(without[m].members, count) - likelihood_.Log(sweeps[m].residual);
+    };
+    bases.push_back({base(1), base(2)});
   }
   const Eigen::MatrixXd of_all = sweep.Gradients(sweeps);
   std::vector<Swap> swaps;
   double most = BestWeight();
   for (size_t k = 0; k < explanations_.size(); ++k) {
     if (!(explanations_[k].share > 0.0)) continue;
-    const Eigen::MatrixXd given_all = OwnOf(k) - sweep.Taken(explanations_[k].group);
-    const Eigen::MatrixXd gradients = ColumnsOf(explanations_[k].group, of_all).transpose();
+    const Coming coming = ComingTo(set.members, static_cast<int>(k));
+    const Eigen::MatrixXd given_all = *coming.own - sweep.Taken(*coming.group);
+    const Eigen::MatrixXd gradients = ColumnsOf(*coming.group, of_all).transpose();
     const Eigen::VectorXd most_quads = MostQuads(given_all, gradients);
-    const double log_share = std::log(explanations_[k].share);
     Eigen::MatrixXd solved;  // where it is asked for
     for (size_t m = 0; m < set.members.size(); ++m) {
-      if (set.members[m] == static_cast<int>(k) || IsExcluded(without[m].members, static_cast<int>(k))) continue;
-      const double base = bases[m] + log_share, residual = sweeps[m].residual;
+      const bool is_it = set.members[m] == static_cast<int>(k) || set.members[m] == needs_.Of(static_cast<int>(k));
+      if (is_it || IsExcluded(without[m].members, static_cast<int>(k))) continue;
+      const double base = bases[m][coming.count - 1] + coming.log_share, residual = sweeps[m].residual;
       const auto place = static_cast<long>(m);
       if (base + likelihood_.Log(residual - most_quads[place]) < most - kWorthKeeping) continue;
-      if (solved.size() == 0) solved = sweep.Solved(explanations_[k].group);
+      if (solved.size() == 0) solved = sweep.Solved(*coming.group);
       double scale = 1.0;
       const GivenOthers given{given_all + sweeps[m].Information(solved), gradients.col(place), residual, 0.0,
-                              explanations_[k].group.num_scales};
+                              coming.group->num_scales};
       const double weight = base + likelihood_.Log(residual) + AverageGain(likelihood_, given, &scale);
       if (weight < most - kWorthKeeping) continue;
       most = std::max(most, weight);
@@ -357,7 +342,7 @@ WeightedSet SetSearch::WithBestCause(const WeightedSet& set, int columns) {
   }
   const auto best = std::max_element(weights.begin(), weights.end()) - weights.begin();
   if (weights[best] == -kInfinity) return set;
-  return Settled(Grown(set, static_cast<int>(best), scales[best]));
+  return Settled(With(set, static_cast<int>(best), scales[best]));
 }
 
 // Two periodic errors of one joint, for example: a smooth function of its angle explains both, each alone half, and
@@ -368,7 +353,7 @@ bool SetSearch::BreakUp(const WeightedSet& set) {
   for (size_t m = 0; m < set.members.size(); ++m) {
     const int columns = explanations_[set.members[m]].group.size();
     if (columns < kSeveralColumns) continue;
-    const WeightedSet others = Settled(Without(set, m));
+    const WeightedSet others = Settled(Less(set, m));
     WeightedSet causes = others;
     for (int left = kMostCauses - 1; left >= 0; --left) {
       const double before = SweepOf(causes).residual();
@@ -387,8 +372,9 @@ bool SetSearch::BreakUp(const WeightedSet& set) {
 WeightedSet SetSearch::EachAnew(WeightedSet causes, const WeightedSet& others, int columns) {
   for (const int old : Key(causes.members)) {
     const size_t place = PlaceIn(causes.members, old);
+    if (place == causes.members.size() || causes.members[place] != old) continue;  // gone with what it needs
     if (causes.members.size() < 2 || std::count(others.members.begin(), others.members.end(), old) > 0) continue;
-    const WeightedSet anew = WithBestCause(Settled(Without(causes, place)), columns);
+    const WeightedSet anew = WithBestCause(Settled(Less(causes, place)), columns);
     if (anew.log_weight > causes.log_weight) causes = anew;
   }
   return causes;
@@ -405,14 +391,16 @@ void SetSearch::SwapTogether(const WeightedSet& set, const Members& all, const s
     const int out = set.members[swap.member];
     if (!done.insert(out).second) continue;
     const size_t at = PlaceIn(now.members, out);
-    WeightedSet swapped = Without(now, at);
-    Members theirs = members;
-    theirs.Remove(at);
+    if (at == now.members.size() || now.members[at] != out) continue;  // gone with what it needs
+    WeightedSet swapped = Less(now, at);
+    Members theirs = Less(members, now, at);
     if (swap.candidate >= 0) {
-      const auto& others = swapped.members;
-      if (IsExcluded(others, swap.candidate)) continue;
-      theirs.Insert(PlaceIn(others, swap.candidate), explanations_[swap.candidate].group, swap.scale);
-      swapped = Grown(std::move(swapped), swap.candidate, swap.scale);
+      if (IsExcluded(swapped.members, swap.candidate)) continue;
+      WeightedSet grown = With(swapped, swap.candidate, swap.scale);
+      for (const size_t k : DifferenceOf(swapped, grown).come) {
+        theirs.Insert(k, explanations_[grown.members[k]].group, grown.scales[k]);
+      }
+      swapped = std::move(grown);
     }
     const WeightedSet settled = Settled(swapped, &theirs);
     if (!(settled.log_weight > now.log_weight)) continue;

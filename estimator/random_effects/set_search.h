@@ -1,5 +1,6 @@
 // One search over sets of explanations. A set's weight is its prior times its marginal likelihood; the moves are add,
-// drop and swap, each the conditioning of the same normal equations (sweep.h).
+// drop and swap, each the conditioning of the same normal equations (sweep.h). What a member needs comes and goes with
+// it (Needs).
 #pragma once
 
 #include <limits>
@@ -8,28 +9,10 @@
 #include <set>
 #include <vector>
 
+#include "estimator/random_effects/explanation.h"
 #include "estimator/random_effects/found_sets.h"
-#include "estimator/random_effects/sweep.h"
 
 namespace sagitta {
-
-struct Explanation {
-  ColumnGroup group;
-  double share = 0.0;       // of the probability that something is missing; all of a list sum to 1
-  int excludes = 0;         // explanations of one number exclude each other: settings of one effect on one target
-  bool is_general = false;  // any smooth function of a driver: it follows several causes at once
-};
-
-// Some of a list, and the columns they need, ascending: their groups count within those.
-struct FewExplanations {
-  std::vector<int> columns;
-  std::vector<Explanation> explanations;
-};
-// Of a list, those at the places `chosen`.
-FewExplanations WithTheirColumns(const std::vector<Explanation>& list, const std::vector<int>& chosen);
-
-// Of a list, the groups of those at the places `members`.
-std::vector<const ColumnGroup*> GroupsOf(const std::vector<Explanation>& list, const std::vector<int>& members);
 
 // nothing: no explanation holds. further: each one in addition to the first. P(set of m) = (1 - nothing) further^(m-1)
 // m! times the product of the shares: m draws in any order.
@@ -67,11 +50,23 @@ class SetSearch {
 
   bool IsExcluded(const Key& members, int candidate) const;
   std::vector<double> SharesOf(const Key& members) const;
-  std::vector<double> SharesWithOneMore(const Key& members) const;  // of it 1
+  double LogPriorWithMore(const Key& members, int count) const;  // the shares of so many more 1
+  // A candidate as it comes to a set: by itself, or with what it needs as one group of one scale.
+  struct Coming {
+    const ColumnGroup* group = nullptr;
+    const Eigen::MatrixXd* own = nullptr;  // information, in units of its typical sizes
+    double log_share = 0.0;
+    int count = 1;
+  };
+  Coming ComingTo(const Key& members, int candidate) const;
+  WeightedSet With(WeightedSet set, int candidate, double scale) const;  // its weights are to be found
+  // Without the member at a place and those that need it.
+  WeightedSet Less(const WeightedSet& set, size_t place) const;
+  Members Less(Members members, const WeightedSet& set, size_t place) const;
   // conditioned: the members, at scales to begin with.
   WeightedSet EvaluateFrom(const std::vector<int>& given_members, Members conditioned) const;
   double AverageOverScales(const Members& members) const;
-  const Eigen::MatrixXd& OwnOf(size_t candidate) const;  // information, in units of its typical sizes
+  const Eigen::MatrixXd& OwnOf(size_t candidate) const;
   // scales: the best of each.
   std::vector<double> AdditionsTo(const WeightedSet& set, const Sweep& sweep, std::vector<double>* scales) const;
   // Given a set: by what comes to the set before, and goes from it.
@@ -108,11 +103,17 @@ class SetSearch {
 
   const ProjectedNormal& normal_;
   const std::vector<Explanation>& explanations_;
+  const Needs needs_;
   SetPrior prior_;
   ResidualLikelihood likelihood_;
   FoundSets found_;
   std::set<Key> expanded_, settled_, exchanged_, broken_up_;
   mutable std::vector<Eigen::MatrixXd> own_;  // of candidates, as they are asked for
+  struct WithNeed {
+    ColumnGroup group;
+    Eigen::MatrixXd own;
+  };
+  mutable std::map<int, WithNeed> with_need_;  // of candidates, as they are asked for
   struct Place {
     WeightedSet set;
     Sweep sweep;

@@ -40,6 +40,21 @@ Eigen::MatrixXd ColumnGroup::MixedBlock(Eigen::MatrixXd block) const {
   return mixing.transpose() * block * mixing;
 }
 
+ColumnGroup Joined(const ColumnGroup& a, const ColumnGroup& b) {
+  ColumnGroup both;
+  both.columns = a.columns;
+  both.columns.insert(both.columns.end(), b.columns.begin(), b.columns.end());
+  both.mixing.setZero(both.columns.size(), a.size() + b.size());
+  const auto put = [&both](const ColumnGroup& group, long row, long column) {
+    const long height = static_cast<long>(group.columns.size());
+    both.mixing.block(row, column, height, group.size()) =
+        group.mixing.size() > 0 ? group.mixing : Eigen::MatrixXd::Identity(height, height);
+  };
+  put(a, 0, 0);
+  put(b, static_cast<long>(a.columns.size()), a.size());
+  return both;
+}
+
 Eigen::MatrixXd ColumnsOf(const ColumnGroup& group, const Eigen::MatrixXd& matrix) {
   Eigen::MatrixXd own(matrix.rows(), group.columns.size());
   for (long c = 0; c < own.cols(); ++c) own.col(c) = matrix.col(group.columns[c]);

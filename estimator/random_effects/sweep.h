@@ -23,6 +23,9 @@ struct ColumnGroup {
   Eigen::MatrixXd MixedBlock(Eigen::MatrixXd block) const;
 };
 
+// Both as one.
+ColumnGroup Joined(const ColumnGroup& a, const ColumnGroup& b);
+
 // The columns of a group out of a matrix over all columns.
 Eigen::MatrixXd ColumnsOf(const ColumnGroup& group, const Eigen::MatrixXd& matrix);
 Eigen::MatrixXd OwnInformation(const ProjectedNormal& normal, const ColumnGroup& group);
