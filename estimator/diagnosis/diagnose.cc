@@ -29,18 +29,6 @@ constexpr int kMostPredicted = 5;         // candidates, each refitted by itself
 constexpr double kSettledScatter = 0.05;  // of sigma: what a hundred degrees of freedom leave open is more
 constexpr int kMostRounds = 2;            // outliers given the believed model, then given the extended one
 
-// Where nothing states sigma the scatter about the baseline scales the rows; its level has no say (Student).
-CalibrationProblem WithWorkingSigma(const DiagnosedModel& baseline, bool is_stated) {
-  CalibrationProblem working = *baseline.problem;
-  if (is_stated) return working;
-  const Estimate& estimate = baseline.estimate;
-  if (working.sigma_is_stated()) {
-    return WithScaledSigmas(working, std::sqrt(estimate.chi2 / std::max(1, estimate.dof)));
-  }
-  working.mutable_experiment()->noise.sigma = estimate.sigma.estimated;
-  return working;
-}
-
 class Session {
  public:
   Session(const CalibrationProblem& problem, const DiagnosisOptions& options, Diagnosis* diagnosis)
@@ -171,8 +159,7 @@ class Session {
       if (out >= 0) d_.has_unexplained = true;
       if (out < 0) out = LeastProbable();
       if (out < 0) break;
-      selected_.erase(selected_.begin() + out);
-      prefixes_.resize(std::min({prefixes_.size(), static_cast<size_t>(out) + 1, selected_.size()}));
+      Drop(static_cast<size_t>(out));
       SayFound();
     }
     d_.has_unexplained |= posterior_.MoreThan(selected_.size()) > NamingGate();
@@ -182,6 +169,23 @@ class Session {
     if (!selected_.empty()) AllowForRivals();
     // The noise that goes with a cause without a name is no better model.
     if (selected_.empty() && d_.has_unexplained) d_.final = d_.baseline;
+  }
+
+  std::vector<size_t> GoingWith(size_t place) const {
+    return Needs(evidence_->list().math).GoingWith(ExplanationsOf(selected_), place);
+  }
+
+  // The prefix that holds an effect and those that need it: what one does alone is nothing to judge it by.
+  size_t UpTo(size_t place) const { return GoingWith(place).front() + 1; }
+
+  // With what needs it.
+  void Drop(size_t out) {
+    const bool is_piece = leading_.HasPiece(selected_[out].explanation);
+    for (const size_t gone : GoingWith(out)) {
+      if (is_piece) LeaveUnnamed(selected_[gone]);
+      selected_.erase(selected_.begin() + static_cast<long>(gone));
+      prefixes_.resize(std::min({prefixes_.size(), gone + 1, selected_.size()}));
+    }
   }
 
   // What the estimate holds is one of the sets that share the probability.
@@ -206,9 +210,7 @@ class Session {
   // Of those that the posterior does not name.
   int LeastProbable() {
     Weigh();
-    const auto is_less = [this](const SelectedEffect& a, const SelectedEffect& b) {
-      return ProbabilityOf(a) < ProbabilityOf(b);
-    };
+    const auto is_less = [this](const auto& a, const auto& b) { return ProbabilityOf(a) < ProbabilityOf(b); };
     const auto least = std::min_element(selected_.begin(), selected_.end(), is_less);
     if (weighed_.IsNamed(ProbabilityOf(*least))) return -1;
     LeaveUnnamed(*least);
@@ -218,7 +220,7 @@ class Session {
   // Of those that do not make untouched rows better beyond chance.
   int LeastConfirmed() {
     std::vector<double> gains;
-    for (size_t k = 0; k < selected_.size(); ++k) gains.push_back(HoldoutGain(prefixes_[k], prefixes_[k + 1]));
+    for (size_t k = 0; k < selected_.size(); ++k) gains.push_back(HoldoutGain(prefixes_[k], prefixes_[UpTo(k)]));
     const size_t least = std::min_element(gains.begin(), gains.end()) - gains.begin();
     VLOG(1) << "diagnosis: " << selected_[least].candidate.spec.Path() << " makes untouched rows better by "
             << gains[least] << " of the scatter of that, the others by more";
@@ -264,7 +266,7 @@ class Session {
     }
     prefixes_.push_back(d_.final);
     for (size_t k = selected_.size(); k > 0; --k) {
-      if (MakesHoldoutWorse(prefixes_[k - 1], prefixes_[k])) return static_cast<int>(k) - 1;
+      if (MakesHoldoutWorse(prefixes_[k - 1], prefixes_[UpTo(k - 1)])) return static_cast<int>(k) - 1;
     }
     std::vector<double> rms;
     for (const DiagnosedModel& prefix : prefixes_) {
@@ -276,8 +278,8 @@ class Session {
     int worst = -1;
     double most = 0.0;
     for (size_t k = best; k < selected_.size(); ++k) {
-      if (!(rms[k + 1] - rms[k] > most)) continue;
-      most = rms[k + 1] - rms[k];
+      if (!(rms[UpTo(k)] - rms[k] > most)) continue;
+      most = rms[UpTo(k)] - rms[k];
       worst = static_cast<int>(k);
     }
     return worst;
@@ -292,10 +294,8 @@ class Session {
     PredictHoldout(&d_.candidates);
     d_.where = FindWhere(d_.baseline);
     d_.effects.resize(selected_.size());
-    std::vector<int> members;
-    for (const SelectedEffect& effect : selected_) members.push_back(effect.explanation);
     const std::vector<CheckedEffect> checked =
-        CheckEffects(*evidence_, weighed_, leading_, InPlacesOfLeading(), members);
+        CheckEffects(*evidence_, weighed_, leading_, InPlacesOfLeading(), ExplanationsOf(selected_));
     double before = HoldoutRms(d_.baseline);
     const std::vector<EffectView> views = ViewEffects(d_.final, SpecsOf(CandidatesOf(selected_)));
     for (size_t k = 0; k < selected_.size(); ++k) {
@@ -367,7 +367,7 @@ class Session {
       if (count == kMostPredicted) return;
       if (weighed_.Of(evidence_->list().name[entry.explanation]) < kWorthListing) continue;
       ++count;
-      const WeightedModel alone{leading_.view, {{entry.explanation}, {1.0}, 0.0, 0.0}, 0.0, 0.0};
+      const WeightedModel alone = Alone(*evidence_, leading_.view, entry.explanation);
       const DiagnosedModel with =
           Extend(lacking_, CandidatesOf(SelectedEffectsOf(*evidence_, alone, lacking_)), joint_);
       if (IsUsable(with.estimate.status)) entry.holdout_rms = HoldoutRms(with);

@@ -82,6 +82,17 @@ void AppendTuned(const Evidence& evidence, const RefittedSet& refitted, std::vec
   }
 }
 
+// All of them but a spring through a compliance of the set: about it, the compliance's column would hold its torque,
+// and promise that the compliance does what the spring does.
+std::vector<EffectSpec> AboutWhat(const Evidence& evidence, const RefittedSet& refitted) {
+  const Needs needs(evidence.list().math);
+  std::vector<EffectSpec> specs;
+  for (const SelectedEffect& effect : refitted.effects) {
+    if (needs.Of(effect.explanation) == kNoExplanation) specs.push_back(effect.candidate.spec);
+  }
+  return specs;
+}
+
 // Whether what the linear model is off by, or what other settings than the listed ones add, is in doubt. Where the
 // functions without a name say ten times more, they are not its fault.
 bool Refutes(double error, const RefittedSet& without_functions, const LeadingSet& found) {
@@ -103,7 +114,7 @@ LeadingSet FindLeading(const SearchInput& input, const Evidence* before) {
     const double error = std::abs(LogFullOverLinear(*found.evidence, effects));
     const double gain = TuneSettings(*found.evidence, input.joint, &effects);
     VLOG(1) << "diagnosis: the linear model is off by " << error << " of the leading effects' log evidence";
-    const LinearizedAbout about{SpecsOf(CandidatesOf(effects.effects)), effects.with_effects.estimate.parameters};
+    const LinearizedAbout about{AboutWhat(*found.evidence, effects), effects.with_effects.estimate.parameters};
     found.is_refuted = Refutes(error, effects, found);
     if (!Refutes(std::max(error, gain), effects, found)) break;
     if (again == input.most_again || !known.insert(PathsOf(about)).second) break;

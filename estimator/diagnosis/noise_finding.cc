@@ -51,6 +51,17 @@ void FindRepeatability(const Evidence& evidence, const WeightedModel& model, con
 
 }  // namespace
 
+CalibrationProblem WithWorkingSigma(const DiagnosedModel& baseline, bool is_stated) {
+  CalibrationProblem working = *baseline.problem;
+  if (is_stated) return working;
+  const Estimate& estimate = baseline.estimate;
+  if (working.sigma_is_stated()) {
+    return WithScaledSigmas(working, std::sqrt(estimate.chi2 / std::max(1, estimate.dof)));
+  }
+  working.mutable_experiment()->noise.sigma = estimate.sigma.estimated;
+  return working;
+}
+
 CalibrationProblem WithNoiseOf(const Evidence& evidence, const WeightedModel& model,
                                const CalibrationProblem& problem) {
   const NoiseView& view = evidence.ViewOf(model);

@@ -28,6 +28,10 @@ struct NoiseFinding {
   bool HasUndeclaredRepeatability() const { return repeatability > 0.0 && !asks_repeatability; }
 };
 
+// What the evidence is made of. Where nothing states sigma the scatter about the baseline scales the rows; its level
+// has no say (Student).
+CalibrationProblem WithWorkingSigma(const DiagnosedModel& baseline, bool is_stated);
+
 // The model's problem with the noise of a view, and sigma as the model's residual asks where the stated one is probably
 // wrong or none is stated.
 CalibrationProblem WithNoiseOf(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& problem);

@@ -20,6 +20,41 @@ namespace {
 constexpr size_t kMostSprings = 8;  // of 144 shapes: neighbours in ratio and in direction
 constexpr size_t kMostGroups = 5;   // FORMATS section 6
 
+// By which a spring's joint gives way, rad/(N m): what is believed, or what the set's compliance says; typical where
+// that is less than nothing.
+double ComplianceIn(const Evidence& evidence, const WeightedModel& model, int spring) {
+  const ExplanationList& list = evidence.list();
+  const int compliance = Needs(list.math).Of(spring);
+  if (compliance == kNoExplanation) return ComplianceOf(evidence.parameters(), list.SpecOf(spring).target);
+  const double typical = evidence.columns().TypicalOf(list.math[compliance].group.columns[0]);
+  const double found = typical * evidence.ValuesOfMember(model, compliance).values[0];
+  return found > 0.0 ? found : typical;
+}
+
+// A spring directly after the compliance that it acts through.
+void PutTogether(const Evidence& evidence, std::vector<SelectedEffect>* effects) {
+  const Needs needs(evidence.list().math);
+  for (size_t k = 1; k < effects->size(); ++k) {
+    const auto spring = effects->begin() + static_cast<long>(k);
+    const auto own = std::find_if(effects->begin(), spring, [&](const SelectedEffect& effect) {
+      return effect.explanation == needs.Of(spring->explanation);
+    });
+    if (own != spring) std::rotate(own + 1, spring, spring + 1);
+  }
+}
+
+// A spring moves no joint that is stiff, and from there no step is seen to help.
+void StartCompliances(const Evidence& evidence, const WeightedModel& model, std::vector<SelectedEffect>* effects) {
+  const Needs needs(evidence.list().math);
+  for (const SelectedEffect& spring : *effects) {
+    for (SelectedEffect& own : *effects) {
+      if (own.explanation != needs.Of(spring.explanation)) continue;
+      own.candidate.spec.values = {ComplianceIn(evidence, model, spring.explanation)};
+      own.loss = std::max(own.loss, spring.loss);
+    }
+  }
+}
+
 // The spring whose torque moves the joint as the set's columns with their values do.
 EffectSpec SeededSpring(const Evidence& evidence, const WeightedModel& model, int member,
                         const DiagnosedModel& lacking) {
@@ -32,7 +67,7 @@ EffectSpec SeededSpring(const Evidence& evidence, const WeightedModel& model, in
   const Eigen::VectorXd angles = JointValues(problem, joint);
   std::vector<int> shots;
   for (const int i : problem.CalibrationObservations()) shots.push_back(problem.data().observations[i].shot);
-  SeedSpring(angles(shots), turned(shots) / ComplianceOf(evidence.parameters(), spring.target), &spring);
+  SeedSpring(angles(shots), turned(shots) / ComplianceIn(evidence, model, member), &spring);
   return spring;
 }
 
@@ -172,7 +207,9 @@ std::vector<SelectedEffect> SelectedEffectsOf(const Evidence& evidence, const We
     effect.loss = losses[k];
     effects.push_back(std::move(effect));
   }
+  StartCompliances(evidence, model, &effects);
   std::stable_sort(effects.begin(), effects.end(), [](const auto& a, const auto& b) { return a.loss > b.loss; });
+  PutTogether(evidence, &effects);
   return effects;
 }
 
@@ -180,6 +217,20 @@ std::vector<Candidate> CandidatesOf(const std::vector<SelectedEffect>& effects) 
   std::vector<Candidate> candidates;
   for (const SelectedEffect& effect : effects) candidates.push_back(effect.candidate);
   return candidates;
+}
+
+std::vector<int> ExplanationsOf(const std::vector<SelectedEffect>& effects) {
+  std::vector<int> explanations;
+  for (const SelectedEffect& effect : effects) explanations.push_back(effect.explanation);
+  return explanations;
+}
+
+WeightedModel Alone(const Evidence& evidence, int view, int explanation) {
+  const int needed = Needs(evidence.list().math).Of(explanation);
+  std::vector<int> members = {explanation};
+  if (needed != kNoExplanation) members = EachOnce(members, {needed});
+  const std::vector<double> scales(members.size(), 1.0);
+  return {view, {members, scales, 0.0, 0.0}, 0.0, 0.0};
 }
 
 RefittedSet RefitSet(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& working,

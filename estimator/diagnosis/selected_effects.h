@@ -16,10 +16,14 @@ struct SelectedEffect {
 };
 
 // The catalogue's effects of the set, strongest first, without the pieces of a nameless cause; a compensator starts
-// from the spring of its shape that the data ask for.
+// from the spring of its shape that the data ask for, and a compliance that it acts through, which comes before it,
+// from its value in the set.
 std::vector<SelectedEffect> SelectedEffectsOf(const Evidence& evidence, const WeightedModel& model,
                                               const DiagnosedModel& lacking);
 std::vector<Candidate> CandidatesOf(const std::vector<SelectedEffect>& effects);
+std::vector<int> ExplanationsOf(const std::vector<SelectedEffect>& effects);
+// One explanation by itself, with what it needs.
+WeightedModel Alone(const Evidence& evidence, int view, int explanation);
 
 // The best sets once more, in the full model: where it has no optimum a set is none, and what the linear model promised
 // is replaced by what the full one keeps. With D the residual's square at the best values, linear and full,

@@ -138,8 +138,14 @@ std::set<std::string> CompliantJoints(const CalibrationProblem& problem, const P
   return joints;
 }
 
+bool IsListed(const CandidateList& list, const EffectSpec& spec) {
+  return std::any_of(list.candidates.begin(), list.candidates.end(),
+                     [&spec](const Candidate& listed) { return listed.spec.Path() == spec.Path(); });
+}
+
 // The compensator's home is the robot; its place in the list of effects is after
-// the transverse compliance. One that the robot has may be other than stated, where its parameters are held.
+// the transverse compliance. One that the robot has may be other than stated, where its parameters are held. One that
+// it has not acts through the joint's compliance: that of the model, or one that may be missing as well.
 void AppendCompensators(const CalibrationProblem& problem, const std::set<std::string>& compliant,
                         CandidateList* list) {
   if (problem.robot().gravity_compensator) {
@@ -154,7 +160,7 @@ void AppendCompensators(const CalibrationProblem& problem, const std::set<std::s
   }
   for (const Joint& joint : problem.robot().chain.joints) {
     if (joint.type != JointType::kRevolute) continue;
-    if (compliant.count(joint.name) == 0) {
+    if (compliant.count(joint.name) == 0 && !IsListed(*list, ComplianceEffectOf(joint.name))) {
       list->not_testable.push_back({kGravityCompensator, joint.name, ComplianceAboveZero(), Lack::kCompliance});
     } else {
       list->candidates.push_back({{kGravityCompensator, joint.name, {}, {}}});

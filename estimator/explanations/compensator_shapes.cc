@@ -7,6 +7,7 @@
 
 #include "estimator/explanations/driver_functions.h"
 #include "models/constants.h"
+#include "models/effects/catalogue.h"
 #include "models/gravity_compensator.h"
 
 namespace sagitta {
@@ -98,6 +99,8 @@ double ComplianceOf(const ParameterSet& parameters, const std::string& joint) {
   for (const int i : nodes) sum += parameters.Value(i);
   return nodes.empty() ? 0.0 : sum / static_cast<double>(nodes.size());
 }
+
+EffectSpec ComplianceEffectOf(const std::string& joint) { return {JointComplianceEffect().name, joint, {}, {}}; }
 
 std::vector<EffectSpec> CompensatorShapes(const std::string& joint) {
   std::vector<EffectSpec> shapes;

@@ -37,6 +37,9 @@ std::vector<int> ComplianceCoordinates(const ParameterSet& parameters, const std
 // rad/(N m); the mean of a table, 0 where there is none.
 double ComplianceOf(const ParameterSet& parameters, const std::string& joint);
 
+// The effect that a joint gives way, where the robot does not state that it does.
+EffectSpec ComplianceEffectOf(const std::string& joint);
+
 // The grid: gravity_compensator with L, a_x, a_y; s0 and Kc zero.
 std::vector<EffectSpec> CompensatorShapes(const std::string& joint);
 

@@ -131,6 +131,8 @@ class EvidenceColumns {
   const std::vector<int>& ColumnsOf(int candidate) const { return of_candidate_[candidate]; }
   // Name of the coordinate of a candidate's column.
   const std::string& Name(int column) const { return names_.at(column); }
+  // Its typical size, SI.
+  double TypicalOf(int column) const { return units_.at(column); }
   // Whether it is a candidate's.
   bool Has(int column) const { return names_.count(column) > 0; }
 

@@ -98,11 +98,18 @@ class ListBuilder {
               const std::string& excludes) {
     list_.name.push_back(IsGravityCompensator(start) ? start.effect + "/" + start.target : excludes);
     if (unnamed >= 0) group.num_scales = kNumUsualScales;
-    list_.math.push_back({std::move(group), 0.0, Number(excludes), unnamed >= 0});
+    list_.math.push_back({std::move(group), 0.0, Number(excludes), unnamed >= 0, NeedOf(start)});
     list_.candidate.push_back(candidate);
     list_.unnamed.push_back(unnamed);
     list_.start.push_back(start);
     list_.place.push_back(place);
+  }
+
+  // A spring acts through its joint's compliance. Where the model has none, a spring by itself would be free to do what
+  // the weights do to a joint whose compliance is missing.
+  int NeedOf(const EffectSpec& start) {
+    const bool is_through = IsNewSpring(start) && !(ComplianceOf(parameters_, start.target) > 0.0);
+    return is_through ? Number(ComplianceEffectOf(start.target).Path()) : kNoExplanation;
   }
 
   void AddCatalogue() {
@@ -228,8 +235,13 @@ void DropInvisible(const ProjectedNormal& normal, const PriorMasses& prior, Expl
   const double variance = kLargestUsual * kLargestUsual;
   std::vector<size_t> kept;
   std::map<std::pair<std::string, std::string>, bool> seen;  // of the catalogue, by effect and target
+  const auto shows = [&](size_t k) { return variance * OwnInformation(normal, list->math[k].group).trace() >= 1.0; };
+  const Needs needs(list->math);
   for (size_t k = 0; k < list->math.size(); ++k) {
-    const bool is_visible = variance * OwnInformation(normal, list->math[k].group).trace() >= 1.0;
+    const int needed = needs.Of(static_cast<int>(k));
+    const bool has_need =
+        list->math[k].needs == kNoExplanation || (needed != kNoExplanation && shows(static_cast<size_t>(needed)));
+    const bool is_visible = shows(k) && has_need;
     if (is_visible) kept.push_back(k);
     if (list->IsUnnamed(static_cast<int>(k))) continue;
     const EffectSpec& spec = list->SpecOf(static_cast<int>(k));

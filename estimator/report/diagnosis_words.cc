@@ -431,7 +431,8 @@ std::string NotTestedInWords(const Diagnosis& d) {
     if (titles.empty()) return;
     parts.push_back(Enumerate(titles) + (with_targets ? " on " + Enumerate(targets, kMostTargets) : "") + ", " + why);
   };
-  add(Lack::kCompliance, true, "for the robot file states no compliance of the joint (free it, or state it)");
+  add(Lack::kCompliance, true,
+      "for neither robot file nor loaded rows show the joint's compliance (state it, or measure with a load)");
   add(Lack::kTime, false, "for want of times");
   add(Lack::kApproach, true, "for want of approach directions");
   return parts.empty() ? "" : "Not tested: " + Joined(parts, "; ") + ".";

@@ -185,8 +185,9 @@ TEST(DiagnosisWords, WhatCouldNotBeTestedIsSaid) {
       {"backlash", "A1", "approach1", Lack::kApproach},      {"backlash", "A3", "approach3", Lack::kApproach},
       {"payload", "L1", "loaded rows", Lack::kOther}};
   EXPECT_THAT(DiagnosisToText(d),
-              HasSubstr("Not tested: gravity compensator on A2, for the robot file states no compliance of the joint "
-                        "(free it, or state it); zero shift of a joint and drift of the station, for want of times; "
+              HasSubstr("Not tested: gravity compensator on A2, for neither robot file nor loaded rows show the "
+                        "joint's compliance (state it, or measure with a load); zero shift of a joint and drift of the "
+                        "station, for want of times; "
                         "backlash (or friction wind-up) on A1 and A3, for want of approach directions.\n"));
 }
 

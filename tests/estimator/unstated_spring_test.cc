@@ -1,0 +1,84 @@
+// A spring on a joint whose compliance the robot file does not state: it is found together with that compliance.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "estimator/diagnosis/diagnose.h"
+#include "estimator/diagnosis/selected_effects.h"
+#include "estimator/explanations/compensator_shapes.h"
+#include "estimator/results/diagnosis_json.h"
+#include "tests/support/spring_campaign.h"
+
+namespace sagitta::unstated_spring_test {
+namespace {
+
+const std::vector<std::string> kAllButA2 = {"A3", "A4", "A5", "A6"};
+
+bool IsSpringListed(const CandidateList& list, const std::string& joint) {
+  return std::any_of(list.candidates.begin(), list.candidates.end(), [&](const Candidate& candidate) {
+    return IsGravityCompensator(candidate.spec) && candidate.spec.target == joint;
+  });
+}
+
+TEST(UnstatedSpring, IsACandidateWhereLoadsShowTheCompliance) {
+  const CalibrationProblem loaded = test::SpringCampaign(test::WithSpring(), true, kAllButA2),
+                           unloaded = test::SpringCampaign(test::WithSpring(), false, {});
+  EXPECT_TRUE(IsSpringListed(ListCandidates(loaded, loaded.parameters), "A2"));
+  const CandidateList list = ListCandidates(unloaded, unloaded.parameters);
+  EXPECT_FALSE(IsSpringListed(list, "A2"));
+  EXPECT_TRUE(std::any_of(list.not_testable.begin(), list.not_testable.end(), [](const NotTestable& entry) {
+    return entry.effect == kGravityCompensator && entry.target == "A2" && entry.lack == Lack::kCompliance;
+  }));
+}
+
+// All shapes on A2 need it, those on A3, of which the model has a compliance, need none.
+TEST(UnstatedSpring, NeedsTheComplianceInItsSet) {
+  const CalibrationProblem problem = test::SpringCampaign(test::WithSpring(), true, kAllButA2);
+  const DiagnosedModel baseline = FitFully(problem, JointOptions());
+  const ParameterSet& believed = baseline.estimate.parameters;
+  const Evidence evidence(problem, believed, ListCandidates(problem, believed), PriorMasses(),
+                          std::numeric_limits<double>::infinity(), nullptr);
+  const ExplanationList& list = evidence.list();
+  const Needs needs(list.math);
+  int springs = 0;
+  for (int k = 0; k < static_cast<int>(list.math.size()); ++k) {
+    if (!IsNewSpring(list.start[k])) {
+      EXPECT_EQ(needs.Of(k), kNoExplanation);
+    } else if (list.start[k].target == "A2") {
+      ++springs;
+      ASSERT_GE(needs.Of(k), 0);
+      EXPECT_EQ(list.name[needs.Of(k)], ComplianceEffectOf("A2").Path());
+    } else if (list.start[k].target != "A1") {
+      EXPECT_EQ(needs.Of(k), kNoExplanation);
+    }
+  }
+  EXPECT_GT(springs, 100);
+  for (const WeightedModel& model : evidence.models()) {
+    for (const int m : model.set.members) {
+      EXPECT_TRUE(needs.Of(m) == kNoExplanation ||
+                  std::binary_search(model.set.members.begin(), model.set.members.end(), needs.Of(m)));
+    }
+  }
+}
+
+TEST(UnstatedSpring, IsNamedWithTheComplianceThatItActsThrough) {
+  const test::LoadedTruth truth = test::WithSpring();
+  const Diagnosis diagnosis = Diagnose(test::SpringCampaign(truth, true, kAllButA2), DiagnosisOptions());
+  std::vector<std::string> named;
+  for (const FoundEffect& effect : diagnosis.effects) {
+    named.push_back(effect.candidate.spec.effect + " " + effect.candidate.spec.target);
+  }
+  EXPECT_THAT(named, ::testing::ElementsAre("joint_compliance A2", "gravity_compensator A2"));
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kExplained);
+  const Robot robot = RobotOf(diagnosis.final);
+  ASSERT_TRUE(robot.gravity_compensator);
+  const auto own = std::find_if(robot.compliances.begin(), robot.compliances.end(),
+                                [](const JointCompliance& compliance) { return compliance.joint == 1; });
+  ASSERT_NE(own, robot.compliances.end());
+  EXPECT_NEAR(own->nodes[0].k, truth.k[1], 0.05 * truth.k[1]);
+}
+
+}  // namespace
+}  // namespace sagitta::unstated_spring_test
