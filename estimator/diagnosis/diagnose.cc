@@ -159,7 +159,8 @@ class Session {
       if (out >= 0) d_.has_unexplained = true;
       if (out < 0) out = LeastProbable();
       if (out < 0) break;
-      Drop(static_cast<size_t>(out));
+      selected_.erase(selected_.begin() + out);
+      prefixes_.resize(std::min({prefixes_.size(), static_cast<size_t>(out) + 1, selected_.size()}));
       SayFound();
     }
     d_.has_unexplained |= posterior_.MoreThan(selected_.size()) > NamingGate();
@@ -171,22 +172,14 @@ class Session {
     if (selected_.empty() && d_.has_unexplained) d_.final = d_.baseline;
   }
 
-  std::vector<size_t> GoingWith(size_t place) const {
-    return Needs(evidence_->list().math).GoingWith(ExplanationsOf(selected_), place);
+  // The last that needs an effect, which goes before that does; -1: of none.
+  int GoesFirst(int place) const {
+    if (place < 0) return -1;
+    return static_cast<int>(Needs(evidence_->list().math).GoingWith(ExplanationsOf(selected_), place).front());
   }
 
-  // The prefix that holds an effect and those that need it: what one does alone is nothing to judge it by.
-  size_t UpTo(size_t place) const { return GoingWith(place).front() + 1; }
-
-  // With what needs it.
-  void Drop(size_t out) {
-    const bool is_piece = leading_.HasPiece(selected_[out].explanation);
-    for (const size_t gone : GoingWith(out)) {
-      if (is_piece) LeaveUnnamed(selected_[gone]);
-      selected_.erase(selected_.begin() + static_cast<long>(gone));
-      prefixes_.resize(std::min({prefixes_.size(), gone + 1, selected_.size()}));
-    }
-  }
+  // The prefix that holds an effect and what needs it: what one does alone is nothing to judge it by.
+  size_t UpTo(size_t place) const { return static_cast<size_t>(GoesFirst(static_cast<int>(place))) + 1; }
 
   // What the estimate holds is one of the sets that share the probability.
   void AllowForRivals() {
@@ -199,9 +192,9 @@ class Session {
   // Of the selected effects; -1: all hold.
   int NotNamed() {
     if (!IsUsable(d_.final.estimate.status)) return static_cast<int>(selected_.size()) - 1;
-    const int idle = LeastSupported();
+    const int idle = GoesFirst(LeastSupported());
     if (idle >= 0) return idle;
-    const int worse = MeasurePrefixes();
+    const int worse = GoesFirst(MeasurePrefixes());
     if (worse >= 0) return worse;
     if (!d_.has_unexplained) FindRest();  // else there is a rest, whatever the noise is
     return CountHeldOut(d_.final) >= kFewHeldOut && MayLeaveARest() ? LeastConfirmed() : -1;
@@ -213,8 +206,9 @@ class Session {
     const auto is_less = [this](const auto& a, const auto& b) { return ProbabilityOf(a) < ProbabilityOf(b); };
     const auto least = std::min_element(selected_.begin(), selected_.end(), is_less);
     if (weighed_.IsNamed(ProbabilityOf(*least))) return -1;
-    LeaveUnnamed(*least);
-    return static_cast<int>(least - selected_.begin());
+    const int out = GoesFirst(static_cast<int>(least - selected_.begin()));
+    LeaveUnnamed(selected_[out]);
+    return out;
   }
 
   // Of those that do not make untouched rows better beyond chance.
@@ -225,9 +219,10 @@ class Session {
     VLOG(1) << "diagnosis: " << selected_[least].candidate.spec.Path() << " makes untouched rows better by "
             << gains[least] << " of the scatter of that, the others by more";
     if (IsBeyondChance(gains[least])) return -1;
-    LeaveUnnamed(selected_[least]);
-    unconfirmed_.push_back(selected_[least]);
-    return static_cast<int>(least);
+    const int out = GoesFirst(static_cast<int>(least));
+    LeaveUnnamed(selected_[out]);
+    unconfirmed_.push_back(selected_[out]);
+    return out;
   }
 
   // It stays a piece of what has no name.
@@ -253,16 +248,18 @@ class Session {
     return JudgeFully(quick.problem, quick.estimate.parameters, aligned, joint_);
   }
 
-  // Hold-out after each effect. An effect that makes it worse beyond chance, or, where all since the best prefix do
-  // together, the one of these that makes it worst; -1 where none does.
+  // Hold-out after each effect, fitted with what it needs: a compliance without its spring may be anything. An effect
+  // that makes it worse beyond chance, or, where all since the best prefix do together, the one of these that makes it
+  // worst; -1 where none does.
   int MeasurePrefixes() {
     if (prefixes_.empty()) prefixes_.push_back(PredictingHoldout(lacking_));
     for (size_t count = prefixes_.size(); count < selected_.size(); ++count) {
-      const bool is_near = IsUsable(prefixes_.back().estimate.status);
-      const auto last = selected_.begin() + static_cast<long>(count);
-      const std::vector<SelectedEffect> fresh(is_near ? last - 1 : selected_.begin(), last);
+      const size_t first = count > 1 && UpTo(count - 2) == count ? count - 2 : count - 1;
+      const bool is_near = IsUsable(prefixes_[first].estimate.status);
+      const auto begin = selected_.begin() + static_cast<long>(is_near ? first : 0);
+      const std::vector<SelectedEffect> fresh(begin, selected_.begin() + static_cast<long>(count));
       prefixes_.push_back(
-          PredictingHoldout(Extend(is_near ? prefixes_.back() : lacking_, CandidatesOf(fresh), joint_)));
+          PredictingHoldout(Extend(is_near ? prefixes_[first] : lacking_, CandidatesOf(fresh), joint_)));
     }
     prefixes_.push_back(d_.final);
     for (size_t k = selected_.size(); k > 0; --k) {

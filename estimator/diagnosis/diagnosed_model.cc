@@ -20,6 +20,13 @@ bool DeterminesAll(const QuickRefit& refit) {
   return true;
 }
 
+// What a spring acts through is no less than nothing: beyond, another spring would do the same the other way round.
+void KeepGivingWay(const std::string& joint, ParameterSet* parameters) {
+  const int compliance = parameters->FindCoordinate(ComplianceEffectOf(joint).Path() + "/k");
+  if (compliance >= 0 && ComplianceCoordinates(*parameters, joint).empty())
+    parameters->coordinate(compliance).lower = 0.0;
+}
+
 // The problem with these effects; what the data determine poorly of them (Candidate::loose) has its widest prior.
 CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vector<Candidate>& added) {
   CalibrationProblem believed = *model.problem;
@@ -41,7 +48,9 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
       coordinate.free = coordinate.free && sizes[i] > 0.0;  // nothing excites it
       if (coordinate.free) coordinate.prior_sigma = coordinate.effect_prior = candidate.prior_scale * sizes[i];
     }
-    if (IsGravityCompensator(candidate.spec)) BoundCompensatorShape(candidate.keeps_shape, &problem.parameters);
+    if (!IsGravityCompensator(candidate.spec)) continue;
+    BoundCompensatorShape(candidate.keeps_shape, &problem.parameters);
+    KeepGivingWay(candidate.spec.target, &problem.parameters);
   }
   return problem;
 }

@@ -63,6 +63,51 @@ TEST(UnstatedSpring, NeedsTheComplianceInItsSet) {
   }
 }
 
+// The compliance starts from its value in the set, directly before the spring, whatever else is strong.
+TEST(UnstatedSpring, ComesDirectlyAfterTheCompliance) {
+  const CalibrationProblem problem = test::SpringCampaign(test::WithSpring(), true, kAllButA2);
+  const DiagnosedModel baseline = FitFully(problem, JointOptions());
+  const ParameterSet& believed = baseline.estimate.parameters;
+  const Evidence evidence(problem, believed, ListCandidates(problem, believed), PriorMasses(),
+                          std::numeric_limits<double>::infinity(), nullptr);
+  const ExplanationList& list = evidence.list();
+  const auto first = [&](const std::string& effect, const std::string& target) {
+    const auto is_it = [&](const EffectSpec& spec) { return spec.effect == effect && spec.target == target; };
+    return static_cast<int>(std::find_if(list.start.begin(), list.start.end(), is_it) - list.start.begin());
+  };
+  const int compliance = first("joint_compliance", "A2"), spring = first(kGravityCompensator, "A2");
+  for (const char* other : {"A1", "A2", "A3", "A5"}) {
+    const std::vector<int> members = EachOnce({compliance, spring, first("encoder_gain", other)});
+    const WeightedModel model{0, evidence.SearchIn(0).Evaluate(members), 0.0, 0.0};
+    const std::vector<SelectedEffect> effects = SelectedEffectsOf(evidence, model, baseline);
+    ASSERT_EQ(effects.size(), 3u);
+    const size_t at = effects[0].explanation == compliance ? 0 : 1;
+    EXPECT_EQ(effects[at].explanation, compliance);
+    EXPECT_EQ(effects[at + 1].explanation, spring);
+    ASSERT_EQ(effects[at].candidate.spec.values.size(), 1u);
+    EXPECT_GT(effects[at].candidate.spec.values[0], 0.0);
+    EXPECT_GE(effects[at].loss, effects[at + 1].loss);
+  }
+}
+
+// Of less than nothing, the spring would do the same the other way round.
+TEST(UnstatedSpring, ActsThroughNoNegativeCompliance) {
+  const CalibrationProblem problem = test::SpringCampaign(test::WithSpring(), true, kAllButA2);
+  const JointOptions options;
+  const DiagnosedModel baseline = FitFully(problem, options);
+  Candidate compliance{ComplianceEffectOf("A2")}, spring{CompensatorShapes("A2")[40]};
+  compliance.spec.values = {3e-7};
+  spring.spec.values[3] = 0.3;
+  spring.spec.values[4] = 1e4;
+  const auto lower = [&](const std::vector<Candidate>& added) {
+    const DiagnosedModel extended = Extend(baseline, added, options);
+    const ParameterSet& parameters = extended.problem->parameters;
+    return parameters.coordinates()[parameters.FindCoordinate(ComplianceEffectOf("A2").Path() + "/k")].lower;
+  };
+  EXPECT_EQ(lower({compliance}), -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(lower({compliance, spring}), 0.0);
+}
+
 TEST(UnstatedSpring, IsNamedWithTheComplianceThatItActsThrough) {
   const test::LoadedTruth truth = test::WithSpring();
   const Diagnosis diagnosis = Diagnose(test::SpringCampaign(truth, true, kAllButA2), DiagnosisOptions());
