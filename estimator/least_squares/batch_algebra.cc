@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <numeric>
 #include <vector>
 
 #include "models/batch/shot_program.h"
@@ -448,31 +449,30 @@ GramSums::GramSums(int blocks_a, int blocks_b, bool symmetric)
   lanes_.assign(static_cast<std::size_t>(blocks) * kGramBlock * kGramBlock * kBatchLanes, 0.0);
 }
 
-void GramSums::Clear() { std::fill(lanes_.begin(), lanes_.end(), 0.0); }
-
-int GramSums::Block(int i, int j) const {
-  return symmetric_ ? i * blocks_b_ - i * (i - 1) / 2 + (j - i) : i * blocks_b_ + j;
-}
-
 void GramSums::Add(const std::vector<const double*>& rows, int first_a, int first_b) {
   constexpr std::size_t kBlockLanes = kGramBlock * kBatchLanes;
+  double* block = lanes_.data();
   for (int i = 0; i < blocks_a_; ++i) {
-    for (int j = symmetric_ ? i : 0; j < blocks_b_; ++j) {
+    for (int j = symmetric_ ? i : 0; j < blocks_b_; ++j, block += kGramBlock * kBlockLanes) {
       HWY_DYNAMIC_DISPATCH(AddGramBlock)
       (rows.data(), rows.size(), first_a * kBatchLanes + i * kBlockLanes, first_b * kBatchLanes + j * kBlockLanes,
-       lanes_.data() + Block(i, j) * kGramBlock * kBlockLanes);
+       block);
     }
   }
 }
 
-double GramSums::At(int a, int b) const {
-  const double* lanes =
-      lanes_.data() + (static_cast<std::size_t>(Block(a / kGramBlock, b / kGramBlock)) * kGramBlock * kGramBlock +
-                       (a % kGramBlock) * kGramBlock + b % kGramBlock) *
-                          kBatchLanes;
-  double sum = 0.0;
-  for (int i = 0; i < kBatchLanes; ++i) sum += lanes[i];
-  return sum;
+std::vector<double> GramSums::Totals() const {
+  std::vector<double> totals(static_cast<std::size_t>(blocks_a_) * kGramBlock * columns_b(), 0.0);
+  const double* lanes = lanes_.data();
+  for (int i = 0; i < blocks_a_; ++i) {
+    for (int j = symmetric_ ? i : 0; j < blocks_b_; ++j) {
+      double* const cell = totals.data() + i * kGramBlock * columns_b() + j * kGramBlock;
+      for (int k = 0; k < kGramBlock * kGramBlock; ++k, lanes += kBatchLanes) {
+        cell[k / kGramBlock * columns_b() + k % kGramBlock] = std::accumulate(lanes, lanes + kBatchLanes, 0.0);
+      }
+    }
+  }
+  return totals;
 }
 
 void AddProducts(const double* rows, std::size_t count, std::size_t columns, double* sums) {

@@ -19,15 +19,13 @@ class GramSums {
   GramSums() = default;
   GramSums(int blocks_a, int blocks_b, bool symmetric);
 
-  void Clear();
   // rows: pointers to rows of lanes; columns first_a + .. and first_b + .. of each.
   void Add(const std::vector<const double*>& rows, int first_a, int first_b);
-  // Over all lanes: [a, b], both from 0; of a symmetric sum b >= a only.
-  double At(int a, int b) const;
+  // Over all lanes: row a, column b, both from 0, row by row; of a symmetric sum b >= a only, the rest is zero.
+  std::vector<double> Totals() const;
+  int columns_b() const { return blocks_b_ * kGramBlock; }
 
  private:
-  int Block(int i, int j) const;
-
   int blocks_a_ = 0, blocks_b_ = 0;
   bool symmetric_ = false;
   std::vector<double> lanes_;  // unaligned; by block, then column of a, column of b, lane

@@ -266,9 +266,10 @@ Eigen::VectorXd ClusterSandwich::DegreesOf(int which, const std::vector<int>& li
 RobustCovariance ClusterSandwich::Covariance(int which) {
   Fit& fit = fits_[which];
   if (fit.num_held > 0) Flush(&fit);
+  const std::vector<double> totals = fit.products.Totals();
   Eigen::MatrixXd by_rows(columns_, columns_);
   for (int i = 0; i < columns_; ++i) {
-    for (int k = i; k < columns_; ++k) by_rows(i, k) = by_rows(k, i) = fit.products.At(i, k);
+    for (int k = i; k < columns_; ++k) by_rows(i, k) = by_rows(k, i) = totals[static_cast<size_t>(i) * padded_ + k];
   }
   const Eigen::MatrixXd scores = fit.basis.transpose() * Eigen::MatrixXd(by_rows * fit.basis);
   const Eigen::MatrixXd& inverse_normal = fit.given.solution.covariance;

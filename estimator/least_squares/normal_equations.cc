@@ -36,26 +36,25 @@ class GroupSums {
     }
   }
 
-  // Adds the totals of all lanes; `matrix`: upper triangle and below are both filled.
+  // Adds the totals of all lanes to the upper triangle.
   void AddTo(Eigen::MatrixXd* matrix) const {
-    const int residual = static_cast<int>(matrix->cols()) - 1;
-    const auto target = [&](int c) { return c == columns_.residual ? residual : columns_.of[c]; };
-    const auto add = [&](int a, int b, double value) {
-      if (a < 0 || b < 0) return;
-      (*matrix)(a, b) += value;
-      if (a != b) (*matrix)(b, a) += value;
+    const int residual = static_cast<int>(matrix->cols()) - 1, shared = shared_ * kGramBlock;
+    std::vector<int> target(columns_.of.begin() + columns_.first, columns_.of.begin() + columns_.last);
+    target[columns_.residual - columns_.first] = residual;
+    const auto add = [matrix](int a, int b, double value) {
+      if (a >= 0 && b >= 0) (*matrix)(std::min(a, b), std::max(a, b)) += value;
     };
-    for (int a = 0; a < shared_ * kGramBlock; ++a) {
-      for (int b = a; b < shared_ * kGramBlock; ++b) {
-        add(target(columns_.first + a), target(columns_.first + b), dense_.At(a, b));
-      }
+    const std::vector<double> dense = dense_.Totals();
+    for (int a = 0; a < shared; ++a) {
+      for (int b = a; b < shared; ++b) add(target[a], target[b], dense[a * shared + b]);
     }
     for (size_t m = 0; m < own_.size(); ++m) {
+      const std::vector<int>& own = columns_.own[m];
+      const std::vector<double> totals = own_[m].Totals();
       for (int a = 0; a < 3; ++a) {
-        for (int b = a; b < 3; ++b) add(columns_.own[m][a], columns_.own[m][b], own_[m].At(a, b));
-        for (int b = 0; b < shared_ * kGramBlock; ++b) {
-          add(columns_.own[m][a], target(columns_.first + b), own_[m].At(a, kGramBlock + b));
-        }
+        const double* const row = totals.data() + a * own_[m].columns_b();
+        for (int b = a; b < 3; ++b) add(own[a], own[b], row[b]);
+        for (int b = 0; b < shared; ++b) add(own[a], target[b], row[kGramBlock + b]);
       }
     }
   }
@@ -160,6 +159,7 @@ NormalSums NormalEquations::SumOfAll(const ParameterSet& parameters, const std::
   result.rows = 3 * batches_->num_observations();
   if (!result.valid) return result;
   for (const Eigen::MatrixXd& part : parts) result.matrix += part;
+  result.matrix.triangularView<Eigen::StrictlyLower>() = result.matrix.transpose();
   return result;
 }
 
