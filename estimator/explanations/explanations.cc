@@ -29,6 +29,16 @@ std::string WithoutChangePoint(const Robot& robot, EffectSpec spec) {
   return spec.Path();
 }
 
+// What explanations that exclude each other have in common.
+std::string WithoutOthers(const Robot& robot, EffectSpec spec) {
+  const EffectDefinition* definition = FindEffect(robot, spec.effect);
+  if (definition == nullptr) return spec.effect;  // a robot has one compensator
+  for (const SettingDefinition& setting : definition->settings) {
+    if (setting.one_each) spec.settings.erase(setting.name);
+  }
+  return WithoutChangePoint(robot, spec);
+}
+
 // The orders that few configurations scan are equally likely, those beyond evenly over the logarithm: how many the data
 // resolve says little of an eccentric scale's. 0: effects without orders are equally likely.
 double WeightOf(const Robot& robot, const EffectSpec& spec) {
@@ -95,8 +105,8 @@ class ListBuilder {
   }
 
   void Append(ColumnGroup group, int candidate, int unnamed, const EffectSpec& start, const PlaceInPrior& place,
-              const std::string& excludes) {
-    list_.name.push_back(IsGravityCompensator(start) ? start.effect + "/" + start.target : excludes);
+              const std::string& name, const std::string& excludes) {
+    list_.name.push_back(name);
     if (unnamed >= 0) group.num_scales = kNumUsualScales;
     list_.math.push_back({std::move(group), 0.0, Number(excludes), unnamed >= 0, NeedOf(start)});
     list_.candidate.push_back(candidate);
@@ -128,7 +138,8 @@ class ListBuilder {
   void AddAsItIs(int candidate, const std::vector<int>& columns) {
     const EffectSpec& spec = list_.candidates[candidate].spec;
     Append({columns, {}}, candidate, -1, spec, {spec.effect, spec.target, WeightOf(problem_.robot(), spec)},
-           WithoutChangePoint(problem_.robot(), spec));
+           IsGravityCompensator(spec) ? spec.effect + "/" + spec.target : WithoutChangePoint(problem_.robot(), spec),
+           WithoutOthers(problem_.robot(), spec));
   }
 
   // A stated spring that has lost force, or was never as stiff, is where it is stated to be.
@@ -160,7 +171,7 @@ class ListBuilder {
     const std::vector<int> own = columns_->Add({source, std::make_shared<const Eigen::MatrixXd>(functions.basis)});
     for (size_t s = 0; s < shapes.size(); ++s) {
       Append({own, functions.mixing.middleCols(kPerShape * static_cast<long>(s), kPerShape)}, candidate, -1, shapes[s],
-             {spec.effect, spec.target, weights[s]}, spec.effect);
+             {spec.effect, spec.target, weights[s]}, spec.effect + "/" + spec.target, spec.effect);
     }
   }
 
@@ -195,7 +206,7 @@ class ListBuilder {
       const std::string name = unnamed.family + "/" + unnamed.function.acts_on + "/" + unnamed.function.words;
       list_.functions.push_back(std::move(unnamed.function));
       const int function = static_cast<int>(list_.functions.size()) - 1;
-      Append(std::move(unnamed.group), -1, function, {}, {unnamed.family, name, 0.0, unnamed.listed}, name);
+      Append(std::move(unnamed.group), -1, function, {}, {unnamed.family, name, 0.0, unnamed.listed}, name, name);
     }
   }
 

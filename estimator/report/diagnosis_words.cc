@@ -59,8 +59,12 @@ std::string HoldoutInWords(const Estimate& estimate) {
 // 210 ± 8 urad, or 7.55 (6.21 to 8.21) ppm/K where the arms of the interval differ.
 std::string WithInterval(const ParameterEstimate& row) {
   const QuantityTraits& traits = TraitsOf(row.quantity);
-  const auto shown = [&](double value) { return Significant(value / traits.si_per_unit, 3); };
-  const std::string interval = IsEven(row) ? " ± " + shown(row.ci95.high - row.value)
+  const double half = 0.5 * (row.ci95.high - row.ci95.low);  // the last digit is a tenth of it or less
+  const double ratio = half > 0.0 ? std::abs(row.value) / half : 1.0;
+  const int digits = std::max(3, 1 + static_cast<int>(std::ceil(std::log10(std::max(1.0, ratio)))));
+  const auto shown = [&](double value) { return Significant(value / traits.si_per_unit, digits); };
+  const auto width = [&](double value) { return Significant(value / traits.si_per_unit, 3); };
+  const std::string interval = IsEven(row) ? " ± " + width(row.ci95.high - row.value)
                                            : " (" + shown(row.ci95.low) + " to " + shown(row.ci95.high) + ")";
   return shown(row.value) + interval + " " + traits.unit;
 }

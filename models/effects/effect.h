@@ -194,6 +194,8 @@ struct SettingDefinition {
   int most_scanned = 0;              // of kInteger, by the diagnosis; 0: as many as the configurations resolve
   // The fallback is not written out: an effect that has it is the one without the setting.
   bool silent = false;
+  bool one_each =
+      false;  // a target has one value of it: two uses of the effect there that differ in it cannot both hold
   std::string (*fallback_of)(const Robot& robot) = nullptr;  // where it depends on the robot
   double above = -1e300;                                     // of kNumber: values are greater, but for the fallback
   int least = 1;                                             // of kInteger

@@ -41,6 +41,7 @@ const EffectDefinition& MarkerAcceptance() {
                             marker_acceptance::Apply};
     effect.settings = {{"axis", SettingDefinition::Kind::kChoice, "", {"x", "-x", "y", "-y", "z", "-z"}}};
     effect.settings[0].silent = true;
+    effect.settings[0].one_each = true;
     effect.settings[0].fallback_of = marker_acceptance::FlangeAxis;
     effect.separate_by = "the same poses with the reflector turned in its nest, or from a second station";
     effect.sizes = "13 um at the 30 degrees (0.27 rad^2) that data sheets of reflectors allow";

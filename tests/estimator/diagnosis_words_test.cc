@@ -236,6 +236,24 @@ TEST(DiagnosisWords, ANegativeShareIsNoGain) {
 }
 
 // The axes of pictures cut long names off at their end.
+// Of a reflector's radius and of an effect as large as its uncertainty.
+TEST(DiagnosisWords, AValueHasTheDigitsOfItsInterval) {
+  Diagnosis d = Large();
+  d.effects = {Found("station_range_offset", "S1", 0.99)};
+  d.groups.clear();
+  ParameterEstimate row;
+  row.name = "effect/station_range_offset/S1/offset";
+  row.quantity = Quantity::kShift;
+  const auto words_of = [&](double value, double half) {
+    row.value = value;
+    row.ci95 = {value - half, value + half};
+    d.effects[0].parameters = {row};
+    return DiagnosisToText(d);
+  };
+  EXPECT_THAT(words_of(-19.03919e-3, 69.84e-6), HasSubstr("-19040 ± 69.8 um"));
+  EXPECT_THAT(words_of(123.45e-6, 61.234e-6), HasSubstr("123 ± 61.2 um"));
+}
+
 TEST(DiagnosisWords, AShortTitleBeginsWithTheTarget) {
   const Diagnosis d = Large();
   EXPECT_EQ(ShortTitle(d.final.problem->robot(), d.effects[0].candidate.spec), "A1 joint_harmonic, order 1");

@@ -42,7 +42,7 @@ TEST(UnstatedSpring, NeedsTheComplianceInItsSet) {
                           std::numeric_limits<double>::infinity(), nullptr);
   const ExplanationList& list = evidence.list();
   const Needs needs(list.math);
-  int springs = 0;
+  int springs = 0, elsewhere = 0;
   for (int k = 0; k < static_cast<int>(list.math.size()); ++k) {
     if (!IsNewSpring(list.start[k])) {
       EXPECT_EQ(needs.Of(k), kNoExplanation);
@@ -51,10 +51,12 @@ TEST(UnstatedSpring, NeedsTheComplianceInItsSet) {
       ASSERT_GE(needs.Of(k), 0);
       EXPECT_EQ(list.name[needs.Of(k)], ComplianceEffectOf("A2").Path());
     } else if (list.start[k].target != "A1") {
+      ++elsewhere;
       EXPECT_EQ(needs.Of(k), kNoExplanation);
     }
   }
   EXPECT_GT(springs, 100);
+  EXPECT_GT(elsewhere, 100);
   for (const WeightedModel& model : evidence.models()) {
     for (const int m : model.set.members) {
       EXPECT_TRUE(needs.Of(m) == kNoExplanation ||
