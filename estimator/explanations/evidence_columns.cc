@@ -143,11 +143,16 @@ EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const Parame
     const bool is_spring = all.coordinates()[coordinate].kind == CoordinateKind::kCompensator;
     units_.push_back(is_spring
                          ? TypicalSpringError(parameters, parameters.FindCoordinate(all.coordinates()[coordinate].name))
-                         : sizes[coordinate]);
+                         : AsFound(sizes[coordinate], all.coordinates()[coordinate].name));
   }
   SetLinearized();
   SetBlocks();
   AddMotions(candidates, split);
+}
+
+double EvidenceColumns::AsFound(double size, const std::string& name) const {
+  const int coordinate = extended_.parameters.FindCoordinate(name);
+  return coordinate < 0 ? size : std::max(size, std::abs(extended_.parameters.Value(coordinate)) / kWidestScale);
 }
 
 void EvidenceColumns::AddStatedSpring(const std::vector<Candidate>& candidates, const ParameterSet& believed) {
@@ -193,10 +198,10 @@ void EvidenceColumns::AddMotions(const std::vector<Candidate>& candidates, const
     for (const SingleMotion& motion : motions) largest.push_back(motion.per_unit(fitted).cwiseAbs().maxCoeff());
     const std::vector<double> sizes = TypicalSizes(own, largest);
     for (size_t k = 0; k < own.size(); ++k) {
+      const std::string name = spec.Path() + "/" + own[k].name;
       const bool is_joint = motions[k].of == SingleMotion::Of::kJoint;
       const Source source{is_joint ? Source::Kind::kJoint : Source::Kind::kMarker, motions[k].owner, motions[k].axis};
-      of_source[source].push_back(
-          {c, k, spec.Path() + "/" + own[k].name, &motions[k].per_unit, sizes[k] / TypicalSizeOf(source)});
+      of_source[source].push_back({c, k, name, &motions[k].per_unit, AsFound(sizes[k], name) / TypicalSizeOf(source)});
     }
     of_candidate_[c].resize(own.size());
   }

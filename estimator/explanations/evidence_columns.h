@@ -209,6 +209,9 @@ class EvidenceColumns {
   // What the effects come to about which the model is linearized.
   void SetSubtracted(const ParameterSet& believed, const ParameterSet& about);
   // Columns of the candidate that the spring the robot states is another.
+  // A typical size, or what the effect is by the full model about which all is linearized: no usual size is held
+  // against one that is larger than the widest scale of it.
+  double AsFound(double size, const std::string& name) const;
   void AddStatedSpring(const std::vector<Candidate>& candidates, const ParameterSet& believed);
   // Coordinates of a block's columns.
   void SetLinearized();

@@ -33,6 +33,30 @@ TEST(LargeEffects, AReflectorsRadiusIsFoundInFull) {
   EXPECT_LT(found.parameters[0].sigma, 0.02 * kRadius);
 }
 
+// A wrist whose encoders are read before its gears: A5 and A6 go along with A4 by 1/80 and 1/60, some hundred times
+// what gears leave. Both are found in full, and the noise is what it is: nothing is held back that would swell it.
+TEST(LargeEffects, ACoupledWristIsFoundInFull) {
+  const Measurements data = test::MeasuredAfter(test::CampaignOf(80, 1, 3e-5, 5), 305, [](Eigen::VectorXd* q) {
+    (*q)[4] += (*q)[3] / 80.0;
+    (*q)[5] += (*q)[3] / 60.0;
+  });
+  Experiment experiment;
+  experiment.validation.kind = ValidationSpec::Kind::kFraction;
+  experiment.validation.fraction = 0.3;
+  const Diagnosis diagnosis = Diagnose(test::Kr270ProblemOf(data, experiment), DiagnosisOptions());
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kExplained);
+  ASSERT_EQ(diagnosis.effects.size(), 2u);
+  for (const FoundEffect& found : diagnosis.effects) {
+    const EffectSpec& spec = found.candidate.spec;
+    EXPECT_EQ(spec.effect, "joint_coupling");
+    ASSERT_EQ(found.parameters.size(), 1u);
+    const double true_ratio = spec.target == "A5" ? 1.0 / 80.0 : 1.0 / 60.0;
+    EXPECT_NEAR(found.parameters[0].value, true_ratio, 5.0 * found.parameters[0].sigma) << spec.target;
+  }
+  const Estimate& final = diagnosis.final.estimate;
+  EXPECT_NEAR(final.chi2 / final.dof, 1.0, 5.0 * std::sqrt(2.0 / final.dof));
+}
+
 // Nearly upright, the first axis is turned by a hundredth of what the same weight turns the second one by; the link is
 // not a hundred times as heavy for that.
 TEST(LargeEffects, ALinkIsNoHeavierWhereItsWeightTurnsNothing) {
