@@ -22,11 +22,12 @@ const EffectDefinition& StationRangeOffset() {
         "station_range_offset", "range offset of the instrument", "ranging parameter R0, ASME B89.4.19-2006",
         EffectTarget::kStation, station_range_offset::Parameters, station_range_offset::Apply};
     effect.separate_by = "a calibrated length measured in line with the instrument and from its middle";
-    effect.note = "It counts from instrument_mm of the station; where that is not stated, from the origin.";
+    effect.note =
+        "It counts from instrument_mm of the station; where that is not stated, from the origin. A reflector's radius "
+        "that is not corrected is one, too.";
     effect.sizes =
-        "between R0 of absolute distance meters, 10 to 25 um in tracker data sheets, and a reflector's radius that is "
-        "not "
-        "corrected, 6.35, 12.7 or 19.05 mm";
+        "between R0 of absolute distance meters, 10 to 25 um in tracker data sheets, and the radius of a reflector, "
+        "6.35, 12.7 or 19.05 mm";
     return effect;
   }();
   return definition;
