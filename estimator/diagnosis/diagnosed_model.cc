@@ -55,27 +55,6 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
   return problem;
 }
 
-// Beyond two standard deviations of a prior that says how large such effects usually are, the rows say that this one is
-// larger: the prior becomes as wide as the value. It would hold the value back otherwise, the more the worse it fits,
-// for what it keeps from fitting counts as noise, and a prior is compared with rows as they scatter.
-bool WidenLeftPriors(const std::vector<Candidate>& added, ParameterSet* found, ParameterSet* stated) {
-  constexpr double kLeft = 2.0;
-  bool any = false;
-  for (const Candidate& candidate : added) {
-    for (const std::string& name : candidate.loose) {
-      const int i = stated->FindCoordinate(name);
-      const Coordinate& coordinate = stated->coordinates()[i];
-      const double off = std::abs(found->Value(i) - coordinate.prior_value);
-      if (!coordinate.estimated() || !(off > kLeft * coordinate.effect_prior)) continue;
-      for (ParameterSet* parameters : {found, stated}) {
-        parameters->coordinate(i).prior_sigma = parameters->coordinate(i).effect_prior = off;
-      }
-      any = true;
-    }
-  }
-  return any;
-}
-
 }  // namespace
 
 DiagnosedModel FitFully(const CalibrationProblem& problem, const JointOptions& options) {
@@ -124,20 +103,15 @@ bool IsParameterOf(const EffectSpec& spec, const std::string& name) {
 
 DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>& added, const JointOptions& options) {
   if (added.empty()) return model;
-  const auto problem = std::make_shared<CalibrationProblem>(ExtendedProblem(model, added));
-  ParameterSet start = problem->parameters;
-  while (true) {
-    DiagnosedModel extended{problem, {}};
-    QuickRefit quick = RefitQuickly(*problem, start);
-    if (IsUsable(quick.estimate.status) && DeterminesAll(quick)) {
-      extended.estimate = std::move(quick.estimate);
-    } else {
-      extended = JudgeFully(problem, start, start, options);
-      if (!IsUsable(extended.estimate.status)) return extended;
-    }
-    start = extended.estimate.parameters;
-    if (!WidenLeftPriors(added, &start, &problem->parameters)) return extended;
+  DiagnosedModel extended;
+  extended.problem = std::make_shared<CalibrationProblem>(ExtendedProblem(model, added));
+  const ParameterSet& start = extended.problem->parameters;
+  QuickRefit quick = RefitQuickly(*extended.problem, start);
+  if (!IsUsable(quick.estimate.status) || !DeterminesAll(quick)) {
+    return JudgeFully(extended.problem, start, start, options);
   }
+  extended.estimate = std::move(quick.estimate);
+  return extended;
 }
 
 }  // namespace sagitta
