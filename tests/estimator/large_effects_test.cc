@@ -11,6 +11,13 @@
 namespace sagitta::large_effects_test {
 namespace {
 
+Diagnosis DiagnosisOf(const Measurements& data) {
+  Experiment experiment;
+  experiment.validation.kind = ValidationSpec::Kind::kFraction;
+  experiment.validation.fraction = 0.3;
+  return Diagnose(test::Kr270ProblemOf(data, experiment), DiagnosisOptions());
+}
+
 // A reflector's radius that is not corrected: every point lies 6.35 mm too near along the line of sight. The interval
 // is that of the rows, which no size that is usual widens or holds back.
 TEST(LargeEffects, AReflectorsRadiusIsFoundInFull) {
@@ -20,10 +27,7 @@ TEST(LargeEffects, AReflectorsRadiusIsFoundInFull) {
   for (Observation& row : data.observations) {
     row.point_in_station -= kRadius * row.point_in_station.normalized();
   }
-  Experiment experiment;
-  experiment.validation.kind = ValidationSpec::Kind::kFraction;
-  experiment.validation.fraction = 0.3;
-  const Diagnosis diagnosis = Diagnose(test::Kr270ProblemOf(data, experiment), DiagnosisOptions());
+  const Diagnosis diagnosis = DiagnosisOf(data);
   EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kExplained);
   ASSERT_EQ(diagnosis.effects.size(), 1u);
   const FoundEffect& found = diagnosis.effects[0];
@@ -40,10 +44,7 @@ TEST(LargeEffects, ACoupledWristIsFoundInFull) {
     (*q)[4] += (*q)[3] / 80.0;
     (*q)[5] += (*q)[3] / 60.0;
   });
-  Experiment experiment;
-  experiment.validation.kind = ValidationSpec::Kind::kFraction;
-  experiment.validation.fraction = 0.3;
-  const Diagnosis diagnosis = Diagnose(test::Kr270ProblemOf(data, experiment), DiagnosisOptions());
+  const Diagnosis diagnosis = DiagnosisOf(data);
   EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kExplained);
   ASSERT_EQ(diagnosis.effects.size(), 2u);
   for (const FoundEffect& found : diagnosis.effects) {
