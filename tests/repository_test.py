@@ -10,6 +10,8 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 MAX_BYTES = 2_000_000
 MAX_LINES = 500
+PLAIN_NAME = re.compile(r'[\w.+/-]+', re.ASCII)
+EMPTY = {'__init__.py', 'py.typed'}
 GENERATED = {'.git', 'build', 'results', '__pycache__'}
 SHARED_PARENTS = {'/', '/tmp', '/opt', '/srv', '/mnt', '/usr/src', '/usr/local/src'}
 
@@ -35,6 +37,10 @@ def machine_paths():
 def defects(name, machine_path):
     path = ROOT / name
     content = path.read_bytes()
+    if not PLAIN_NAME.fullmatch(name):
+        yield '%s: a name that a shell reads as something else' % name
+    if not content and path.name not in EMPTY:
+        yield '%s: an empty file' % name
     if len(content) > MAX_BYTES:
         yield '%s: %d bytes, more than %d' % (name, len(content), MAX_BYTES)
     is_script = content.startswith(b'#!')

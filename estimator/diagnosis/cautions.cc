@@ -256,12 +256,6 @@ void CautionOfOneLoad(const CalibrationProblem& problem, const std::vector<Found
   if (loads.size() == 1 && !bent.empty()) cautions->push_back(LinksBendToo(bent));
 }
 
-void CautionsOfValues(const CalibrationProblem& problem, const std::vector<FoundEffect>& effects,
-                      std::vector<std::string>* cautions) {
-  CautionOfHalves(effects, cautions);
-  CautionOfOneLoad(problem, effects, cautions);
-}
-
 void CautionOfNotNamed(const std::vector<std::pair<EffectSpec, double>>& unconfirmed, Diagnosis* diagnosis) {
   std::set<std::string> said;
   for (const FoundEffect& effect : diagnosis->effects) said.insert(effect.candidate.spec.Path());

@@ -24,10 +24,6 @@ void CautionOfHalves(const std::vector<FoundEffect>& effects, std::vector<std::s
 void CautionOfOneLoad(const CalibrationProblem& problem, const std::vector<FoundEffect>& effects,
                       std::vector<std::string>* cautions);
 
-// Both.
-void CautionsOfValues(const CalibrationProblem& problem, const std::vector<FoundEffect>& effects,
-                      std::vector<std::string>* cautions);
-
 // Of effects that are probable by themselves and not named, but for those that untouched rows did not confirm.
 void CautionOfNotNamed(const std::vector<std::pair<EffectSpec, double>>& unconfirmed, Diagnosis* diagnosis);
 

@@ -308,7 +308,8 @@ class Session {
       }
       before = effect.holdout_after;
     }
-    CautionsOfValues(problem_, d_.effects, &d_.cautions);
+    CautionOfHalves(d_.effects, &d_.cautions);
+    CautionOfOneLoad(problem_, d_.effects, &d_.cautions);
     if (is_refuted_) d_.cautions.push_back(ProbabilitiesAreRough());
     d_.next = ProposeMeasuring();
     d_.gap_map = MapGap(d_.baseline, d_.final);

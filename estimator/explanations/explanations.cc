@@ -17,10 +17,10 @@ constexpr double kAlikeShapes = 1e-5;  // of the largest: directions of springs 
 constexpr long kPerShape = 4;          // columns of a compensator's shape
 constexpr double kElsewhere = 0.05;    // of the compensators: not against the arm's own weight
 
-// Change points, widths and lags of one effect are many settings and one explanation.
+// Change points, widths and lags of one effect are many settings and one explanation, and so are shapes of a spring.
 std::string WithoutChangePoint(const Robot& robot, EffectSpec spec) {
   const EffectDefinition* definition = FindEffect(robot, spec.effect);
-  if (definition == nullptr) return spec.effect;  // a robot has one compensator
+  if (definition == nullptr) return spec.effect + "/" + spec.target;
   for (const SettingDefinition& setting : definition->settings) {
     const bool is_scanned =
         setting.kind == SettingDefinition::Kind::kMoment || setting.kind == SettingDefinition::Kind::kNumber;
@@ -138,8 +138,7 @@ class ListBuilder {
   void AddAsItIs(int candidate, const std::vector<int>& columns) {
     const EffectSpec& spec = list_.candidates[candidate].spec;
     Append({columns, {}}, candidate, -1, spec, {spec.effect, spec.target, WeightOf(problem_.robot(), spec)},
-           IsGravityCompensator(spec) ? spec.effect + "/" + spec.target : WithoutChangePoint(problem_.robot(), spec),
-           WithoutOthers(problem_.robot(), spec));
+           WithoutChangePoint(problem_.robot(), spec), WithoutOthers(problem_.robot(), spec));
   }
 
   // A stated spring that has lost force, or was never as stiff, is where it is stated to be.
@@ -171,7 +170,8 @@ class ListBuilder {
     const std::vector<int> own = columns_->Add({source, std::make_shared<const Eigen::MatrixXd>(functions.basis)});
     for (size_t s = 0; s < shapes.size(); ++s) {
       Append({own, functions.mixing.middleCols(kPerShape * static_cast<long>(s), kPerShape)}, candidate, -1, shapes[s],
-             {spec.effect, spec.target, weights[s]}, spec.effect + "/" + spec.target, spec.effect);
+             {spec.effect, spec.target, weights[s]}, WithoutChangePoint(problem_.robot(), spec),
+             WithoutOthers(problem_.robot(), spec));
     }
   }
 

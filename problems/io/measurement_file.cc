@@ -21,7 +21,6 @@ namespace {
 // Two files may state the same angle in two units.
 constexpr double kSameJointValue = 1e-9;  // rad or m
 constexpr double kLongShot = 600.0;       // s
-constexpr int kFewestCopies = 3;          // readings that agree by chance: one, or two of a coarse display
 
 int IndexOf(std::string_view name, IdsByText* words, std::vector<std::string>* names) {
   const int index = words->IndexOf(name);

@@ -17,7 +17,6 @@ namespace sagitta {
 namespace {
 
 constexpr int kMany = 5;               // rows of one label: the file is no list of single points
-constexpr size_t kFewestCopies = 3;    // readings that agree by chance: one, or two of a coarse display
 constexpr double kByChance = 1e-3;     // that so many agree
 constexpr double kLongPause = 3600.0;  // s: poses follow each other within minutes; nights are few
 constexpr double kRareDrops = 0.05;    // of the shots: rows that are sorted by something else drop every other time
@@ -57,23 +56,23 @@ void WarnOfSingleRows(const std::string& what, const std::vector<std::string>& l
 
 // Pairs (row, the earlier one that it equals): of one marker and station, at the same joint values, all digits alike.
 std::vector<std::pair<int, int>> EqualReadings(const Measurements& data) {
-  std::vector<std::pair<double, int>> by_x;
+  std::vector<std::pair<std::array<double, 3>, int>> points;
   for (size_t i = 0; i < data.observations.size(); ++i) {
-    const Observation& row = data.observations[i];
-    if (row.is_point()) by_x.emplace_back(row.point_in_station.x(), static_cast<int>(i));
+    const Vector3<double>& p = data.observations[i].point_in_station;
+    if (data.observations[i].is_point()) points.push_back({{p.x(), p.y(), p.z()}, static_cast<int>(i)});
   }
-  std::sort(by_x.begin(), by_x.end());
+  std::sort(points.begin(), points.end());
   const auto is_equal = [&](int i, int j) {
     const Observation &a = data.observations[i], &b = data.observations[j];
     return a.marker == b.marker && data.shots[a.shot].station == data.shots[b.shot].station &&
-           a.point_in_station == b.point_in_station && data.ConfigurationOf(a).q == data.ConfigurationOf(b).q;
+           data.ConfigurationOf(a).q == data.ConfigurationOf(b).q;
   };
   std::vector<std::pair<int, int>> equal;
-  for (size_t first = 0, k = 1; k < by_x.size(); ++k) {
-    if (by_x[k].first != by_x[first].first) first = k;
+  for (size_t first = 0, k = 1; k < points.size(); ++k) {
+    if (points[k].first != points[first].first) first = k;
     for (size_t earlier = first; earlier < k; ++earlier) {
-      if (!is_equal(by_x[k].second, by_x[earlier].second)) continue;
-      equal.emplace_back(by_x[k].second, by_x[earlier].second);
+      if (!is_equal(points[k].second, points[earlier].second)) continue;
+      equal.emplace_back(points[k].second, points[earlier].second);
       break;
     }
   }

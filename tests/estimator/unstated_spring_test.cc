@@ -22,6 +22,18 @@ bool IsSpringListed(const CandidateList& list, const std::string& joint) {
   });
 }
 
+// An arm with a spring on A2, of which every other compliance is stated.
+struct Weighed {
+  CalibrationProblem problem = test::SpringCampaign(test::WithSpring(), true, kAllButA2);
+  DiagnosedModel baseline = FitFully(problem, JointOptions());
+  Evidence evidence{problem,
+                    baseline.estimate.parameters,
+                    ListCandidates(problem, baseline.estimate.parameters),
+                    PriorMasses(),
+                    std::numeric_limits<double>::infinity(),
+                    nullptr};
+};
+
 TEST(UnstatedSpring, IsACandidateWhereLoadsShowTheCompliance) {
   const CalibrationProblem loaded = test::SpringCampaign(test::WithSpring(), true, kAllButA2),
                            unloaded = test::SpringCampaign(test::WithSpring(), false, {});
@@ -35,11 +47,8 @@ TEST(UnstatedSpring, IsACandidateWhereLoadsShowTheCompliance) {
 
 // All shapes on A2 need it, those on A3, of which the model has a compliance, need none.
 TEST(UnstatedSpring, NeedsTheComplianceInItsSet) {
-  const CalibrationProblem problem = test::SpringCampaign(test::WithSpring(), true, kAllButA2);
-  const DiagnosedModel baseline = FitFully(problem, JointOptions());
-  const ParameterSet& believed = baseline.estimate.parameters;
-  const Evidence evidence(problem, believed, ListCandidates(problem, believed), PriorMasses(),
-                          std::numeric_limits<double>::infinity(), nullptr);
+  const Weighed weighed;
+  const Evidence& evidence = weighed.evidence;
   const ExplanationList& list = evidence.list();
   const Needs needs(list.math);
   int springs = 0, elsewhere = 0;
@@ -67,11 +76,8 @@ TEST(UnstatedSpring, NeedsTheComplianceInItsSet) {
 
 // The compliance starts from its value in the set, directly before the spring, whatever else is strong.
 TEST(UnstatedSpring, ComesDirectlyAfterTheCompliance) {
-  const CalibrationProblem problem = test::SpringCampaign(test::WithSpring(), true, kAllButA2);
-  const DiagnosedModel baseline = FitFully(problem, JointOptions());
-  const ParameterSet& believed = baseline.estimate.parameters;
-  const Evidence evidence(problem, believed, ListCandidates(problem, believed), PriorMasses(),
-                          std::numeric_limits<double>::infinity(), nullptr);
+  const Weighed weighed;
+  const Evidence& evidence = weighed.evidence;
   const ExplanationList& list = evidence.list();
   const auto first = [&](const std::string& effect, const std::string& target) {
     const auto is_it = [&](const EffectSpec& spec) { return spec.effect == effect && spec.target == target; };
@@ -81,7 +87,7 @@ TEST(UnstatedSpring, ComesDirectlyAfterTheCompliance) {
   for (const char* other : {"A1", "A2", "A3", "A5"}) {
     const std::vector<int> members = EachOnce({compliance, spring, first("encoder_gain", other)});
     const WeightedModel model{0, evidence.SearchIn(0).Evaluate(members), 0.0, 0.0};
-    const std::vector<SelectedEffect> effects = SelectedEffectsOf(evidence, model, baseline);
+    const std::vector<SelectedEffect> effects = SelectedEffectsOf(evidence, model, weighed.baseline);
     ASSERT_EQ(effects.size(), 3u);
     const size_t at = effects[0].explanation == compliance ? 0 : 1;
     EXPECT_EQ(effects[at].explanation, compliance);
