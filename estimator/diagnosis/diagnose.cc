@@ -386,6 +386,7 @@ class Session {
     for (const ParameterEstimate& row : after.table) {
       if (row.free && IsParameterOf(chosen.candidate.spec, row.name)) effect.parameters.push_back(row);
     }
+    effect.bounds = PhysicalBoundsOf(d_.final, chosen.candidate.spec, effect.parameters);
     effect.lag = AllowForLag(d_.final, chosen.candidate.spec, &effect.parameters);
     if (!effect.lag) AllowForSetting(d_.final, chosen.candidate.spec, &effect.parameters);
   }

@@ -15,6 +15,7 @@
 #include "estimator/diagnosis/gap_map.h"
 #include "estimator/diagnosis/learnt_function.h"
 #include "estimator/diagnosis/noise_finding.h"
+#include "estimator/diagnosis/physical_bounds.h"
 #include "estimator/diagnosis/reported_posterior.h"
 #include "estimator/diagnosis/thermal_lag.h"
 #include "estimator/evidence/next_poses.h"
@@ -41,6 +42,7 @@ struct FoundEffect : CheckedEffect {
   double reduction = 0.0;  // chi-square, the others given
   double corrected_p = 1.0;
   std::vector<ParameterEstimate> parameters;
+  PhysicalBounds bounds;
   std::optional<ThermalLag> lag;  // that their intervals allow for
   // m; not a number without a hold-out, or where this prefix of the effects does not converge alone
   double holdout_before = kNotKnown, holdout_after = kNotKnown;

@@ -96,7 +96,7 @@ std::optional<NamelessCauses::AsOne> NamelessCauses::ReadAsOne(const std::vector
 }
 
 // log L = log mean_s L(pieces at s, functions at s w; the others at their best)
-//         + sum over the others of what averaging over their scales costs,
+//         + sum over the others of what averaging over their scales costs and their signs say,
 //   w^2 = mean over the pieces of tr G_k / tr G_f:  at one s each moves the rows by as much. No part is larger than
 // causes are.
 WeightedSet NamelessCauses::WithOneSize(const WeightedSet& set, const Cause& cause,
@@ -113,7 +113,8 @@ WeightedSet NamelessCauses::WithOneSize(const WeightedSet& set, const Cause& cau
     const bool is_piece = std::binary_search(cause.pieces.begin(), cause.pieces.end(), m);
     const bool is_function = std::binary_search(cause.functions.begin(), cause.functions.end(), m);
     units.push_back(is_piece ? 1.0 : is_function ? std::sqrt(shown_by_pieces / shown(m)) : 0.0);
-    if (!is_piece && !is_function) lost += LossOfScale(likelihood, members.Of(k));
+    if (!is_piece && !is_function)
+      lost += LossOfScale(likelihood, members.Of(k)) + LogOfSigns(members.Of(k), set.scales[k]);
   }
   WeightedSet one = set;
   std::vector<double> logs;

@@ -137,8 +137,24 @@ class ListBuilder {
 
   void AddAsItIs(int candidate, const std::vector<int>& columns) {
     const EffectSpec& spec = list_.candidates[candidate].spec;
-    Append({columns, {}}, candidate, -1, spec, {spec.effect, spec.target, WeightOf(problem_.robot(), spec)},
+    ColumnGroup group{columns, {}};
+    group.not_negative = NotNegativeOf(spec, columns);
+    Append(std::move(group), candidate, -1, spec, {spec.effect, spec.target, WeightOf(problem_.robot(), spec)},
            WithoutChangePoint(problem_.robot(), spec), WithoutOthers(problem_.robot(), spec));
+  }
+
+  // Which of an effect's columns are of parameters that no machine has less than nothing of.
+  std::vector<int> NotNegativeOf(const EffectSpec& spec, const std::vector<int>& columns) const {
+    std::vector<int> places;
+    const EffectDefinition* definition = FindEffect(problem_.robot(), spec.effect);
+    if (definition == nullptr) return places;
+    for (const EffectParameter& parameter : definition->parameters(problem_.robot(), spec)) {
+      const auto is_it = [&](int column) { return columns_->Name(column) == spec.Path() + "/" + parameter.name; };
+      const auto column = std::find_if(columns.begin(), columns.end(), is_it);
+      if (parameter.not_negative && column != columns.end())
+        places.push_back(static_cast<int>(column - columns.begin()));
+    }
+    return places;
   }
 
   // A stated spring that has lost force, or was never as stiff, is where it is stated to be.

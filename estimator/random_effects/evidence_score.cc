@@ -121,11 +121,29 @@ double LossOfScale(const ResidualLikelihood& likelihood, const GivenOthers& give
   return LogMean(logs) - *std::max_element(logs.begin(), logs.end());
 }
 
+// P(a > 0) = 1/2 before the rows. In units of s: a / s = -s (I + s^2 G)^-1 g, its covariance (I + s^2 G)^-1.
+double LogOfSigns(const GivenOthers& given, double scale) {
+  if (given.not_negative.empty()) return 0.0;
+  Eigen::MatrixXd posterior = scale * scale * given.information;
+  posterior.diagonal().array() += 1.0;
+  const Eigen::MatrixXd covariance =
+      posterior.llt().solve(Eigen::MatrixXd::Identity(posterior.rows(), posterior.cols()));
+  const Eigen::VectorXd values = -scale * (covariance * given.gradient);
+  double sum = 0.0;
+  for (const int c : given.not_negative) sum += std::log(2.0) + LogNormalCdf(values[c] / std::sqrt(covariance(c, c)));
+  return sum;
+}
+
+double MostOfSigns(const std::vector<int>& not_negative) {
+  return std::log(2.0) * static_cast<double>(not_negative.size());
+}
+
 // log B = log mean_s B(s).
 double AverageGain(const ResidualLikelihood& likelihood, const GivenOthers& given, double* scale) {
   const std::vector<double> logs = LogsOfScales(likelihood, given);
-  if (scale != nullptr) *scale = kScales[std::max_element(logs.begin(), logs.end()) - logs.begin()];
-  return LogMean(logs) - likelihood.Log(given.residual) + 0.5 * given.log_det;
+  const double best = kScales[std::max_element(logs.begin(), logs.end()) - logs.begin()];
+  if (scale != nullptr) *scale = best;
+  return LogMean(logs) - likelihood.Log(given.residual) + 0.5 * given.log_det + LogOfSigns(given, best);
 }
 
 }  // namespace sagitta

@@ -94,12 +94,23 @@ struct GivenOthers {
   Eigen::MatrixXd information;
   Eigen::VectorXd gradient;
   double residual = 0.0, log_det = 0.0;
-  int num_scales = kNumScales;  // the first of kScales
+  int num_scales = kNumScales;         // the first of kScales
+  std::vector<int> not_negative = {};  // coefficients
 };
 
 // Log likelihood with the group at each of its scales; and what their average has less than the best of them.
 std::vector<double> LogsOfScales(const ResidualLikelihood& likelihood, const GivenOthers& given);
 double LossOfScale(const ResidualLikelihood& likelihood, const GivenOthers& given);
+// Of coefficients that are not negative the prior is the half of a normal one. Over that of the whole, which all else
+// here is, the log evidence is
+//
+//   sum_c log (P(a_c > 0 | r) / P(a_c > 0)) = sum_c log 2 Phi(a_c / sigma_c),  a = -(G + I/s^2)^-1 g,
+//   sigma_c^2 = (G + I/s^2)^-1_cc,
+//
+// as if they were independent of each other given the rows.
+double LogOfSigns(const GivenOthers& given, double scale);
+// The most that can be.
+double MostOfSigns(const std::vector<int>& not_negative);
 // Log evidence that the group adds, averaged over its scales; log_det is left out. scale: the best of them, or null.
 double AverageGain(const ResidualLikelihood& likelihood, const GivenOthers& given, double* scale = nullptr);
 

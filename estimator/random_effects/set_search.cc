@@ -121,7 +121,8 @@ Members SetSearch::MembersOf(const WeightedSet& set) const {
 }
 
 // Of m <= kAveragedTogether members  log mean over all s of L(s); of more, at the best scales s^,
-//   log L(s^) + sum_k (log mean_s L(s_k = s) - log L(s^)).
+//   log L(s^) + sum_k (log mean_s L(s_k = s) - log L(s^)),
+// and what the signs say at the best scales.
 // The weight is that times the prior: log w = log L + log P(set).
 WeightedSet SetSearch::EvaluateFrom(const std::vector<int>& given_members, Members members) const {
   WeightedSet set{given_members, members.scales(), likelihood_.Log(normal_.residual), 0.0};
@@ -144,6 +145,7 @@ WeightedSet SetSearch::EvaluateFrom(const std::vector<int>& given_members, Membe
     set.log_likelihood += averages;
   }
   if (!set.members.empty() && set.members.size() <= kAveragedTogether) set.log_likelihood = AverageOverScales(members);
+  set.log_likelihood += members.LogOfSigns();
   set.log_weight = set.log_likelihood + prior_.Log(SharesOf(set.members));
   return set;
 }
@@ -191,8 +193,12 @@ std::vector<double> SetSearch::AdditionsTo(const WeightedSet& set, const Sweep& 
     const Explanation& candidate = explanations_[k];
     if (IsExcluded(set.members, static_cast<int>(k)) || !(candidate.share > 0.0)) continue;
     const Coming coming = ComingTo(set.members, static_cast<int>(k));
-    const GivenOthers given{*coming.own - sweep.Taken(*coming.group), sweep.Gradient(*coming.group), sweep.residual(),
-                            0.0, coming.group->num_scales};
+    const GivenOthers given{*coming.own - sweep.Taken(*coming.group),
+                            sweep.Gradient(*coming.group),
+                            sweep.residual(),
+                            0.0,
+                            coming.group->num_scales,
+                            coming.group->not_negative};
     weights[k] = set.log_likelihood + bases[coming.count - 1] + AverageGain(likelihood_, given, &(*scales)[k]) +
                  coming.log_share;
   }
@@ -232,14 +238,14 @@ void SetSearch::RecordGrown(WeightedSet set, int candidate, double scale, double
 
 std::vector<WeightedSet> SetSearch::WithoutEach(const WeightedSet& set, const Members& all) const {
   std::vector<WeightedSet> without;
-  double averages = 0.0;  // of each member's scales, over its best
+  double averages = 0.0;  // of each member's scales, over its best, and of its signs
   std::vector<double> own_averages;
   for (size_t m = 0; m < set.members.size(); ++m) {
     WeightedSet others = Less(set, m);
     const GivenOthers given = all.Of(m);
     others.log_likelihood = likelihood_.Log(given.residual) - 0.5 * given.log_det;
     without.push_back(std::move(others));
-    own_averages.push_back(LossOfScale(likelihood_, given));
+    own_averages.push_back(LossOfScale(likelihood_, given) + LogOfSigns(given, set.scales[m]));
     averages += own_averages.back();
   }
   for (size_t m = 0; m < without.size(); ++m) {
@@ -297,12 +303,18 @@ std::vector<SetSearch::Swap> SetSearch::SwapsOf(const WeightedSet& set, const Sw
       const bool is_it = set.members[m] == static_cast<int>(k) || set.members[m] == needs_.Of(static_cast<int>(k));
       if (is_it || IsExcluded(without[m].members, static_cast<int>(k))) continue;
       const double base = bases[m][coming.count - 1] + coming.log_share, residual = sweeps[m].residual;
+      const double most_gain =
+          likelihood_.Log(residual - most_quads[static_cast<long>(m)]) + MostOfSigns(coming.group->not_negative);
       const auto place = static_cast<long>(m);
-      if (base + likelihood_.Log(residual - most_quads[place]) < most - kWorthKeeping) continue;
+      if (base + most_gain < most - kWorthKeeping) continue;
       if (solved.size() == 0) solved = sweep.Solved(*coming.group);
       double scale = 1.0;
-      const GivenOthers given{given_all + sweeps[m].Information(solved), gradients.col(place), residual, 0.0,
-                              coming.group->num_scales};
+      const GivenOthers given{given_all + sweeps[m].Information(solved),
+                              gradients.col(place),
+                              residual,
+                              0.0,
+                              coming.group->num_scales,
+                              coming.group->not_negative};
       const double weight = base + likelihood_.Log(residual) + AverageGain(likelihood_, given, &scale);
       if (weight < most - kWorthKeeping) continue;
       most = std::max(most, weight);

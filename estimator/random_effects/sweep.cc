@@ -52,6 +52,8 @@ ColumnGroup Joined(const ColumnGroup& a, const ColumnGroup& b) {
   };
   put(a, 0, 0);
   put(b, static_cast<long>(a.columns.size()), a.size());
+  both.not_negative = a.not_negative;
+  for (const int c : b.not_negative) both.not_negative.push_back(a.size() + c);
   return both;
 }
 
@@ -71,7 +73,12 @@ Eigen::VectorXd OwnGradient(const ProjectedNormal& normal, const ColumnGroup& gr
 }
 
 GivenOthers GivenNothing(const ProjectedNormal& normal, const ColumnGroup& group) {
-  return {OwnInformation(normal, group), OwnGradient(normal, group), normal.residual, 0.0, group.num_scales};
+  return {OwnInformation(normal, group),
+          OwnGradient(normal, group),
+          normal.residual,
+          0.0,
+          group.num_scales,
+          group.not_negative};
 }
 
 // Q = I + D M'GM D,  W W' = Q^-1,  t = Q^-1 D M'g,  log |Q| = -2 sum log W_ii.
@@ -222,11 +229,23 @@ Members::Apart Members::Without(size_t group) const {
 GivenOthers Members::Of(size_t group) const {
   const Apart apart = Without(group);
   const double scale = scales_[group];
-  GivenOthers given{apart.root.solve(Eigen::MatrixXd::Identity(SizeOf(group), SizeOf(group))), apart.own / scale,
-                    apart.residual, apart.log_det, groups_[group]->num_scales};
+  GivenOthers given{apart.root.solve(Eigen::MatrixXd::Identity(SizeOf(group), SizeOf(group))),
+                    apart.own / scale,
+                    apart.residual,
+                    apart.log_det,
+                    groups_[group]->num_scales,
+                    groups_[group]->not_negative};
   given.information.diagonal().array() -= 1.0;
   given.information /= scale * scale;
   return given;
+}
+
+double Members::LogOfSigns() const {
+  double sum = 0.0;
+  for (size_t k = 0; k < size(); ++k) {
+    if (!groups_[k]->not_negative.empty()) sum += sagitta::LogOfSigns(Of(k), scales_[k]);
+  }
+  return sum;
 }
 
 Sweep::Sweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given,

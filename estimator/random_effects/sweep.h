@@ -15,7 +15,8 @@ namespace sagitta {
 struct ColumnGroup {
   std::vector<int> columns;
   Eigen::MatrixXd mixing;
-  int num_scales = kNumScales;  // the first of kScales
+  int num_scales = kNumScales;         // the first of kScales
+  std::vector<int> not_negative = {};  // coefficients
 
   int size() const { return static_cast<int>(mixing.size() > 0 ? mixing.cols() : static_cast<long>(columns.size())); }
   // mixing' X of rows X, one per column; mixing' B mixing of a block B.
@@ -69,6 +70,7 @@ class Members {
   void Insert(size_t place, const ColumnGroup& group, double scale);
   const std::vector<double>& scales() const { return scales_; }
   GivenOthers Of(size_t group) const;
+  double LogOfSigns() const;  // of all groups, each given the others
   // The others without it: with C = A_kk,  R + t_k' C^-1 t_k,  log |Q| + log |C|.
   struct Apart {
     Eigen::LLT<Eigen::MatrixXd> root;  // of C

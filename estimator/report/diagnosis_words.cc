@@ -19,13 +19,12 @@ namespace {
 
 constexpr double kWorthSaying = 0.1;  // of the probability, where nothing is named
 constexpr size_t kMostLikely = 3;
-constexpr double kLeastSaid = 0.01;      // of the probability of a set
-constexpr double kDoTheSame = 0.9999;    // overlap: of what the one moves, the other leaves a hundredth
-constexpr double kFarthestAnchor = 3.0;  // m, of a compensator's spring
-constexpr size_t kMostNames = 3;         // of what another prior would name
-constexpr size_t kMostCauses = 4;        // of a verdict: with its first line five
-constexpr size_t kMostTargets = 6;       // named of one cause
-constexpr size_t kMostEffects = 5;       // listed one by one on a terminal
+constexpr double kLeastSaid = 0.01;    // of the probability of a set
+constexpr double kDoTheSame = 0.9999;  // overlap: of what the one moves, the other leaves a hundredth
+constexpr size_t kMostNames = 3;       // of what another prior would name
+constexpr size_t kMostCauses = 4;      // of a verdict: with its first line five
+constexpr size_t kMostTargets = 6;     // named of one cause
+constexpr size_t kMostEffects = 5;     // listed one by one on a terminal
 
 // definition: null for the compensator, which has no settings.
 std::string SettingsInWords(const EffectDefinition* definition, const EffectSpec& spec) {
@@ -151,8 +150,18 @@ std::vector<std::string> CausesInWords(const Diagnosis& d) {
   return causes;
 }
 
+// What explains the rows and can hardly be their cause.
+std::string ImplausibleInWords(const Diagnosis& d) {
+  std::vector<std::string> names;
+  for (const FoundEffect& effect : d.effects) {
+    if (!effect.bounds.IsPlausible()) names.push_back(ShortTitle(d.final.problem->robot(), effect.candidate.spec));
+  }
+  if (names.empty()) return "";
+  return " But no machine shows " + Enumerate(names, kMostNames) + " of this sign or size: the cause is another one.";
+}
+
 std::string RestInWords(const Diagnosis& d) {
-  if (d.verdict == DiagnosisVerdict::kExplained) return "Nothing significant is left.";
+  if (d.verdict == DiagnosisVerdict::kExplained) return "Nothing significant is left." + ImplausibleInWords(d);
   const std::string share = std::isnan(d.gap.closed) ? "" : ShareOfGap(d, 1.0 - d.gap.closed);
   return "A significant rest has no name in the catalogue" + (share.empty() ? "" : " (" + share + ")") + ".";
 }
@@ -367,55 +376,31 @@ std::string ShareInWords(const WhereShare& share) {
   return Significant(100 * share.share, 3) + " % of the excess is at " + share.by + " " + share.key;
 }
 
-// A spring within metres of the joint, with a rest length and a rate.
-bool IsPlausibleSpring(const FoundEffect& effect) {
-  for (const ParameterEstimate& row : effect.parameters) {
-    if (row.quantity == Quantity::kLength && std::abs(row.value) > kFarthestAnchor) return false;
-    if (row.ci95.high < row.lower) return false;
+std::string PhysicalInWords(const PhysicalBounds& bounds) {
+  const auto compliance = [](double k) {
+    const QuantityTraits& traits = TraitsOf(Quantity::kCompliance);
+    return Significant(k / traits.si_per_unit, 3) + " " + traits.unit;
+  };
+  const std::string weighs = "it would weigh " + Significant(bounds.found, 3) + " kg, and " +
+                             Significant(bounds.stated, 3) + " kg are stated: ";
+  switch (bounds.kind) {
+    case PhysicalBounds::Kind::kUsual:
+      break;
+    case PhysicalBounds::Kind::kCorrection:
+      return "it corrects the robot file: " + compliance(bounds.stated) + " there, " + compliance(bounds.found) +
+             " found";
+    case PhysicalBounds::Kind::kNegative:
+      return "the sign is not physical: read it as a description, not as a cause";
+    case PhysicalBounds::Kind::kTooLarge:
+      return "the size is not physical: read it as a description, not as a cause";
+    case PhysicalBounds::Kind::kMoreThanLoad:
+      return weighs + "no error of weighing. Check the stated loads and their units";
+    case PhysicalBounds::Kind::kLoadsExchanged:
+      return weighs + "with its mass and that of " + bounds.other + " exchanged the rows would fit";
+    case PhysicalBounds::Kind::kAboutItsPoint:
+      return "it cancels the stated load point: the moments may be stated about the flange, with the force's in them";
   }
-  return true;
-}
-
-// Of the robot file, rad/(N m), the least of a table: an effect adds to it.
-double StatedCompliance(const Robot& robot, const std::string& joint) {
-  double least = 0.0;
-  for (const JointCompliance& own : robot.compliances) {
-    if (robot.chain.joints[own.joint].name != joint || own.nodes.empty()) continue;
-    least =
-        std::min_element(own.nodes.begin(), own.nodes.end(), [](const auto& a, const auto& b) { return a.k < b.k; })->k;
-  }
-  return least;
-}
-
-// Whether a machine could show it: sign, and size within what its definition allows.
-bool IsPlausible(const Robot& robot, const FoundEffect& effect) {
-  const EffectDefinition* definition = FindEffect(robot, effect.candidate.spec.effect);
-  if (definition == nullptr) return IsPlausibleSpring(effect);
-  for (const ParameterEstimate& row : effect.parameters) {
-    const bool is_compliance = row.quantity == Quantity::kCompliance;
-    const bool is_added = definition == &JointComplianceEffect();
-    const double stated = is_added ? StatedCompliance(robot, effect.candidate.spec.target) : 0.0;
-    if (is_compliance && stated + row.ci95.high < 0.0) return false;
-    if (std::abs(row.value) > definition->largest * TraitsOf(row.quantity).hold_limit) return false;
-    if (row.quantity == Quantity::kMass && row.ci95.high < 0.0 && definition == &LinkGravity()) return false;
-  }
-  return true;
-}
-
-std::string CorrectionInWords(const Robot& robot, const FoundEffect& effect) {
-  const EffectSpec& spec = effect.candidate.spec;
-  const double stated = spec.effect == JointComplianceEffect().name ? StatedCompliance(robot, spec.target) : 0.0;
-  if (!(stated > 0.0) || effect.parameters.empty() || !IsPlausible(robot, effect)) return "";
-  const QuantityTraits& traits = TraitsOf(Quantity::kCompliance);
-  const auto words = [&](double k) { return Significant(k / traits.si_per_unit, 3) + " " + traits.unit; };
-  return "it corrects the robot file: " + words(stated) + " there, " + words(stated + effect.parameters[0].value) +
-         " found";
-}
-
-std::string PhysicalInWords(const Robot& robot, const FoundEffect& effect) {
-  if (!IsPlausible(robot, effect)) return "sign or size is not physical: read it as a description, not as a cause";
-  const std::string correction = CorrectionInWords(robot, effect);
-  return correction.empty() ? "the size is one that machines show" : correction;
+  return "the size is one that machines show";
 }
 
 std::string NotTestedInWords(const Diagnosis& d) {
@@ -465,8 +450,8 @@ std::string DiagnosisToText(const Diagnosis& d) {
   for (size_t i = 0; i < std::min(kMostEffects, d.effects.size()); ++i) {
     text << "Effect " << i + 1 << ": " << EffectInWords(robot, d.effects[i]) << "\n";
     text << "    " << HalvesInWords(d.effects[i].confirmation) << "\n";
-    const bool is_said = !IsPlausible(robot, d.effects[i]) || !CorrectionInWords(robot, d.effects[i]).empty();
-    if (is_said) text << "    " << PhysicalInWords(robot, d.effects[i]) << "\n";
+    const PhysicalBounds& bounds = d.effects[i].bounds;
+    if (bounds.kind != PhysicalBounds::Kind::kUsual) text << "    " << PhysicalInWords(bounds) << "\n";
     for (const Alternative& alternative : d.effects[i].alternatives) {
       text << "    or " << Title(robot, alternative.spec) << " (overlap " << Significant(alternative.overlap, 3) << ", "
            << Percent(alternative.probability) << "); separate by " << SeparateBy(robot, alternative) << "\n";

@@ -45,11 +45,7 @@ std::string NotTestedInWords(const Diagnosis& d);
 std::string GapIsNotKnown();  // where nothing states the noise
 std::string ClosedInWords(const GapReport& gap);
 
-// Whether a machine could show sign and size.
-bool IsPlausible(const Robot& robot, const FoundEffect& effect);
-// A compliance that is added to one of the robot file: what it was and is; "" of all else.
-std::string CorrectionInWords(const Robot& robot, const FoundEffect& effect);
-std::string PhysicalInWords(const Robot& robot, const FoundEffect& effect);
+std::string PhysicalInWords(const PhysicalBounds& bounds);
 // Whether the data determine this parameter of the effect; the others are held near neutral.
 bool IsDetermined(const FoundEffect& effect, const ParameterEstimate& row);
 

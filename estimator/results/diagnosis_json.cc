@@ -68,7 +68,7 @@ Json FoundToJson(const Robot& robot, const FoundEffect& effect) {
   json["holdout_rms_after_mm"] = Finite(1e3 * effect.holdout_after);
   json["reduced_chi2_after"] = Finite(effect.reduced_chi2_after);
   json["halves"] = HalvesToJson(effect.confirmation);
-  json["physical"] = {{"plausible", IsPlausible(robot, effect)}, {"words", PhysicalInWords(robot, effect)}};
+  json["physical"] = {{"plausible", effect.bounds.IsPlausible()}, {"words", PhysicalInWords(effect.bounds)}};
   json["alternatives"] = Json::array();
   for (const Alternative& alternative : effect.alternatives) {
     Json entry = SpecToJson(robot, alternative.spec);

@@ -52,6 +52,8 @@ double FQuantile(double p, double m, double n) {
 
 double NormalQuantile(double p) { return quantile(Normal(), p); }
 
+double LogNormalCdf(double x) { return std::log(0.5 * std::erfc(-std::max(x, -37.0) / std::sqrt(2.0))); }
+
 double StudentQuantile(double p, double dof) { return quantile(Student(dof), p); }
 
 double WelchDof(double a, double dof_a, double b, double dof_b) {

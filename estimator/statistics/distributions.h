@@ -13,6 +13,8 @@ double FSurvival(double f, double m, double n);
 // f with P(F_{m,n} <= f) = p; infinite n as above.
 double FQuantile(double p, double m, double n);
 double NormalQuantile(double p);
+// log P(N(0, 1) <= x), not below that at -37, the last where P is no denormal number.
+double LogNormalCdf(double x);
 // t with P(T_dof <= t) = p; the normal quantile for infinite dof.
 double StudentQuantile(double p, double dof);
 // Degrees of freedom of the variance a + b, each known with its own: (a + b)^2 / (a^2 / dof_a + b^2 / dof_b) (Welch

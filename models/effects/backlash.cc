@@ -9,7 +9,7 @@ namespace sagitta {
 namespace backlash {
 
 std::vector<EffectParameter> Parameters(const Robot& robot, const EffectSpec& spec) {
-  return {JointError("half_gap", robot, spec, 50e-6, 20e-6)};
+  return {NotNegative(JointError("half_gap", robot, spec, 50e-6, 20e-6))};
 }
 
 bool IsStated(const EffectContext& context) { return context.shot->StatesApproachOf(context.joint()); }

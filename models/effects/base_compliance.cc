@@ -5,7 +5,8 @@ namespace sagitta {
 namespace base_compliance {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"kx", Quantity::kCompliance, 1e-4, true}, {"ky", Quantity::kCompliance, 1e-4, true}};
+  return {NotNegative({"kx", Quantity::kCompliance, 1e-4, true}),
+          NotNegative({"ky", Quantity::kCompliance, 1e-4, true})};
 }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {

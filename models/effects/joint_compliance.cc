@@ -1,11 +1,22 @@
 // Deflection about the axis = k * torque of everything beyond; paper 000 eq. (2).
+#include <algorithm>
+
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
 namespace joint_compliance {
 
-std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"k", Quantity::kCompliance, 1e-3, true}};
+// It adds to what the robot file states, which may be too much.
+bool IsStated(const Robot& robot, const std::string& joint) {
+  return std::any_of(robot.compliances.begin(), robot.compliances.end(), [&](const JointCompliance& own) {
+    return robot.chain.joints[own.joint].name == joint &&
+           std::any_of(own.nodes.begin(), own.nodes.end(), [](const auto& node) { return node.k > 0.0; });
+  });
+}
+
+std::vector<EffectParameter> Parameters(const Robot& robot, const EffectSpec& spec) {
+  const EffectParameter k{"k", Quantity::kCompliance, 1e-3, true};
+  return {IsStated(robot, spec.target) ? k : NotNegative(k)};
 }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {

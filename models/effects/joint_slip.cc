@@ -23,7 +23,7 @@ const EffectDefinition& JointSlip() {
     effect.settings = {{"after_s", SettingDefinition::Kind::kMoment, "", {}}};
     effect.driven_by = EffectDriver::kTime;
     effect.separate_by = kSeparateByReturn;
-    effect.largest = 1.0;
+    effect.largest = 100.0;  // 0.1 rad: a tooth of a belt pulley with sixty
     effect.on_prismatic = true;
     effect.sizes =
         "mastering repeats to some 0.005 deg (87 urad), makers' instructions; a linear axis is referenced to some "

@@ -7,7 +7,7 @@ namespace sagitta {
 namespace link_gravity {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"mass", Quantity::kMass, 3e-4, true},
+  return {NotNegative({"mass", Quantity::kMass, 3e-4, true}),
           {"mx", Quantity::kFirstMoment, 3e-4, true},
           {"my", Quantity::kFirstMoment, 3e-4, true},
           {"mz", Quantity::kFirstMoment, 3e-4, true}};

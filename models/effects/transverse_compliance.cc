@@ -6,7 +6,8 @@ namespace sagitta {
 namespace transverse_compliance {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"ku", Quantity::kCompliance, 2e-4, true}, {"kv", Quantity::kCompliance, 2e-4, true}};
+  return {NotNegative({"ku", Quantity::kCompliance, 2e-4, true}),
+          NotNegative({"kv", Quantity::kCompliance, 2e-4, true})};
 }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {

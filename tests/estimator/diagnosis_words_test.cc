@@ -212,20 +212,16 @@ TEST(DiagnosisWords, UndecidedIsNotUnexplained) {
                                        HasSubstr("no name 24 %"), ::testing::Not(HasSubstr("link_gravity"))));
 }
 
-// Stated 2.1 urad/Nm, found 0.6 less: as much as machines show.
-TEST(DiagnosisWords, ACorrectionOfAStatedComplianceIsJudgedByTheSum) {
-  FoundEffect found = Found("joint_compliance", "A2", 0.99);
-  ParameterEstimate row;
-  row.name = "effect/joint_compliance/A2/k";
-  row.quantity = Quantity::kCompliance;
-  row.value = -0.6e-6;
-  row.ci95 = {-0.62e-6, -0.58e-6};
-  found.parameters = {row};
-  Robot robot = test::Kr270Robot();
-  EXPECT_FALSE(IsPlausible(robot, found));
-  robot.compliances = {{1, {{0.0, 2.1e-6}}, false}};
-  EXPECT_TRUE(IsPlausible(robot, found));
-  EXPECT_EQ(PhysicalInWords(robot, found), "it corrects the robot file: 2.1 urad/Nm there, 1.5 urad/Nm found");
+// A sign or a size that no machine shows is said in the first line: nothing is left, and yet the cause is another one.
+TEST(DiagnosisWords, WhatNoMachineShowsIsNoCause) {
+  Diagnosis d = Large();
+  EXPECT_THAT(VerdictInWords(d), Not(HasSubstr("no machine shows")));
+  d.verdict = DiagnosisVerdict::kExplained;
+  d.effects[1].bounds.kind = PhysicalBounds::Kind::kNegative;
+  const EffectSpec& spec = d.effects[1].candidate.spec;
+  EXPECT_THAT(VerdictInWords(d), EndsWith("Nothing significant is left. But no machine shows " +
+                                          ShortTitle(d.final.problem->robot(), spec) +
+                                          " of this sign or size: the cause is another one."));
 }
 
 // Effects that cost untouched rows more than they give, though not beyond chance, have no share of what is explained.

@@ -107,7 +107,7 @@ Section EffectSection(const Robot& robot, const FoundEffect& effect, size_t numb
                             IsDetermined(effect, row) ? "" : "not determined by these data"});
   }
   section.paragraphs = {EffectInWords(robot, effect), HalvesInWords(effect.confirmation),
-                        "Physical bounds: " + PhysicalInWords(robot, effect) + "."};
+                        "Physical bounds: " + PhysicalInWords(effect.bounds) + "."};
   for (const Alternative& alternative : effect.alternatives) {
     section.paragraphs.push_back("Or: " + AlternativeInWords(robot, alternative) +
                                  ". To separate them: " + SeparateBy(robot, alternative) + ".");
@@ -266,7 +266,7 @@ Section EffectTable(const Diagnosis& d) {
     const FoundEffect& effect = d.effects[i];
     section.rows.push_back({std::to_string(i + 1), Title(d.final.problem->robot(), effect.candidate.spec),
                             Millimetres(effect.holdout_after), Fixed(100.0 * effect.probability, 1) + " %",
-                            IsPlausible(d.final.problem->robot(), effect) ? "yes" : "no: a description"});
+                            effect.bounds.IsPlausible() ? "yes" : "no: a description"});
   }
   return section;
 }
