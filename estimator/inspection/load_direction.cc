@@ -34,6 +34,7 @@ struct DeflectionSums {
   std::map<int, int> configurations;
   Vector3<double> stated = Vector3<double>::Zero();
   int joints = 0;
+  bool in_columns = false;
 };
 
 // A column of u per newton along each axis and unit of compliance, by joint.
@@ -113,6 +114,7 @@ class LoadedStation {
     sums_.coordinates += 3;
     ++sums_.configurations[problem_.data().shots[row.shot].configuration];
     sums_.stated = gravity;
+    sums_.in_columns |= !problem_.data().shots[row.shot].wrench.IsZero();
   }
 
   const CalibrationProblem& problem_;
@@ -201,6 +203,7 @@ std::optional<LoadDirection> FindLoadDirection(const CalibrationProblem& problem
     if (found.angle < kTilted || !(left < kExplained * as_stated)) continue;
     found.left_stated = std::sqrt(as_stated / sums.coordinates);
     found.left = std::sqrt(std::max(0.0, left) / sums.coordinates);
+    found.in_columns = sums.in_columns;
     found.stated_in_base = problem.experiment().gravity_in_base;
     found.fitted_in_frame =
         found.stated_in_base ? found.fitted : Vector3<double>(aligned.BaseInStation(s).rotation * found.fitted);
@@ -212,7 +215,7 @@ std::optional<LoadDirection> FindLoadDirection(const CalibrationProblem& problem
 Finding LoadDirectionInWords(const LoadDirection& found) {
   return Found(Severity::kSerious, "load_direction",
                LoadsPullAcross(found.angle, found.fitted, found.stated, found.fitted_in_frame, found.stated_in_base,
-                               found.left_stated, found.left));
+                               found.in_columns, found.left_stated, found.left));
 }
 
 std::optional<Finding> LintLoadDirection(const CalibrationProblem& problem) {

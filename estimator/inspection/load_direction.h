@@ -19,6 +19,7 @@ namespace sagitta {
 struct LoadDirection {
   int station = 0;
   bool stated_in_base = false;           // gravity's frame
+  bool in_columns = false;               // the rows state the forces; else they are masses times gravity
   Vector3<double> stated, fitted;        // unit, base frame
   Vector3<double> fitted_in_frame;       // of the stated gravity
   double angle = 0.0;                    // rad, between them

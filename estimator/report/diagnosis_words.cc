@@ -152,12 +152,13 @@ std::vector<std::string> CausesInWords(const Diagnosis& d) {
 
 // What explains the rows and can hardly be their cause.
 std::string ImplausibleInWords(const Diagnosis& d) {
-  std::vector<std::string> names;
+  std::string words;
   for (const FoundEffect& effect : d.effects) {
-    if (!effect.bounds.IsPlausible()) names.push_back(ShortTitle(d.final.problem->robot(), effect.candidate.spec));
+    if (effect.bounds.IsPlausible()) continue;
+    words += " But " + ShortTitle(d.final.problem->robot(), effect.candidate.spec) + ": " +
+             PhysicalInWords(effect.bounds) + ".";
   }
-  if (names.empty()) return "";
-  return " But no machine shows " + Enumerate(names, kMostNames) + " of this sign or size: the cause is another one.";
+  return words;
 }
 
 std::string RestInWords(const Diagnosis& d) {

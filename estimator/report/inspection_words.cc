@@ -8,6 +8,8 @@
 namespace sagitta {
 namespace {
 
+constexpr char kForceOnTool[] = "(the force on the tool, in the measurement frame unless loads: says otherwise)";
+
 std::string UnitOf(const Joint& joint) { return joint.type == JointType::kRevolute ? " deg" : " mm"; }
 std::string ValueOf(const Joint& joint, double q) {
   return Fixed(q / (joint.type == JointType::kRevolute ? kDegree : 1e-3), 1);
@@ -125,8 +127,7 @@ Advice LoadUnitIsOff(const std::string& load, double size, double flexibility, b
 
 Advice LoadSignIsOff(const std::string& load) {
   return {"load '" + load + "': the markers move against its force",
-          "check the signs of fx_N, fy_N, fz_N (the force on the tool, in the measurement frame "
-          "unless loads: says otherwise), and which rows are loaded"};
+          "check the signs of fx_N, fy_N, fz_N " + std::string(kForceOnTool) + ", and which rows are loaded"};
 }
 
 namespace {
@@ -148,14 +149,15 @@ std::string WeightsPullAcross(double angle) {
 }
 
 Advice LoadsPullAcross(double angle, const Vector3<double>& fitted, const Vector3<double>& stated,
-                       const Vector3<double>& in_frame, bool is_base, double left_stated, double left) {
+                       const Vector3<double>& in_frame, bool is_base, bool in_columns, double left_stated,
+                       double left) {
   const std::string frame = is_base ? "base" : "measurement";
   return {WeightsPullAcross(angle) + ": along (" + DirectionInWords(fitted) + ") of the base frame, stated is (" +
               DirectionInWords(stated) + "); any compliances of the joints miss the deflections by " +
               InMillimetres(left) + " RMS there, by " + InMillimetres(left_stated) + " as stated",
-          "state gravity: {direction: [" + DirectionInWords(in_frame) + "], frame: " + frame +
-              "} in the experiment file" + (is_base ? "" : " (the " + frame + " frame is not levelled)") +
-              "; wrench columns are in the measurement frame unless loads: says otherwise"};
+          in_columns ? "check signs and axes of fx_N, fy_N, fz_N " + std::string(kForceOnTool)
+                     : "state gravity: {direction: [" + DirectionInWords(in_frame) + "], frame: " + frame +
+                           "} in the experiment file" + (is_base ? "" : " (the " + frame + " frame is not levelled)")};
 }
 
 std::string MisfitOfReading(double misfit, double as_read, const std::string& name,

@@ -44,8 +44,9 @@ Advice LoadUnitIsOff(const std::string& load, double size, double flexibility, b
 Advice LoadSignIsOff(const std::string& load);
 // angle: rad, between the directions (base frame) that weights are stated to pull in and that the deflections fit;
 // left: what they miss the deflections by, m RMS per coordinate. in_frame: the latter in the frame of the stated one.
+// in_columns: rows state the forces, which no other gravity turns.
 Advice LoadsPullAcross(double angle, const Vector3<double>& fitted, const Vector3<double>& stated,
-                       const Vector3<double>& in_frame, bool is_base, double left_stated, double left);
+                       const Vector3<double>& in_frame, bool is_base, bool in_columns, double left_stated, double left);
 std::string WeightsPullAcross(double angle);
 
 // misfit: of the aligned nominal robot as stated, m RMS; `as_read`: with the other reading `name`. alike: others that

@@ -181,7 +181,8 @@ struct EffectParameter {
   // small arm are 0.3 urad/Nm on a large one. 0: not stated.
   double typical = 0.0;
   bool of_motion = false;
-  bool not_negative = false;  // a mass, a gap, what a part gives way by: no machine has less than nothing of it
+  // A mass, a gap, what a part gives way or grows by: no machine has less than nothing of it.
+  bool not_negative = false;
 };
 // The same parameter, with that sign alone.
 inline EffectParameter NotNegative(EffectParameter parameter) {

@@ -7,7 +7,7 @@ namespace sagitta {
 namespace thermal_growth {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"growth", Quantity::kGrowth, 10e-6}};
+  return {NotNegative({"growth", Quantity::kGrowth, 10e-6})};
 }
 
 double Lag(const EffectSpec& spec) { return spec.NumberSetting("lag_s", 0.0); }

@@ -218,10 +218,9 @@ TEST(DiagnosisWords, WhatNoMachineShowsIsNoCause) {
   EXPECT_THAT(VerdictInWords(d), Not(HasSubstr("no machine shows")));
   d.verdict = DiagnosisVerdict::kExplained;
   d.effects[1].bounds.kind = PhysicalBounds::Kind::kNegative;
-  const EffectSpec& spec = d.effects[1].candidate.spec;
-  EXPECT_THAT(VerdictInWords(d), EndsWith("Nothing significant is left. But no machine shows " +
-                                          ShortTitle(d.final.problem->robot(), spec) +
-                                          " of this sign or size: the cause is another one."));
+  EXPECT_THAT(VerdictInWords(d),
+              EndsWith("Nothing significant is left. But A2 joint_harmonic, order 1: the sign is not "
+                       "physical: read it as a description, not as a cause."));
 }
 
 // Effects that cost untouched rows more than they give, though not beyond chance, have no share of what is explained.

@@ -76,5 +76,20 @@ TEST(LoadDirection, ACalibrationWithAnotherGravityIsNotTrusted) {
   EXPECT_TRUE(stated.trust.verdict.trusted) << stated.trust.verdict.words;
 }
 
+// Forces in the rows do not turn with gravity: to state another one would change nothing.
+TEST(LoadDirection, ForcesInColumnsAreCheckedThere) {
+  test::LoadedTruth truth;
+  test::LoadedDesign design;
+  design.stations = 1;
+  Measurements data = test::LoadedRows(design, truth);
+  test::Measure(test::ExactPoints(truth, data), design.sigma, 6, &data);
+  for (Shot& shot : data.shots) shot.wrench.force *= -1.0;
+  const test::LoadedSetup setup = test::SetupFor(truth);
+  const auto found = FindLoadDirection(MakeCalibrationProblem(setup.robot, data, setup.experiment));
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->angle / kDegree, 180.0, 1.0);
+  EXPECT_THAT(LoadDirectionInWords(*found).remedy, HasSubstr("check signs and axes of fx_N, fy_N, fz_N"));
+}
+
 }  // namespace
 }  // namespace sagitta::load_direction_test

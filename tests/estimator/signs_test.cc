@@ -100,7 +100,7 @@ TEST(Signs, OfASetTheyAreThoseOfItsMembers) {
 }
 
 // The effects whose parameters they are; a compliance that corrects a stated one may be less.
-TEST(Signs, OfTheCatalogueAreThoseOfMassesGapsAndWhatGivesWay) {
+TEST(Signs, OfTheCatalogueAreThoseOfMassesGapsAndWhatGivesWayOrGrows) {
   Robot robot = test::Kr270Robot();
   const auto one_sided = [&](const EffectDefinition& definition, const std::string& target) {
     std::vector<std::string> names;
@@ -114,6 +114,7 @@ TEST(Signs, OfTheCatalogueAreThoseOfMassesGapsAndWhatGivesWay) {
   EXPECT_EQ(one_sided(BaseCompliance(), ""), (Names{"kx", "ky"}));
   EXPECT_EQ(one_sided(LinkGravity(), "A2"), Names{"mass"});
   EXPECT_EQ(one_sided(Backlash(), "A2"), Names{"half_gap"});
+  EXPECT_EQ(one_sided(ThermalGrowth(), ""), Names{"growth"});
   EXPECT_EQ(one_sided(JointHarmonic(), "A2"), Names{});
   robot.compliances.clear();
   EXPECT_EQ(one_sided(JointComplianceEffect(), "A2"), Names{"k"});
