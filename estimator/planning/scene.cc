@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "estimator/alignment/starting_values.h"
 #include "estimator/least_squares/linearization.h"
@@ -253,19 +254,41 @@ void ExpectReadings(PlanScene* scene) {
   }
 }
 
+// The validation rows, without any all rows.
+std::vector<int> TestsAmong(const Measurements& data) {
+  std::vector<int> tests;
+  const bool has_validation =
+      std::any_of(data.configurations.begin(), data.configurations.end(),
+                  [](const Configuration& configuration) { return configuration.is_validation; });
+  for (size_t c = 0; c < data.configurations.size(); ++c) {
+    if (!has_validation || data.configurations[c].is_validation) tests.push_back(static_cast<int>(c));
+  }
+  return tests;
+}
+
+size_t PosesOf(const Measurements& data, const std::vector<int>& configurations) {
+  std::set<std::vector<double>> poses;
+  for (const int c : configurations) poses.insert({data.configurations[c].q.begin(), data.configurations[c].q.end()});
+  return poses.size();
+}
+
+// Rows of a file to plan from, of which nothing is measured, may stand for a pose or two: fewer than there are joints
+// show nothing of most of them.
 void AddTests(const Measurements& data, const PlanRequest& request, const Drawing* drawing, SceneRows* rows,
               PlanScene* scene) {
+  bool is_drawn = request.random_tests;
   if (request.tests != nullptr) {
     scene->tests = rows->AddAll(*request.tests, All(request.tests->configurations.size()));
-  } else if (request.random_tests) {
+  } else if (!is_drawn) {
+    scene->tests = TestsAmong(data);
+    const size_t poses = PosesOf(data, scene->tests);
+    const auto joints = static_cast<size_t>(scene->placed->robot().num_joints());
+    is_drawn = poses > 0 && poses < joints && drawing != nullptr;
+    if (poses < joints) scene->words.push_back(FewTestPoses(poses, is_drawn));
+  }
+  if (is_drawn) {
+    scene->tests.clear();
     drawing->Draw(kRandomTests, request.seed + 1, "T", scene->feasible.get(), rows, &scene->tests, nullptr, nullptr);
-  } else {
-    const bool has_validation =
-        std::any_of(data.configurations.begin(), data.configurations.end(),
-                    [](const Configuration& configuration) { return configuration.is_validation; });
-    for (size_t c = 0; c < data.configurations.size(); ++c) {
-      if (!has_validation || data.configurations[c].is_validation) scene->tests.push_back(static_cast<int>(c));
-    }
   }
   if (scene->tests.empty()) {
     throw InputError({"", 0, "--tests"}, "there is no test pose to be accurate at", "give --tests=FILE.csv");

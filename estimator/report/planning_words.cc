@@ -84,6 +84,16 @@ std::string PatternsLeftOut(int left_out, int offered) {
          std::to_string(offered) + " most frequent ones that are offered.";
 }
 
+std::string FewTestPoses(size_t poses, bool are_drawn) {
+  const std::string count = poses == 1 ? "one pose" : std::to_string(poses) + " poses";
+  if (are_drawn) {
+    return "The rows are of " + count +
+           " alone: the accuracy is asked at poses drawn in the joint limits (state others: --tests=FILE).";
+  }
+  return "All test points are of " + count +
+         ": the accuracy predicted holds there (state others: --tests=FILE, or random).";
+}
+
 std::string BodiesAreNotStated() {
   return "collisions of the arm's body with itself and the cell (no capsules are stated)";
 }

@@ -21,6 +21,8 @@ std::string RegisteredOnTests();
 std::string PlacesFitReadings();
 std::string PlacesAreStated();
 std::string PatternsLeftOut(int left_out, int offered);
+// are_drawn: the accuracy is asked at drawn poses in place of these.
+std::string FewTestPoses(size_t poses, bool are_drawn);
 
 // What is not checked of each pose: `what` follows.
 std::string BodiesAreNotStated();

@@ -10,6 +10,14 @@ namespace {
 
 constexpr double kConsiderable = 0.5;  // of the RMS: a quarter of the mean square
 
+// Components of the joints are apart from the noise of the instrument; those of points and of rotations are the spread
+// of their residuals.
+bool KnowsJointScatter(const Estimate& estimate) {
+  const std::vector<VarianceComponent>& components = estimate.noise_report.components;
+  return std::any_of(components.begin(), components.end(),
+                     [](const VarianceComponent& component) { return !component.joints.empty(); });
+}
+
 }  // namespace
 
 NoiseShare ShareOfNoise(const Estimate& estimate, const std::vector<int>& points, const UnseenPoints& unseen) {
@@ -21,7 +29,7 @@ NoiseShare ShareOfNoise(const Estimate& estimate, const std::vector<int>& points
   const double square = unseen.distance_rms * unseen.distance_rms;
   const double deviation = square * std::sqrt(2.0 / unseen.freedom);
   const double two_sided = NormalQuantile(0.975), one_sided = NormalQuantile(0.95);
-  share.of_residuals = !estimate.sigma.stated && estimate.noise_report.components.empty();
+  share.of_residuals = !estimate.sigma.stated && !KnowsJointScatter(estimate);
   const double lacking = square - noise / (1.0 - unseen.parameters_share);
   if (!share.of_residuals && lacking > two_sided * deviation) share.beyond_noise = std::sqrt(lacking);
   // More noise than there are errors: it is stated too large, which is said elsewhere.

@@ -8,6 +8,7 @@
 Arrays are in SI (m, rad), one row per reading, and say so in their names. Frames and dictionaries are the files and
 the JSON of docs/FORMATS.md, units in every name, with the numbers of the program to the last digit.
 """
+import difflib as _difflib
 import json as _json
 import operator as _operator
 import os as _os
@@ -57,9 +58,9 @@ class Parameter:
         self.unconditional, self.unconditional_ci95 = _unconditional(row)
 
     def __repr__(self):
-        interval = "" if self.sigma is None else " ± %.3g" % self.sigma
-        allowing = "" if self.unconditional is None else ", ± %.3g with what was held" % self.unconditional
-        return "<%s = %.6g%s %s%s>" % (self.name, self.value, interval, self.unit, allowing)
+        sigma = "" if self.sigma is None else ", sigma %.3g" % self.sigma
+        allowing = "" if self.unconditional is None else ", sigma %.3g with what was held" % self.unconditional
+        return "<%s = %.6g %s%s%s>" % (self.name, self.value, self.unit, sigma, allowing)
 
 
 def _read_only(array):
@@ -214,7 +215,8 @@ class Estimate(_WithJson):
         for row in self.to_dict()["parameters"]:
             if row["name"] == name:
                 return Parameter(row)
-        raise KeyError(name)
+        near = _difflib.get_close_matches(str(name), [row["name"] for row in self.to_dict()["parameters"]], 3, 0.5)
+        raise KeyError("%s: no parameter%s" % (name, "; did you mean %s?" % " or ".join(near) if near else ""))
 
     @property
     def estimated(self):
@@ -289,6 +291,9 @@ class Estimate(_WithJson):
     def report_html(self):
         """report.html: one page, nothing to fetch."""
         return self._core.report_html()
+
+    def __reduce__(self):
+        raise TypeError("an estimate is not pickled: write(folder), then sagitta.load(folder + '/estimate.json')")
 
     def write(self, folder):
         """estimate.json, robot.calibrated.yaml, residuals.csv and report.html, all or none."""

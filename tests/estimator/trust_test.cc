@@ -281,6 +281,26 @@ TEST(NoiseShare, OfUnstatedNoiseTheRobotHasAnUnknownPart) {
   EXPECT_THAT(words, Not(HasSubstr("left for the robot")));
 }
 
+// Points and rotations weighed by the spread of their residuals know no more; components of the joints do.
+TEST(NoiseShare, TheSpreadOfResidualsIsNoInstrument) {
+  Estimate estimate;
+  estimate.noise = NoiseRoots(6, Matrix3<double>::Identity());
+  UnseenPoints unseen;
+  unseen.points = 6;
+  unseen.distance_rms = 2.0;
+  unseen.freedom = 200.0;
+  const std::vector<int> points = {0, 1, 2, 3, 4, 5};
+  estimate.noise_report.components.resize(2);  // points, rotations
+  EXPECT_TRUE(ShareOfNoise(estimate, points, unseen).of_residuals);
+  estimate.noise_report.components.resize(3);
+  estimate.noise_report.components[2].joints = {0, 1};
+  EXPECT_FALSE(ShareOfNoise(estimate, points, unseen).of_residuals);
+  estimate.noise_report.components.clear();
+  EXPECT_TRUE(ShareOfNoise(estimate, points, unseen).of_residuals);
+  estimate.sigma.stated = true;
+  EXPECT_FALSE(ShareOfNoise(estimate, points, unseen).of_residuals);
+}
+
 TEST(NoiseShare, IsInTheVerdict) {
   const Trust trust = TrustOf(Problem(Design(30)));
   EXPECT_THAT(trust.verdict.words, HasSubstr("the noise of the readings is 0.173 mm"));  // 0.1 sqrt(3)

@@ -96,6 +96,14 @@ class SameAsTheProgram(FolderTest):
         written = columns_of(self.folder / "program" / "residuals.csv")
         self.assertEqual(list(residuals["res_x_mm"]), [float(cell) for cell in written["res_x_mm"]])
 
+    def test_an_estimate_says_what_it_lacks(self):
+        estimate = sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))
+        name = estimate.estimated[0]
+        with self.assertRaisesRegex(KeyError, "did you mean .*%s" % name):
+            estimate[name + "x"]
+        with self.assertRaisesRegex(TypeError, "sagitta.load"):
+            pickle.dumps(estimate)
+
     def test_flags(self):
         run("calibrate", KR270 / "robot.yaml", KR270 / "geometric.csv", "--sigma_mm=0.1", "--holdout=0.3", "--seed=5",
             "--fixed=geometry/p_x1", "--out=%s" % (self.folder / "program"), "--quiet")
@@ -404,7 +412,7 @@ class Held(unittest.TestCase):
                 self.assertEqual(list(parameter.unconditional_ci95), row["unconditional"]["ci95"])
                 self.assertEqual(shown["unconditional"], row["unconditional"]["sigma"])
                 self.assertEqual([shown["unconditional_low"], shown["unconditional_high"]], row["unconditional"]["ci95"])
-                self.assertIn("± %.3g with what was held" % parameter.unconditional, repr(parameter))
+                self.assertIn("sigma %.3g with what was held" % parameter.unconditional, repr(parameter))
             else:
                 self.assertIsNone(parameter.unconditional)
                 self.assertIsNone(parameter.unconditional_ci95)
