@@ -387,8 +387,7 @@ class Session {
       if (row.free && IsParameterOf(chosen.candidate.spec, row.name)) effect.parameters.push_back(row);
     }
     effect.bounds = PhysicalBoundsOf(d_.final, chosen.candidate.spec, effect.parameters);
-    effect.lag = AllowForLag(d_.final, chosen.candidate.spec, &effect.parameters);
-    if (!effect.lag) AllowForSetting(d_.final, chosen.candidate.spec, &effect.parameters);
+    effect.lag = AllowForSetting(d_.final, chosen.candidate.spec, &effect.parameters);
   }
 
   // What the noise has to be with the final model, and how well that fits then.

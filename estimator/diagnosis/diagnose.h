@@ -17,7 +17,6 @@
 #include "estimator/diagnosis/noise_finding.h"
 #include "estimator/diagnosis/physical_bounds.h"
 #include "estimator/diagnosis/reported_posterior.h"
-#include "estimator/diagnosis/thermal_lag.h"
 #include "estimator/evidence/next_poses.h"
 #include "models/constants.h"
 #include "problems/choices.h"
@@ -33,6 +32,14 @@ struct ScreenedCandidate {
   double corrected_p = 1.0;
   double log_evidence = 0.0;          // over nothing, prior not included
   std::optional<double> holdout_rms;  // m; of those with a share of the probability
+};
+
+// Of what temperature drives the scanned setting is how late the arm follows the thermometer (Newton's law of cooling,
+// thermal_growth.cc).
+struct ThermalLag {
+  double best = 0.0;                     // s
+  double shortest = 0.0, longest = 0.0;  // s, that the data do not contradict at 95 %
+  bool is_timed = false;                 // the shots state their time; else they are in their order, one a minute
 };
 
 // An effect that the diagnosis names, with what it explains and what speaks for it.

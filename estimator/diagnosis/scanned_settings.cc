@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "estimator/diagnosis/refit_order.h"
+#include "estimator/statistics/distributions.h"
 #include "models/effects/catalogue.h"
 #include "problems/text.h"
 
@@ -16,6 +17,10 @@ namespace {
 // and the parabola through three of them less than is in doubt.
 constexpr int kBetweenListed = 4;
 constexpr double kSameSetting = 1e-6;  // relative
+constexpr const char* kLagSetting = "lag_s";
+constexpr double kLongestLag = 1800.0, kBetweenShots = 60.0;  // s; the latter where no time is stated
+constexpr double kBeyondOwn = 2.0;  // times the lag that the effect states, where that is more
+constexpr int kLags = 30;
 constexpr int kDigits = 3;  // of a setting that is found: no rows determine a time constant or a width to 0.5 %
 
 const SettingDefinition* ScannedDefinition(const Robot& robot, const EffectSpec& spec) {
@@ -62,8 +67,10 @@ std::vector<double> ScanOf(const SettingDefinition& setting, double own) {
   return values;
 }
 
+// 0: without it.
 EffectSpec At(EffectSpec spec, const std::string& setting, double value) {
   spec.settings[setting] = Significant(value, kDigits);
+  if (value == 0.0) spec.settings.erase(setting);
   return spec;
 }
 
@@ -74,6 +81,78 @@ void ChangeTo(const EffectSpec& changed, Candidate* candidate) {
     for (std::string& name : *names) name.replace(0, length, changed.Path());
   }
   candidate->spec = changed;
+}
+
+// The model refitted at one value of the number.
+struct FitAt {
+  double at = 0.0;  // the number, SI or the setting's own unit
+  EffectSpec spec;  // what the effect is called in this fit
+  QuickRefit refit;
+
+  double chi2() const { return refit.estimate.chi2; }
+};
+
+// The one with the least chi-square. fits: not empty.
+const FitAt& BestOf(const std::vector<FitAt>& fits) {
+  return *std::min_element(fits.begin(), fits.end(),
+                           [](const FitAt& a, const FitAt& b) { return a.chi2() < b.chi2(); });
+}
+
+// The model with `changed` in place of an effect that it has, at the same values, not yet refitted. Both have the same
+// parameters.
+DiagnosedModel WithInstead(const DiagnosedModel& model, const EffectSpec& spec, const EffectSpec& changed) {
+  if (changed.Path() == spec.Path()) return model;
+  CalibrationProblem problem = *model.problem;
+  problem.parameters.CopyByName(model.estimate.parameters);
+  problem = problem.WithEffects({changed});
+  ParameterSet& parameters = problem.parameters;
+  Eigen::VectorXd moves = Eigen::VectorXd::Zero(parameters.num_coordinates());
+  for (int i = 0; i < parameters.num_coordinates(); ++i) {
+    Coordinate& old = parameters.coordinate(i);
+    if (!IsParameterOf(spec, old.name)) continue;
+    const int own = parameters.FindCoordinate(changed.Path() + old.name.substr(spec.Path().size()));
+    parameters.coordinate(own).free = old.free;
+    parameters.coordinate(own).prior_sigma = old.prior_sigma;
+    moves[own] = parameters.Value(i);
+    moves[i] = -parameters.Value(i);
+    old.free = false;
+  }
+  parameters.Plus(moves);
+  DiagnosedModel swapped = model;
+  swapped.estimate.parameters = parameters;
+  swapped.problem = std::make_shared<CalibrationProblem>(std::move(problem));
+  return swapped;
+}
+
+// Of a fit, the coordinate of a row that `spec` has in the final model.
+int CoordinateOf(const FitAt& fit, const EffectSpec& spec, const ParameterEstimate& row) {
+  return fit.refit.estimate.parameters.FindCoordinate(fit.spec.Path() + row.name.substr(spec.Path().size()));
+}
+
+// Of the noise that a row's interval goes by, in that of the refit at `own`; 0 where that does not determine the row.
+double NoiseOfRow(const std::vector<FitAt>& fits, double own, const EffectSpec& spec, const ParameterEstimate& row) {
+  const FitAt& near = *std::min_element(fits.begin(), fits.end(), [own](const FitAt& a, const FitAt& b) {
+    return std::abs(a.at - own) < std::abs(b.at - own);
+  });
+  const int c = CoordinateOf(near, spec, row);
+  const double sigma = c < 0 ? 0.0 : near.refit.sigmas[c];
+  return sigma > 0.0 ? row.sigma / sigma : 0.0;
+}
+
+// own: the number of that row's fit, of which the noise is.
+void Widen(const std::vector<FitAt>& fits, double own, const EffectSpec& spec, ParameterEstimate* row) {
+  const double noise = NoiseOfRow(fits, own, spec, *row);
+  if (!(noise > 0.0)) return;
+  const double least = BestOf(fits).chi2();
+  const double q = 0.5 * (row->ci95.high - row->ci95.low) / row->sigma;
+  for (const FitAt& fit : fits) {
+    const double left = q * q - (fit.chi2() - least) / (noise * noise);
+    if (left < 0.0) continue;
+    const int c = CoordinateOf(fit, spec, *row);
+    const double half = std::sqrt(left) * noise * fit.refit.sigmas[c], value = fit.refit.estimate.parameters.Value(c);
+    row->ci95 = {std::min(row->ci95.low, value - half), std::max(row->ci95.high, value + half)};
+  }
+  row->sigma = 0.5 * (row->ci95.high - row->ci95.low) / q;
 }
 
 // The model refitted at each value; without those where it does not converge.
@@ -102,6 +181,44 @@ double LeastOf(const std::vector<FitAt>& fits) {
   return fits[best].at * std::exp(-0.5 * (a - curvature * left) / curvature);
 }
 
+bool IsTimed(const Measurements& data) {
+  return std::all_of(data.shots.begin(), data.shots.end(), [](const Shot& shot) { return shot.has_time; });
+}
+
+// With the clock that lags count by: where the shots state no time, they are assumed to be in their order. If that is
+// wrong, the data contradict all but short lags, and little is widened.
+DiagnosedModel WithClock(DiagnosedModel model) {
+  if (IsTimed(model.problem->data())) return model;
+  model.problem = std::make_shared<CalibrationProblem>(*model.problem);
+  std::vector<Shot>& shots = model.problem->mutable_data()->shots;
+  for (size_t s = 0; s < shots.size(); ++s) {
+    shots[s].has_time = true;
+    shots[s].time = kBetweenShots * static_cast<double>(s);
+  }
+  model.problem->RenewShots();
+  return model;
+}
+
+// From none on.
+std::vector<double> LagsFor(double own) {
+  const double longest = std::max(kLongestLag, kBeyondOwn * own);
+  std::vector<double> lags;
+  for (int k = 0; k <= kLags; ++k) lags.push_back(longest * k / kLags);
+  return lags;
+}
+
+ThermalLag LagOf(const std::vector<FitAt>& fits, double noise, bool is_timed) {
+  const FitAt& best = BestOf(fits);
+  const double within = ChiSquareQuantile(0.95, 1.0) * noise * noise;
+  ThermalLag lag{best.at, fits.back().at, 0.0, is_timed};
+  for (const FitAt& fit : fits) {
+    if (fit.chi2() > best.chi2() + within) continue;
+    lag.shortest = std::min(lag.shortest, fit.at);
+    lag.longest = std::max(lag.longest, fit.at);
+  }
+  return lag;
+}
+
 }  // namespace
 
 double TuneSettings(const Evidence& evidence, const JointOptions& joint, RefittedSet* refitted) {
@@ -128,13 +245,22 @@ double TuneSettings(const Evidence& evidence, const JointOptions& joint, Refitte
   return gain;
 }
 
-void AllowForSetting(const DiagnosedModel& final, const EffectSpec& spec, std::vector<ParameterEstimate>* rows) {
-  const SettingDefinition* setting = ScannedDefinition(final.problem->robot(), spec);
-  if (setting == nullptr) return;
-  const double own = spec.NumberSetting(setting->name, 0.0);
-  const std::vector<FitAt> fits = FitSettings(final, spec, setting->name, ScanOf(*setting, own));
-  if (fits.empty()) return;
+std::optional<ThermalLag> AllowForSetting(const DiagnosedModel& final, const EffectSpec& spec,
+                                          std::vector<ParameterEstimate>* rows) {
+  const Robot& robot = final.problem->robot();
+  const EffectDefinition* definition = FindEffect(robot, spec.effect);
+  const bool is_lag = definition != nullptr && definition->driven_by == EffectDriver::kTemperature;
+  const SettingDefinition* scanned = is_lag ? nullptr : ScannedDefinition(robot, spec);
+  if (rows->empty() || (!is_lag && scanned == nullptr)) return std::nullopt;
+  const std::string setting = is_lag ? kLagSetting : scanned->name;
+  const double own = spec.NumberSetting(setting, 0.0);
+  const std::vector<FitAt> fits = is_lag ? FitSettings(WithClock(final), spec, setting, LagsFor(own))
+                                         : FitSettings(final, spec, setting, ScanOf(*scanned, own));
+  if (fits.size() < 2) return std::nullopt;
+  std::optional<ThermalLag> lag;
+  if (is_lag) lag = LagOf(fits, NoiseOfRow(fits, own, spec, rows->front()), IsTimed(final.problem->data()));
   for (ParameterEstimate& row : *rows) Widen(fits, own, spec, &row);
+  return lag;
 }
 
 }  // namespace sagitta

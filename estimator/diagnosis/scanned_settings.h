@@ -4,10 +4,10 @@
 // each value would make of the effect's parameters is part of their intervals.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "estimator/diagnosis/selected_effects.h"
-#include "estimator/diagnosis/setting_profile.h"
 
 namespace sagitta {
 
@@ -16,7 +16,11 @@ namespace sagitta {
 double TuneSettings(const Evidence& evidence, const JointOptions& joint, RefittedSet* refitted);
 
 // Widens `rows`, the effect's parameters in the final model, to what any value of its scanned setting leaves possible,
-// listed or between; values stay.
-void AllowForSetting(const DiagnosedModel& final, const EffectSpec& spec, std::vector<ParameterEstimate>* rows);
+// listed or between, and any lag from none to half an hour (or twice the one that the effect states), by the profile
+// likelihood: all values v with, at some number,
+//   chi2(number) + (v - v(number))^2 / sigma(number)^2 <= least + q^2,
+// joined with the interval that the row has, of which q is. Values stay. Returns the lag, where temperature drives.
+std::optional<ThermalLag> AllowForSetting(const DiagnosedModel& final, const EffectSpec& spec,
+                                          std::vector<ParameterEstimate>* rows);
 
 }  // namespace sagitta

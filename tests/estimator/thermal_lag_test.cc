@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "estimator/diagnosis/diagnose.h"
+#include "estimator/diagnosis/scanned_settings.h"
 #include "tests/support/kr270_experiment.h"
 #include "tests/support/random_vector.h"
 
@@ -72,7 +72,7 @@ Grown FitGrowth(const CalibrationProblem& problem, const std::map<std::string, s
     if (IsParameterOf(grown.effect.spec, row.name)) rows.push_back(row);
   }
   grown.before = rows.at(0);
-  grown.lag = AllowForLag(grown.model, grown.effect.spec, &rows);
+  grown.lag = AllowForSetting(grown.model, grown.effect.spec, &rows);
   grown.after = rows.at(0);
   return grown;
 }
@@ -125,7 +125,7 @@ TEST(ThermalLag, OnlyWhatTemperatureDrives) {
   Grown grown = FitGrowth(Warming(420.0));
   grown.effect.spec = {"encoder_gain", "A2", {}, {}};
   std::vector<ParameterEstimate> rows = {grown.before};
-  EXPECT_FALSE(AllowForLag(grown.model, grown.effect.spec, &rows));
+  EXPECT_FALSE(AllowForSetting(grown.model, grown.effect.spec, &rows));
   EXPECT_EQ(rows[0].ci95.high, grown.before.ci95.high);
 }
 
