@@ -177,7 +177,8 @@ double Posterior::MoreThan(size_t names) const {
 }
 
 // From nothing on, S: an effect e is added where P(nothing more | S) < 1 - gate and e is more probable than that what
-// more is there has no name. Of the first the former is asked before (is something missing?).
+// more is there has no name. Of the first the former is asked before (is something missing?): sets without an effect
+// are all without a name.
 size_t Posterior::Leading(double gate) const {
   std::vector<int> chosen;
   while (true) {
@@ -199,8 +200,8 @@ size_t Posterior::Leading(double gate) const {
     }
     const auto best =
         std::max_element(with.begin(), with.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-    const bool any_more = chosen.empty() || alone - without_name < (1.0 - gate) * all;
-    const bool is_enough = best == with.end() || !any_more || best->second < (chosen.empty() ? alone : without_name);
+    const bool any_more = alone - without_name < (1.0 - gate) * all;
+    const bool is_enough = best == with.end() || !any_more || best->second < without_name;
     if (is_enough && first < sets.size()) return first;
     chosen = EachOnce(chosen, {best->first});
   }
