@@ -41,21 +41,13 @@ class PoseChoice {
   int Needed(double wanted, int most) const;
 
  private:
-  struct Block {
-    long first = 0, size = 0;
-  };
-  Block RowsOf(size_t pose) const { return {first_row_[pose], first_row_[pose + 1] - first_row_[pose]}; }
-  Eigen::MatrixXd OwnOf(const Eigen::MatrixXd& spread) const;
-  std::vector<long> RowsOf(const std::vector<size_t>& poses) const;  // one pose after the other
-  // D of the poses that are chosen together with each of these.
-  std::vector<Eigen::MatrixXd> ApartWith(const std::vector<size_t>& poses) const;
-  Eigen::MatrixXd ApartAfter(double visits) const;
+  // D over the rows of these poses, each read so often.
+  Eigen::MatrixXd Apart(const std::vector<size_t>& poses, double visits) const;
 
   std::vector<RivalRows> rivals_;
   std::vector<long> first_row_;
   Eigen::VectorXd probabilities_;
   std::vector<int> names_;
-  std::vector<Eigen::MatrixXd> own_;  // of each rival
   std::vector<size_t> asked_, taken_;
 };
 
