@@ -73,7 +73,7 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
     : problem_(problem),
       about_(about),
       parameters_(WithValuesOf(parameters, about.parameters)),
-      columns_(problem, parameters_, candidates.candidates, about_, before == nullptr ? nullptr : &before->columns_),
+      columns_(problem, parameters_, candidates.candidates, about_),
       list_(ListExplanations(problem, parameters_, candidates, masses, &columns_)),
       masses_(masses),
       prior_{masses.nothing, masses.further},
@@ -150,7 +150,7 @@ ViewedNormal Evidence::Viewed(const NoiseView& view) const {
   for (size_t k = 0; k < list_.math.size(); ++k) {
     own.insert(list_.math[k].group.columns);
     const int needed = needs.Of(static_cast<int>(k));
-    if (needed != kNoExplanation) own.insert(Joined(list_.math[needed].group, list_.math[k].group).columns);
+    if (needed != kNoExplanation) own.insert(ColumnsTogether(list_.math[needed].group, list_.math[k].group));
   }
   const JointScatter scatter = ScatterOf(view);
   return {view, scatter, columns_.ProjectAll(scatter, own)};
@@ -193,19 +193,12 @@ Evidence::Trial Evidence::BestView(NoiseView::Kind kind, const WeightedSet& set)
   const FewExplanations few = WithTheirColumns(list_.math, set.members);
   const int enough = kRowsThatSettle + columns_.num_believed() + static_cast<int>(few.columns.size());
   const int every = std::max(1, columns_.num_rows() / enough);
-  const JointScatter least = ScatterOf({kind, 0.0}), unit = ScatterOf({kind, 1.0});
-  const std::vector<FilledBlock> some =
-      columns_.Fill(few.columns, every, least, {unit.visit - least.visit, unit.pose - least.pose});
   const auto view_at = [&](double log_sigma) { return NoiseView{kind, std::exp(log_sigma)}; };
-  const auto among_some = [&](double log_sigma) {
+  const auto weight = [&](double log_sigma, int one_in = 1) {
     const NoiseView view = view_at(log_sigma);
-    return LogWeight(view, set, few, columns_.Sum(view.sigma * view.sigma, some));
+    return LogWeight(view, set, few, columns_.Sum(ScatterOf(view), few.columns, one_in));
   };
-  const auto weight = [&](double log_sigma) {
-    if (every == 1) return among_some(log_sigma);
-    const NoiseView view = view_at(log_sigma);
-    return LogWeight(view, set, few, columns_.Sum(ScatterOf(view), few.columns));
-  };
+  const auto among_some = [&](double log_sigma) { return weight(log_sigma, every); };
   const double spacing = std::log(2.0);
   double near = low, near_weight = among_some(low);
   for (double at = low + spacing; at <= high; at += spacing) {
@@ -215,10 +208,11 @@ Evidence::Trial Evidence::BestView(NoiseView::Kind kind, const WeightedSet& set)
     near_weight = here;
   }
   // Counted from the nearest of them: the precision is relative.
-  const auto [offset, lost] = boost::math::tools::brent_find_minima([&](double at) { return -among_some(near + at); },
-                                                                    std::max(low - near, -spacing),
-                                                                    std::min(high - near, spacing), kSettledBits);
-  const double best = near + offset, best_weight = every == 1 ? -lost : weight(best);
+  const auto offset = boost::math::tools::brent_find_minima([&](double at) { return -among_some(near + at); },
+                                                            std::max(low - near, -spacing),
+                                                            std::min(high - near, spacing), kSettledBits)
+                          .first;
+  const double best = near + offset, best_weight = weight(best);
   const double gain = best_weight - LogPriorOf(view_at(best), set) - LogWeightAsStated(set);
   if (gain < kLeastGain) return {};
   // The prior is even over log sigma: of its range the likelihood keeps what its curvature leaves.

@@ -107,9 +107,8 @@ EvidenceColumns::SplitCandidates EvidenceColumns::Split(const CalibrationProblem
 }
 
 EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                 const std::vector<Candidate>& candidates, const LinearizedAbout& about,
-                                 const EvidenceColumns* before)
-    : extended_(problem), of_candidate_(candidates.size()), before_(before) {
+                                 const std::vector<Candidate>& candidates, const LinearizedAbout& about)
+    : extended_(problem), of_candidate_(candidates.size()) {
   const SplitCandidates split = Split(problem, candidates);
   const std::vector<EffectSpec> further = Missing(split.others, about.effects);  // their columns are elsewhere
   extended_ = problem.WithEffects(further).WithEffects(WithPull(problem, split.others));
@@ -303,20 +302,8 @@ std::vector<int> EvidenceColumns::Add(const FunctionFamily& family) {
     function_of_column_.push_back(f);
     own.push_back(num_columns_++);
   }
-  families_.push_back(Shared(family));
+  families_.push_back(family);
   return own;
-}
-
-FunctionFamily EvidenceColumns::Shared(FunctionFamily family) const {
-  if (before_ == nullptr) return family;
-  const auto same =
-      std::find_if(before_->families_.begin(), before_->families_.end(), [&](const FunctionFamily& other) {
-        const Eigen::MatrixXd &own = *family.functions, &theirs = *other.functions;
-        return other.source == family.source && theirs.rows() == own.rows() && theirs.cols() == own.cols() &&
-               theirs == own;
-      });
-  if (same != before_->families_.end()) family.functions = same->functions;
-  return family;
 }
 
 std::vector<std::pair<int, double>> EvidenceColumns::LengthsOf(int joint) const {

@@ -88,15 +88,6 @@ struct RowSums {
   RowSums& operator+=(const RowSums& other);
 };
 
-// Rows of some columns for sums under a family of scatters, of covariance C_0 + v M with any variance v. With K K' =
-// C_0 and K^-1 M K'^-1 = U diag(l) U' of each pose, rows U'K^-1 [believed, columns, residual] have the variances 1 + v
-// l.
-struct FilledBlock {
-  Eigen::MatrixXd rows;
-  Eigen::VectorXd growth;  // l of each row
-  double log_det = 0.0;    // of C_0
-};
-
 // Given what is believed, which is eliminated with a flat prior (or its stated one).
 struct GivenBelieved {
   ProjectedNormal normal;
@@ -118,11 +109,9 @@ struct LinearizedAbout {
 class EvidenceColumns {
  public:
   // Candidates without columns of their own (the gravity compensator) are left out. about: none, with no effects, and
-  // the model is linearized about what is believed. before: functions that are equal to its are shared with it; it
-  // lives as long as families are added here.
+  // the model is linearized about what is believed.
   EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
-                  const std::vector<Candidate>& candidates, const LinearizedAbout& about = {},
-                  const EvidenceColumns* before = nullptr);
+                  const std::vector<Candidate>& candidates, const LinearizedAbout& about = {});
 
   // Adds a family; returns its columns.
   std::vector<int> Add(const FunctionFamily& family);
@@ -156,14 +145,10 @@ class EvidenceColumns {
   bool HasRevisits() const { return has_revisits_; }
 
   std::vector<int> AllColumns() const;
-  // Of some columns over all rows; over the poses of each group by themselves.
-  RowSums Sum(const JointScatter& scatter, const std::vector<int>& columns) const;
+  // Of some columns over all rows, or one block of rows in `every`; over the poses of each group by themselves.
+  RowSums Sum(const JointScatter& scatter, const std::vector<int>& columns, int every = 1) const;
   std::vector<RowSums> SumEach(const JointScatter& scatter, const std::vector<int>& columns,
-                               const std::vector<int>& group_of_pose) const;
-  // Of one block in `every`; their sum is that over all where `every` is 1. least, per_unit: scatters of C_0 and M.
-  std::vector<FilledBlock> Fill(const std::vector<int>& columns, int every, const JointScatter& least,
-                                const JointScatter& per_unit) const;
-  RowSums Sum(double variance, const std::vector<FilledBlock>& filled) const;
+                               const std::vector<int>& group_of_pose, int every = 1) const;
   int num_rows() const { return 3 * static_cast<int>(extended_.CalibrationObservations().size()); }
   GivenBelieved Project(const RowSums& sums) const;
   // Of all columns over all rows. own: lists of columns of which the block with themselves is asked for often. Where
@@ -217,8 +202,6 @@ class EvidenceColumns {
   void SetLinearized();
   // Poses and blocks of them; the first blocks are linearized.
   void SetBlocks();
-  // The family with functions that are shared where there are equal ones.
-  FunctionFamily Shared(FunctionFamily family) const;
   // One family of each source.
   void AddMotions(const std::vector<Candidate>& candidates, const SplitCandidates& split);
   Block LinearizeBlock(const std::vector<int>& observations) const;
@@ -266,7 +249,6 @@ class EvidenceColumns {
   std::vector<std::vector<int>> of_candidate_;
   std::vector<double> units_;         // of the columns of catalogue_
   std::map<int, std::string> names_;  // of all candidates' columns
-  const EvidenceColumns* before_;
   std::vector<FunctionFamily> families_;
   std::vector<Source> sources_;  // of the families, each once
   std::vector<size_t> source_of_family_;

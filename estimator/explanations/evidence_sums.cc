@@ -7,25 +7,13 @@
 #include <set>
 
 #include "estimator/explanations/evidence_columns.h"
-#include "estimator/least_squares/batch_algebra.h"
+#include "estimator/least_squares/normal_algebra.h"
 
 namespace sagitta {
 namespace {
 
-constexpr Eigen::Index kRowsAtOnce = 24;  // of a product: what the widest vectors have registers for
 // Of J'J scaled to a unit diagonal: below, a direction is rounding.
 constexpr double kRankOfSums = 1e-13;
-
-// The products of a few columns at a time with those from the first of them on are added to the upper triangle.
-void AddUpperProducts(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& weighted, Eigen::MatrixXd* upper) {
-  for (Eigen::Index first = 0; first < rows.cols(); first += kRowsAtOnce) {
-    const Eigen::MatrixXd strip = rows.middleCols(first, std::min(kRowsAtOnce, rows.cols() - first)).transpose();
-    Eigen::MatrixXd product(strip.rows(), rows.cols() - first);
-    MultiplyColumns(strip.data(), strip.rows(), strip.rows(), strip.cols(), weighted.col(first).data(), product.cols(),
-                    product.data());
-    upper->block(first, first, product.rows(), product.cols()) += product;
-  }
-}
 
 }  // namespace
 
@@ -88,8 +76,8 @@ std::vector<int> EvidenceColumns::AllColumns() const {
   return all;
 }
 
-RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>& columns) const {
-  return SumEach(scatter, columns, std::vector<int>(poses_.size(), 0))[0];
+RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>& columns, int every) const {
+  return SumEach(scatter, columns, std::vector<int>(poses_.size(), 0), every)[0];
 }
 
 RowSums& RowSums::operator+=(const RowSums& other) {
@@ -100,13 +88,13 @@ RowSums& RowSums::operator+=(const RowSums& other) {
 }
 
 std::vector<RowSums> EvidenceColumns::SumEach(const JointScatter& scatter, const std::vector<int>& columns,
-                                              const std::vector<int>& group_of_pose) const {
+                                              const std::vector<int>& group_of_pose, int every) const {
   const int groups = 1 + *std::max_element(group_of_pose.begin(), group_of_pose.end());
   const long width = believed_.size() + columns.size() + 1;
   std::vector<RowSums> sums(static_cast<size_t>(groups), RowSums::Zero(width));
   Block scratch;
   Eigen::MatrixXd rows;
-  for (size_t b = 0; b < observations_of_block_.size(); ++b) {
+  for (size_t b = 0; b < observations_of_block_.size(); b += static_cast<size_t>(every)) {
     const Block& block = BlockOf(b, &scratch);
     FillRows(block, columns, &rows);
     const BlockRoots roots = RootsOf(block.observations, block.here.latent, scatter);
@@ -121,11 +109,10 @@ std::vector<RowSums> EvidenceColumns::SumEach(const JointScatter& scatter, const
     }
     for (size_t group = 0; group < sums.size(); ++group) {
       const Eigen::MatrixXd own = rows(of_group[group], Eigen::all);
-      AddUpperProducts(own, own, &sums[group].products);
+      sums[group].products += SelfProduct(own);
       sums[group].rows += static_cast<int>(own.rows());
     }
   }
-  for (RowSums& own : sums) own.products = Eigen::MatrixXd(own.products.selfadjointView<Eigen::Upper>());
   return sums;
 }
 
@@ -147,46 +134,6 @@ AlongSources EvidenceColumns::SumAlong(const std::vector<Source>& sources) const
       sums.residual.row(shot) += block.here.residual.segment<3>(top).transpose() * own;
     }
   }
-  return sums;
-}
-
-std::vector<FilledBlock> EvidenceColumns::Fill(const std::vector<int>& columns, int every, const JointScatter& least,
-                                               const JointScatter& per_unit) const {
-  std::vector<FilledBlock> filled;
-  Block scratch;
-  for (size_t b = 0; b < observations_of_block_.size(); b += static_cast<size_t>(every)) {
-    const Block& block = BlockOf(b, &scratch);
-    FilledBlock& own = filled.emplace_back();
-    FillRows(block, columns, &own.rows);
-    own.growth.resize(own.rows.rows());
-    const BlockRoots roots = RootsOf(block.observations, block.here.latent, least);
-    own.log_det = Whiten(roots, &own.rows);
-    const std::vector<PoseRows> poses = PosesAmong(block.observations);
-    for (size_t p = 0; p < poses.size(); ++p) {
-      Eigen::MatrixXd shared = SharedBy(poses[p], block.observations, block.here.latent, per_unit);
-      if (!roots.empty()) {
-        shared = roots[p].root.matrixL().solve(shared);
-        shared = roots[p].root.matrixL().solve(Eigen::MatrixXd(shared.transpose()));
-      }
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(shared);
-      own.growth.segment(poses[p].top, poses[p].height) = eigen.eigenvalues().cwiseMax(0.0);
-      auto rows = own.rows.middleRows(poses[p].top, poses[p].height);
-      rows = eigen.eigenvectors().transpose() * Eigen::MatrixXd(rows);
-    }
-  }
-  return filled;
-}
-
-RowSums EvidenceColumns::Sum(double variance, const std::vector<FilledBlock>& filled) const {
-  const long width = filled.empty() ? 0 : filled[0].rows.cols();
-  RowSums sums = RowSums::Zero(width);
-  for (const FilledBlock& block : filled) {
-    const Eigen::VectorXd variances = (1.0 + variance * block.growth.array()).matrix();
-    sums.log_det += block.log_det + variances.array().log().sum();
-    AddUpperProducts(block.rows, variances.cwiseInverse().asDiagonal() * block.rows, &sums.products);
-    sums.rows += static_cast<int>(block.rows.rows());
-  }
-  sums.products = Eigen::MatrixXd(sums.products.selfadjointView<Eigen::Upper>());
   return sums;
 }
 

@@ -40,10 +40,15 @@ Eigen::MatrixXd ColumnGroup::MixedBlock(Eigen::MatrixXd block) const {
   return mixing.transpose() * block * mixing;
 }
 
+std::vector<int> ColumnsTogether(const ColumnGroup& a, const ColumnGroup& b) {
+  std::vector<int> columns = a.columns;
+  columns.insert(columns.end(), b.columns.begin(), b.columns.end());
+  return columns;
+}
+
 ColumnGroup Joined(const ColumnGroup& a, const ColumnGroup& b) {
   ColumnGroup both;
-  both.columns = a.columns;
-  both.columns.insert(both.columns.end(), b.columns.begin(), b.columns.end());
+  both.columns = ColumnsTogether(a, b);
   both.mixing.setZero(both.columns.size(), a.size() + b.size());
   const auto put = [&both](const ColumnGroup& group, long row, long column) {
     const long height = static_cast<long>(group.columns.size());

@@ -24,7 +24,8 @@ struct ColumnGroup {
   Eigen::MatrixXd MixedBlock(Eigen::MatrixXd block) const;
 };
 
-// Both as one.
+// Both as one; its columns.
+std::vector<int> ColumnsTogether(const ColumnGroup& a, const ColumnGroup& b);
 ColumnGroup Joined(const ColumnGroup& a, const ColumnGroup& b);
 
 // The columns of a group out of a matrix over all columns.

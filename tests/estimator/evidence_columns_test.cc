@@ -218,19 +218,6 @@ TEST(EvidenceColumns, RowsOfVisitsAndOfPosesScatterTogether) {
     for (long k = i; k <= known; ++k)
       EXPECT_NEAR(sums.products(i, k), products(i, k), 1e-8 * size[i] * size[k]) << i << " " << k;
   }
-  // With the one variance first and the other as any multiple of its own.
-  const JointScatter visits = Scatter(6, sigma[0], 0.0), poses = Scatter(6, 0.0, sigma[1]);
-  for (const auto& [least, other, variance] : {std::make_tuple(visits, Scatter(6, 0.0, 1.0), sigma[1]),
-                                               std::make_tuple(poses, Scatter(6, 1.0, 0.0), sigma[0])}) {
-    const RowSums same = columns.Sum(variance * variance, columns.Fill({}, 1, least, other));
-    EXPECT_EQ(same.rows, sums.rows);
-    EXPECT_NEAR(same.log_det, sums.log_det, 1e-9 * log_det);
-    for (long i = 0; i <= known; ++i) {
-      for (long k = i; k <= known; ++k) {
-        EXPECT_NEAR(same.products(i, k), sums.products(i, k), 1e-9 * size[i] * size[k]) << i << " " << k;
-      }
-    }
-  }
   // Given what is believed: rows less what these determine of unknowns, and what no value of these explains.
   const GivenBelieved given_believed = columns.Project(sums);
   const Eigen::MatrixXd white = root.matrixL().solve(all);
