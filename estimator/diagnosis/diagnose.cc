@@ -175,7 +175,7 @@ class Session {
   // The last that needs an effect, which goes before that does; -1: of none.
   int GoesFirst(int place) const {
     if (place < 0) return -1;
-    return static_cast<int>(Needs(evidence_->list().math).GoingWith(ExplanationsOf(selected_), place).front());
+    return static_cast<int>(GoingWith(evidence_->list().math, ExplanationsOf(selected_), place).front());
   }
 
   // The prefix that holds an effect and what needs it: what one does alone is nothing to judge it by.

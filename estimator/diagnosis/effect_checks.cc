@@ -106,13 +106,13 @@ Asked AskedOf(const Evidence& evidence, const WeightedModel& model, const std::v
     if (entry.second) asked.all.push_back(explanation);
     return entry.first->second;
   };
-  const Needs needs(evidence.list().math);
   for (size_t k = 0; k < places.size(); ++k) {
     std::vector<int> own = {static_cast<int>(places[k])};
     for (const NamedProbability& rival : in_places[places[k]]) {
       if (own.size() > kRivalsOnHalves) break;
       if (rival.name == evidence.list().name[model.set.members[places[k]]]) continue;
-      if (needs.Of(rival.explanation) != kNoExplanation) place_of(needs.Of(rival.explanation));
+      const int needed = evidence.list().math[rival.explanation].needs;
+      if (needed != kNoExplanation) place_of(needed);
       own.push_back(place_of(rival.explanation));
     }
     asked.of.push_back(std::move(own));

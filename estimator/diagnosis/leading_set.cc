@@ -85,10 +85,9 @@ void AppendTuned(const Evidence& evidence, const RefittedSet& refitted, std::vec
 // All of them but a spring through a compliance of the set: about it, the compliance's column would hold its torque,
 // and promise that the compliance does what the spring does.
 std::vector<EffectSpec> AboutWhat(const Evidence& evidence, const RefittedSet& refitted) {
-  const Needs needs(evidence.list().math);
   std::vector<EffectSpec> specs;
   for (const SelectedEffect& effect : refitted.effects) {
-    if (needs.Of(effect.explanation) == kNoExplanation) specs.push_back(effect.candidate.spec);
+    if (evidence.list().math[effect.explanation].needs == kNoExplanation) specs.push_back(effect.candidate.spec);
   }
   return specs;
 }

@@ -24,7 +24,7 @@ constexpr size_t kMostGroups = 5;   // FORMATS section 6
 // that is less than nothing.
 double ComplianceIn(const Evidence& evidence, const WeightedModel& model, int spring) {
   const ExplanationList& list = evidence.list();
-  const int compliance = Needs(list.math).Of(spring);
+  const int compliance = list.math[spring].needs;
   if (compliance == kNoExplanation) return ComplianceOf(evidence.parameters(), list.SpecOf(spring).target);
   const double typical = evidence.columns().TypicalOf(list.math[compliance].group.columns[0]);
   const double found = typical * evidence.ValuesOfMember(model, compliance).values[0];
@@ -33,11 +33,11 @@ double ComplianceIn(const Evidence& evidence, const WeightedModel& model, int sp
 
 // A spring directly after the compliance that it acts through.
 void PutTogether(const Evidence& evidence, std::vector<SelectedEffect>* effects) {
-  const Needs needs(evidence.list().math);
+  const std::vector<Explanation>& list = evidence.list().math;
   for (size_t k = 1; k < effects->size(); ++k) {
     const auto spring = effects->begin() + static_cast<long>(k);
     const auto own = std::find_if(effects->begin(), spring, [&](const SelectedEffect& effect) {
-      return effect.explanation == needs.Of(spring->explanation);
+      return effect.explanation == list[spring->explanation].needs;
     });
     if (own != spring) std::rotate(own + 1, spring, spring + 1);
   }
@@ -45,10 +45,10 @@ void PutTogether(const Evidence& evidence, std::vector<SelectedEffect>* effects)
 
 // A spring moves no joint that is stiff, and from there no step is seen to help.
 void StartCompliances(const Evidence& evidence, const WeightedModel& model, std::vector<SelectedEffect>* effects) {
-  const Needs needs(evidence.list().math);
+  const std::vector<Explanation>& list = evidence.list().math;
   for (const SelectedEffect& spring : *effects) {
     for (SelectedEffect& own : *effects) {
-      if (own.explanation != needs.Of(spring.explanation)) continue;
+      if (own.explanation != list[spring.explanation].needs) continue;
       own.candidate.spec.values = {ComplianceIn(evidence, model, spring.explanation)};
       own.loss = std::max(own.loss, spring.loss);
     }
@@ -226,7 +226,7 @@ std::vector<int> ExplanationsOf(const std::vector<SelectedEffect>& effects) {
 }
 
 WeightedModel Alone(const Evidence& evidence, int view, int explanation) {
-  const int needed = Needs(evidence.list().math).Of(explanation);
+  const int needed = evidence.list().math[explanation].needs;
   std::vector<int> members = {explanation};
   if (needed != kNoExplanation) members = EachOnce(members, {needed});
   const std::vector<double> scales(members.size(), 1.0);

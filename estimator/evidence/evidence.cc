@@ -146,11 +146,9 @@ JointScatter Evidence::ScatterOf(const NoiseView& view) const {
 
 ViewedNormal Evidence::Viewed(const NoiseView& view) const {
   std::set<std::vector<int>> own;
-  const Needs needs(list_.math);
-  for (size_t k = 0; k < list_.math.size(); ++k) {
-    own.insert(list_.math[k].group.columns);
-    const int needed = needs.Of(static_cast<int>(k));
-    if (needed != kNoExplanation) own.insert(ColumnsTogether(list_.math[needed].group, list_.math[k].group));
+  for (const Explanation& each : list_.math) {
+    own.insert(each.group.columns);
+    if (each.needs != kNoExplanation) own.insert(ColumnsTogether(list_.math[each.needs].group, each.group));
   }
   const JointScatter scatter = ScatterOf(view);
   return {view, scatter, columns_.ProjectAll(scatter, own)};

@@ -47,9 +47,8 @@ const NamelessCauses::Pieces& NamelessCauses::PiecesOf(const std::vector<int>& f
     });
     pieces.may_be.push_back(may_be);
   }
-  const Needs needs(list_.math);
   for (size_t k = 0; k < list_.math.size() && is_new; ++k) {
-    const int needed = needs.Of(static_cast<int>(k));
+    const int needed = list_.math[k].needs;
     if (needed != kNoExplanation && pieces.may_be[needed]) pieces.may_be[k] = true;
     if (pieces.may_be[k]) pieces.share += list_.math[k].share;
   }

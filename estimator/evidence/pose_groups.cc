@@ -27,9 +27,8 @@ std::vector<int> WorthAsking(const Evidence& evidence, const WeightedModel& lead
   const auto columns_of = [&](int k) { return evidence.list().math[k].group.columns.size(); };
   size_t columns = 0;
   for (const int m : asked) columns += columns_of(m);
-  const Needs needs(evidence.list().math);
   const auto ask = [&](int one) {
-    for (const int k : {needs.Of(one), one}) {
+    for (const int k : {evidence.list().math[one].needs, one}) {
       if (k != kNoExplanation && columns + columns_of(k) <= kMostColumns && asked.insert(k).second)
         columns += columns_of(k);
     }

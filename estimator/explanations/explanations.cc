@@ -1,5 +1,7 @@
 #include "estimator/explanations/explanations.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -117,9 +119,12 @@ class ListBuilder {
 
   // A spring acts through its joint's compliance. Where the model has none, a spring by itself would be free to do what
   // the weights do to a joint whose compliance is missing.
-  int NeedOf(const EffectSpec& start) {
+  int NeedOf(const EffectSpec& start) const {
     const bool is_through = IsNewSpring(start) && !(ComplianceOf(parameters_, start.target) > 0.0);
-    return is_through ? Number(ComplianceEffectOf(start.target).Path()) : kNoExplanation;
+    if (!is_through) return kNoExplanation;
+    const auto needed = std::find(list_.name.begin(), list_.name.end(), ComplianceEffectOf(start.target).Path());
+    CHECK(needed != list_.name.end()) << start.target;
+    return static_cast<int>(needed - list_.name.begin());
   }
 
   void AddCatalogue() {
@@ -261,15 +266,18 @@ ExplanationList ListExplanations(const CalibrationProblem& problem, const Parame
 void DropInvisible(const ProjectedNormal& normal, const PriorMasses& prior, ExplanationList* list) {
   const double variance = kLargestUsual * kLargestUsual;
   std::vector<size_t> kept;
-  std::map<std::pair<std::string, std::string>, bool> seen;  // of the catalogue, by effect and target
+  std::vector<int> place(list->math.size(), kNoExplanation);  // among those
+  std::map<std::pair<std::string, std::string>, bool> seen;   // of the catalogue, by effect and target
   const auto shows = [&](size_t k) { return variance * OwnInformation(normal, list->math[k].group).trace() >= 1.0; };
-  const Needs needs(list->math);
   for (size_t k = 0; k < list->math.size(); ++k) {
-    const int needed = needs.Of(static_cast<int>(k));
-    const bool has_need =
-        list->math[k].needs == kNoExplanation || (needed != kNoExplanation && shows(static_cast<size_t>(needed)));
-    const bool is_visible = shows(k) && has_need;
-    if (is_visible) kept.push_back(k);
+    int& needs = list->math[k].needs;  // what is listed before
+    const bool lacks_need = needs != kNoExplanation && place[needs] == kNoExplanation;
+    const bool is_visible = !lacks_need && shows(k);
+    if (is_visible) {
+      place[k] = static_cast<int>(kept.size());
+      kept.push_back(k);
+      if (needs != kNoExplanation) needs = place[needs];
+    }
     if (list->IsUnnamed(static_cast<int>(k))) continue;
     const EffectSpec& spec = list->SpecOf(static_cast<int>(k));
     seen[{spec.effect, spec.target}] |= is_visible;

@@ -1,7 +1,6 @@
 #include "estimator/random_effects/explanation.h"
 
 #include <algorithm>
-#include <map>
 
 namespace sagitta {
 
@@ -13,8 +12,12 @@ FewExplanations WithTheirColumns(const std::vector<Explanation>& list, const std
   }
   few.columns = EachOnce(few.columns);
   for (const int k : chosen) {
-    few.explanations.push_back(list[k]);
-    for (int& column : few.explanations.back().group.columns) column = PlaceIn(few.columns, column);
+    Explanation& own = few.explanations.emplace_back(list[k]);
+    for (int& column : own.group.columns) column = PlaceIn(few.columns, column);
+    if (own.needs == kNoExplanation) continue;
+    const auto needed = std::find(chosen.begin(), chosen.end(), own.needs);
+    if (needed == chosen.end()) own.share = 0.0;
+    own.needs = needed == chosen.end() ? kNoExplanation : static_cast<int>(needed - chosen.begin());
   }
   return few;
 }
@@ -25,25 +28,10 @@ std::vector<const ColumnGroup*> GroupsOf(const std::vector<Explanation>& list, c
   return groups;
 }
 
-Needs::Needs(const std::vector<Explanation>& list) : list_(list), of_(list.size(), kNoExplanation) {
-  std::map<int, int> place;  // of the first of each number
-  for (size_t k = 0; k < list.size(); ++k) place.emplace(list[k].excludes, static_cast<int>(k));
-  for (size_t k = 0; k < list.size(); ++k) {
-    const auto needed = place.find(list[k].needs);
-    if (list[k].needs != kNoExplanation && needed != place.end()) of_[k] = needed->second;
-  }
-}
-
-int Needs::LackedBy(const std::vector<int>& members, int explanation) const {
-  const bool has_it =
-      std::any_of(members.begin(), members.end(), [&](int m) { return list_[m].excludes == list_[explanation].needs; });
-  return has_it ? kNoExplanation : of_[explanation];
-}
-
-std::vector<size_t> Needs::GoingWith(const std::vector<int>& members, size_t place) const {
+std::vector<size_t> GoingWith(const std::vector<Explanation>& list, const std::vector<int>& members, size_t place) {
   std::vector<size_t> going;
   for (size_t k = members.size(); k-- > 0;) {
-    if (k == place || list_[members[k]].needs == list_[members[place]].excludes) going.push_back(k);
+    if (k == place || list[members[k]].needs == members[place]) going.push_back(k);
   }
   return going;
 }

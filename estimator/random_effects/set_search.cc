@@ -37,12 +37,16 @@ double SetPrior::Log(const std::vector<double>& shares) const {
 
 SetSearch::SetSearch(const ProjectedNormal& normal, const std::vector<Explanation>& explanations, const SetPrior& prior,
                      const ResidualLikelihood& likelihood)
-    : normal_(normal), explanations_(explanations), needs_(explanations), prior_(prior), likelihood_(likelihood) {}
+    : normal_(normal), explanations_(explanations), prior_(prior), likelihood_(likelihood) {}
 
 bool SetSearch::IsExcluded(const Key& members, int candidate) const {
   const int own = explanations_[candidate].excludes;
-  return needs_.IsHopeless(candidate) ||
-         std::any_of(members.begin(), members.end(), [&](int m) { return explanations_[m].excludes == own; });
+  return std::any_of(members.begin(), members.end(), [&](int m) { return explanations_[m].excludes == own; });
+}
+
+int SetSearch::LackedBy(const Key& members, int candidate) const {
+  const int needed = explanations_[candidate].needs;
+  return std::count(members.begin(), members.end(), needed) > 0 ? kNoExplanation : needed;
 }
 
 std::vector<double> SetSearch::SharesOf(const Key& members) const {
@@ -59,7 +63,7 @@ double SetSearch::LogPriorWithMore(const Key& members, int count) const {
 
 SetSearch::Coming SetSearch::ComingTo(const Key& members, int candidate) const {
   const Explanation& own = explanations_[candidate];
-  const int lacked = needs_.LackedBy(members, candidate);
+  const int lacked = LackedBy(members, candidate);
   if (lacked == kNoExplanation) return {&own.group, &OwnOf(static_cast<size_t>(candidate)), std::log(own.share), 1};
   WithNeed& both = with_need_[candidate];
   if (both.own.size() == 0) {
@@ -70,14 +74,14 @@ SetSearch::Coming SetSearch::ComingTo(const Key& members, int candidate) const {
 }
 
 WeightedSet SetSearch::With(WeightedSet set, int candidate, double scale) const {
-  const int lacked = needs_.LackedBy(set.members, candidate);
+  const int lacked = LackedBy(set.members, candidate);
   if (lacked != kNoExplanation) set = Grown(std::move(set), lacked, scale);
   return Grown(std::move(set), candidate, scale);
 }
 
 WeightedSet SetSearch::Less(const WeightedSet& set, size_t place) const {
   WeightedSet less = set;
-  for (const size_t gone : needs_.GoingWith(set.members, place)) less = Without(std::move(less), gone);
+  for (const size_t gone : GoingWith(explanations_, set.members, place)) less = Without(std::move(less), gone);
   return less;
 }
 
@@ -270,7 +274,7 @@ std::vector<SetSearch::Swap> SetSearch::SwapsOf(const WeightedSet& set, const Sw
     const Eigen::VectorXd most_quads = MostQuads(given_all, gradients);
     Eigen::MatrixXd solved;  // where it is asked for
     for (size_t m = 0; m < set.members.size(); ++m) {
-      const bool is_it = set.members[m] == static_cast<int>(k) || set.members[m] == needs_.Of(static_cast<int>(k));
+      const bool is_it = set.members[m] == static_cast<int>(k) || set.members[m] == explanations_[k].needs;
       if (is_it || IsExcluded(without[m].members, static_cast<int>(k))) continue;
       const double base = bases[m][coming.count - 1] + coming.log_share, residual = sweeps[m].residual;
       const double most_gain =

@@ -1,6 +1,6 @@
 // One search over sets of explanations. A set's weight is its prior times its marginal likelihood; the moves are add,
 // drop and swap, each the conditioning of the same normal equations (sweep.h). What a member needs comes and goes with
-// it (Needs).
+// it.
 #pragma once
 
 #include <limits>
@@ -49,6 +49,8 @@ class SetSearch {
   using Key = std::vector<int>;
 
   bool IsExcluded(const Key& members, int candidate) const;
+  // What it needs and the members lack; kNoExplanation.
+  int LackedBy(const Key& members, int candidate) const;
   std::vector<double> SharesOf(const Key& members) const;
   double LogPriorWithMore(const Key& members, int count) const;  // the shares of so many more 1
   // A candidate as it comes to a set: by itself, or with what it needs as one group of one scale.
@@ -96,7 +98,6 @@ class SetSearch {
 
   const ProjectedNormal& normal_;
   const std::vector<Explanation>& explanations_;
-  const Needs needs_;
   SetPrior prior_;
   ResidualLikelihood likelihood_;
   FoundSets found_;

@@ -30,10 +30,10 @@ ProjectedNormal NormalOf(unsigned seed, double first, double second) {
 // The second and the third do nothing without the first, nor the fifth without one that is not listed.
 std::vector<Explanation> List() {
   std::vector<Explanation> list;
-  for (int k = 0; k < 8; ++k) list.push_back({{{k}, {}}, 0.125, 10 + k});
-  list[1].needs = list[2].needs = 10;
-  list[4].needs = 99;
-  return list;
+  for (int k = 0; k < 9; ++k) list.push_back({{{k}, {}}, 0.125, 10 + k});
+  list[1].needs = list[2].needs = 0;
+  list[4].needs = 8;
+  return WithTheirColumns(list, {0, 1, 2, 3, 4, 5, 6, 7}).explanations;
 }
 
 bool HasWhatItNeeds(const std::vector<int>& members) {
@@ -97,15 +97,13 @@ TEST(Needs, ComeAndGoTogether) {
 
 TEST(Needs, GoLastFirst) {
   const std::vector<Explanation> list = List();
-  const Needs needs(list);
-  EXPECT_EQ(needs.Of(1), 0);
-  EXPECT_EQ(needs.Of(3), kNoExplanation);
-  EXPECT_TRUE(needs.IsHopeless(4));
-  EXPECT_FALSE(needs.IsHopeless(1));
-  EXPECT_EQ(needs.LackedBy({3}, 1), 0);
-  EXPECT_EQ(needs.LackedBy({0, 3}, 1), kNoExplanation);
-  EXPECT_EQ(needs.GoingWith({3, 0, 5, 2}, 1), (std::vector<size_t>{3, 1}));
-  EXPECT_EQ(needs.GoingWith({3, 0, 5, 2}, 3), (std::vector<size_t>{3}));
+  EXPECT_EQ(list[1].needs, 0);
+  EXPECT_EQ(list[3].needs, kNoExplanation);
+  EXPECT_EQ(list[4].share, 0.0);
+  EXPECT_EQ(GoingWith(list, {3, 0, 5, 2}, 1), (std::vector<size_t>{3, 1}));
+  EXPECT_EQ(GoingWith(list, {3, 0, 5, 2}, 3), (std::vector<size_t>{3}));
+  // Among others it has another place.
+  EXPECT_EQ(WithTheirColumns(list, {3, 0, 2}).explanations[2].needs, 1);
 }
 
 }  // namespace

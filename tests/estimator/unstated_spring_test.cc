@@ -50,26 +50,25 @@ TEST(UnstatedSpring, NeedsTheComplianceInItsSet) {
   const Weighed weighed;
   const Evidence& evidence = weighed.evidence;
   const ExplanationList& list = evidence.list();
-  const Needs needs(list.math);
   int springs = 0, elsewhere = 0;
   for (int k = 0; k < static_cast<int>(list.math.size()); ++k) {
     if (!IsNewSpring(list.start[k])) {
-      EXPECT_EQ(needs.Of(k), kNoExplanation);
+      EXPECT_EQ(list.math[k].needs, kNoExplanation);
     } else if (list.start[k].target == "A2") {
       ++springs;
-      ASSERT_GE(needs.Of(k), 0);
-      EXPECT_EQ(list.name[needs.Of(k)], ComplianceEffectOf("A2").Path());
+      ASSERT_GE(list.math[k].needs, 0);
+      EXPECT_EQ(list.name[list.math[k].needs], ComplianceEffectOf("A2").Path());
     } else if (list.start[k].target != "A1") {
       ++elsewhere;
-      EXPECT_EQ(needs.Of(k), kNoExplanation);
+      EXPECT_EQ(list.math[k].needs, kNoExplanation);
     }
   }
   EXPECT_GT(springs, 100);
   EXPECT_GT(elsewhere, 100);
   for (const WeightedModel& model : evidence.models()) {
     for (const int m : model.set.members) {
-      EXPECT_TRUE(needs.Of(m) == kNoExplanation ||
-                  std::binary_search(model.set.members.begin(), model.set.members.end(), needs.Of(m)));
+      EXPECT_TRUE(list.math[m].needs == kNoExplanation ||
+                  std::binary_search(model.set.members.begin(), model.set.members.end(), list.math[m].needs));
     }
   }
 }
