@@ -12,6 +12,7 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/noise/residual_noise.h"
 #include "estimator/report/baselines_words.h"
+#include "estimator/statistics/ascending.h"
 #include "estimator/statistics/distributions.h"
 #include "problems/loads.h"
 
@@ -139,10 +140,6 @@ bool IsElastic(const CalibrationProblem& problem, const ParameterSet& parameters
   return law == ParameterLaw::kCompliance || law == ParameterLaw::kCompensator;
 }
 
-int PlaceOf(int coordinate, const std::vector<int>& estimated) {
-  return static_cast<int>(std::lower_bound(estimated.begin(), estimated.end(), coordinate) - estimated.begin());
-}
-
 // Stage 1: what does not bend, from the unloaded rows.
 Estimate EstimateUnloaded(const CalibrationProblem& problem) {
   CalibrationProblem unloaded = problem;
@@ -189,12 +186,12 @@ void StateIntervals(const DifferenceContext& context, const std::vector<int>& el
   const auto p = static_cast<long>(estimate->estimated.size());
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(p, p);
   Eigen::VectorXd interval_dof = Eigen::VectorXd::Constant(p, is_stated ? kInfinity : dof);
-  std::vector<int> places;  // in the estimate, of the unloaded rows' own
-  for (const int coordinate : unloaded.estimated) places.push_back(PlaceOf(coordinate, estimate->estimated));
+  std::vector<size_t> places;  // in the estimate, of the unloaded rows' own
+  for (const int coordinate : unloaded.estimated) places.push_back(PlaceIn(estimate->estimated, coordinate));
   covariance(places, places) = unloaded.covariance;
   interval_dof(places) = unloaded.interval_dof;
   places.clear();
-  for (const int coordinate : elastic) places.push_back(PlaceOf(coordinate, estimate->estimated));
+  for (const int coordinate : elastic) places.push_back(PlaceIn(estimate->estimated, coordinate));
   covariance(places, places) = variance * solution.covariance;
   ReplaceCovariance(problem, covariance, interval_dof, estimate);
   estimate->warnings.push_back(DifferencesAssumeTheRestExact());

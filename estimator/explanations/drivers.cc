@@ -6,7 +6,7 @@
 #include <set>
 
 #include "estimator/least_squares/row_batches.h"
-#include "estimator/random_effects/column_products.h"
+#include "estimator/statistics/ascending.h"
 #include "models/constants.h"
 
 namespace sagitta {

@@ -158,7 +158,7 @@ std::vector<int> ColumnsByRows(int of_linearization, const std::set<std::vector<
 
 std::vector<long> PlacesOf(const std::vector<int>& list, const std::vector<int>& sorted) {
   std::vector<long> places;
-  for (const int c : list) places.push_back(std::lower_bound(sorted.begin(), sorted.end(), c) - sorted.begin());
+  for (const int c : list) places.push_back(static_cast<long>(PlaceIn(sorted, c)));
   return places;
 }
 

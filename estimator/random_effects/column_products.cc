@@ -4,13 +4,6 @@
 
 namespace sagitta {
 
-std::vector<int> EachOnce(std::vector<int> numbers, const std::vector<int>& more) {
-  numbers.insert(numbers.end(), more.begin(), more.end());
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-  return numbers;
-}
-
 ColumnProducts::ColumnProducts(const Eigen::MatrixXd& whole) {
   for (const auto& row : whole.rowwise()) known_.push_back(row);
 }

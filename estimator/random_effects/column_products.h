@@ -4,10 +4,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <functional>
 #include <map>
 #include <vector>
+
+#include "estimator/statistics/ascending.h"
 
 namespace sagitta {
 
@@ -40,11 +41,5 @@ class ColumnProducts {
   RowsOf rows_of_;
   mutable std::vector<Eigen::VectorXd> known_;  // rows that were asked for, or of the whole, by column; else empty
 };
-
-// Numbers of one list or two, ascending, each once; and where a number stands in such a list, or would.
-std::vector<int> EachOnce(std::vector<int> numbers, const std::vector<int>& more = {});
-inline size_t PlaceIn(const std::vector<int>& ascending, int number) {
-  return std::lower_bound(ascending.begin(), ascending.end(), number) - ascending.begin();
-}
 
 }  // namespace sagitta

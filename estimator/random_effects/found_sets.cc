@@ -1,6 +1,6 @@
 #include "estimator/random_effects/found_sets.h"
 
-#include "estimator/random_effects/column_products.h"
+#include "estimator/statistics/ascending.h"
 
 namespace sagitta {
 
