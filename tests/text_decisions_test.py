@@ -22,11 +22,11 @@ EXCEPTIONS = {  # (file, text of the line): why
     ('estimator/results/loading_json.cc', 'json.Get("frame").Text() == "base"'): 'reads a file: the word becomes a flag',
     ('estimator/results/loading_json.cc', 'torques->Text() == "measured"'): 'reads a file: the word becomes a flag',
     ('estimator/results/program_compensation.cc', 'value != "same"'): 'reads an option: the word becomes a pose',
-    ('estimator/results/diagnosis_json.cc', 'names.count(column) > 0 || column.rfind("sigma_", 0)'):
+    ('estimator/results/next_csv.cc', 'names.count(column) > 0 || column.rfind("sigma_", 0)'):
         'writes a table: headers of the measured file',
-    ('estimator/results/diagnosis_json.cc', 'unit == "deg" ? kDegree : unit == "mm"'):
+    ('estimator/results/next_csv.cc', 'unit == "deg" ? kDegree : unit == "mm"'):
         'writes a table: the unit that a header of the measured file ends with',
-    ('estimator/results/diagnosis_json.cc', 'unit == "rad" ? 5 : 3'):
+    ('estimator/results/next_csv.cc', 'unit == "rad" ? 5 : 3'):
         'writes a table: the unit that a header of the measured file ends with',
 }
 

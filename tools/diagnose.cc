@@ -13,6 +13,7 @@
 #include "estimator/report/diagnosis_words.h"
 #include "estimator/results/diagnosis_json.h"
 #include "estimator/results/estimate_json.h"
+#include "estimator/results/next_csv.h"
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
 #include "problems/input_error.h"

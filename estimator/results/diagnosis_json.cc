@@ -1,12 +1,8 @@
 #include "estimator/results/diagnosis_json.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <cstdio>
-#include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/report/diagnosis_next_words.h"
@@ -15,7 +11,6 @@
 #include "models/constants.h"
 #include "models/effects/catalogue.h"
 #include "problems/io/effect_entries.h"
-#include "problems/split.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -134,98 +129,6 @@ Json GroupsToJson(const Diagnosis& d) {
   return json;
 }
 
-// Of the station, its instrument, its markers, the load and the split a cell stays. Of the moment of measuring nothing
-// is known (time, temperature, the direction of a joint's last motion), and a remark was about another row.
-bool IsOfTheScene(const std::string& column, const ValidationSpec& validation) {
-  static const std::set<std::string> names = {"marker", "station", "visit", "repeat", "load",  "set",
-                                              "fx_N",   "fy_N",    "fz_N",  "mx_Nm",  "my_Nm", "mz_Nm"};
-  const bool splits = validation.kind == ValidationSpec::Kind::kColumn && column == validation.column;
-  return splits || names.count(column) > 0 || column.rfind("sigma_", 0) == 0;
-}
-
-// Of q<i>_unit, from 0; -1 of other columns.
-int JointOf(const std::string& column) {
-  if (column.size() < 2 || column[0] != 'q' || !std::isdigit(static_cast<unsigned char>(column[1]))) return -1;
-  return column.find('_') == std::string::npos ? -1 : static_cast<int>(std::stol(column.substr(1))) - 1;
-}
-
-// A joint value of the pose; nothing where the column is of no joint.
-std::string JointCell(const std::string& column, const ProposedPose& pose) {
-  const int joint = JointOf(column);
-  if (joint < 0 || joint >= pose.q.size()) return "";
-  const std::string unit = column.substr(column.find('_') + 1);
-  const double si = unit == "deg" ? kDegree : unit == "mm" ? 1e-3 : 1.0;
-  return Fixed(pose.q[joint] / si, unit == "rad" ? 5 : 3);
-}
-
-constexpr char kConfigColumn[] = "config";
-constexpr char kVisitColumn[] = "visit";
-
-// Columns of all files; again: poses are visited once more, which a column has to say.
-std::vector<std::string> HeaderOfNext(const Measurements& data, bool again) {
-  std::vector<std::string> header;
-  for (const MeasurementFile& file : data.files) {
-    for (const std::string& column : file.header) {
-      if (std::find(header.begin(), header.end(), column) == header.end()) header.push_back(column);
-    }
-  }
-  if (again && std::find(header.begin(), header.end(), kVisitColumn) == header.end()) header.push_back(kVisitColumn);
-  return header;
-}
-
-// Observations that a pose is measured with: those of the configuration's first visit. A pose's two readings are one
-// row.
-std::vector<int> RowsLike(const Measurements& data, int configuration) {
-  std::vector<int> rows;
-  for (size_t i = 0; i < data.observations.size(); ++i) {
-    const Observation& row = data.observations[i];
-    const Shot& shot = data.shots[row.shot];
-    if (shot.configuration != configuration || !row.is_point()) continue;
-    if (rows.empty() || shot.visit == data.shots[data.observations[rows[0]].shot].visit)
-      rows.push_back(static_cast<int>(i));
-  }
-  return rows;
-}
-
-// A name that none of the configuration's visits has.
-std::string VisitAfter(const Measurements& data, int configuration) {
-  std::set<std::string> visits;
-  for (const Shot& shot : data.shots) {
-    if (shot.configuration == configuration) visits.insert(shot.visit);
-  }
-  for (size_t number = visits.size() + 1;; ++number) {
-    const std::string name = std::to_string(number);
-    if (visits.count(name) == 0) return name;
-  }
-}
-
-// Whether the row of a pose has the cell of the row that it is like: a pose that is visited again is that pose.
-bool StaysInNext(const std::string& column, bool again, const ValidationSpec& validation) {
-  if (again && (column == kConfigColumn || JointOf(column) >= 0)) return true;
-  return IsOfTheScene(column, validation);
-}
-
-// own: cells that are neither those of the row that it is like nor joint values.
-std::string NextRow(const Measurements& data, int like, const std::vector<std::string>& header, const Diagnosis& d,
-                    const ProposedPose& pose, const std::map<std::string, std::string>& own) {
-  const Observation& row = data.observations[like];
-  const MeasurementFile& file = data.files[row.file];
-  const MeasurementRows::Cells cells = file.rows[row.row].cells;
-  std::vector<std::string> texts;
-  for (const std::string& column : header) {
-    const int at = file.FindColumn(column);
-    const auto stated = own.find(column);
-    if (stated != own.end()) {
-      texts.push_back(stated->second);
-    } else if (at >= 0 && StaysInNext(column, d.next->again, d.baseline.problem->experiment().validation)) {
-      texts.emplace_back(cells[at]);
-    } else {
-      texts.push_back(JointCell(column, pose));
-    }
-  }
-  return Joined(texts, ",") + "\n";
-}
-
 Json ClosedToJson(const GapReport& gap) {
   if (!std::isfinite(gap.closed_ci95.low)) return nullptr;
   return {gap.closed_ci95.low, gap.closed_ci95.high};
@@ -326,24 +229,6 @@ bool MoveHome(const EffectSpec& spec, Robot* robot) {
 }
 
 }  // namespace
-
-std::string NextToCsv(const Diagnosis& d) {
-  const CalibrationProblem& problem = *d.baseline.problem;
-  const Measurements& data = problem.data();
-  const ValidationSpec& validation = problem.experiment().validation;
-  const std::vector<std::string> header = HeaderOfNext(data, d.next->again);
-  const std::vector<std::string> names =
-      NamesThatAreFitted(validation, data, "next", static_cast<int>(d.next->poses.size()));
-  std::string text = Joined(header, ",") + "\n";
-  for (size_t k = 0; k < d.next->poses.size(); ++k) {
-    const ProposedPose& pose = d.next->poses[k];
-    std::map<std::string, std::string> own;
-    if (d.next->again) own[kVisitColumn] = VisitAfter(data, pose.like);
-    if (!d.next->again) own[kConfigColumn] = names[k];
-    for (const int i : RowsLike(data, pose.like)) text += NextRow(data, i, header, d, pose, own);
-  }
-  return text;
-}
 
 Robot RobotOf(const DiagnosedModel& model) {
   Robot robot = model.problem->RobotWith(model.estimate.parameters);

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "estimator/results/diagnosis_json.h"
+#include "estimator/results/next_csv.h"
 #include "models/constants.h"
 #include "tests/support/kr270_experiment.h"
 
