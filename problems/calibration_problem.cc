@@ -281,6 +281,7 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
   CheckStatedLoads(experiment, &data);
   const std::vector<std::string> compliant = CompliantJoints(robot, data, experiment);
   const Robot elastic = WithCompliances(std::move(robot), compliant);
+  CheckJointsOfEffects(elastic, experiment);
   ForwardModel model(elastic, data.markers);
   CalibrationProblem problem(std::move(model), std::move(data), std::move(experiment));
   CheckNames(problem);
@@ -305,6 +306,7 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
 CalibrationProblem MakeKnownProblem(const Robot& robot, Measurements data, Experiment experiment,
                                     const KnownPlaces& places) {
   for (const auto& [name, marker] : places.markers) experiment.markers[name] = marker;
+  CheckJointsOfEffects(robot, experiment);
   ForwardModel model(robot, data.markers);
   CalibrationProblem problem(std::move(model), std::move(data), std::move(experiment));
   const Measurements& rows = problem.data();

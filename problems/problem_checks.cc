@@ -55,6 +55,24 @@ void CheckNames(const CalibrationProblem& problem) {
   }
 }
 
+void CheckJointsOfEffects(const Robot& robot, const Experiment& experiment) {
+  std::vector<std::string> known;
+  for (const Joint& joint : robot.chain.joints) known.push_back(joint.name);
+  const auto check = [&](const EffectSpec& spec, const std::string& name) {
+    if (robot.chain.FindJoint(name) >= 0) return;
+    throw InputError({experiment.robot_file, 0, "effects"},
+                     "effect " + spec.effect + ": the robot has no joint '" + name + "'", SpellingHint(name, known));
+  };
+  for (const EffectSpec& spec : robot.effects) {
+    const EffectDefinition& definition = *FindEffect(robot, spec.effect);
+    if (definition.target == EffectTarget::kJoint) check(spec, spec.target);
+    for (const SettingDefinition& setting : definition.settings) {
+      const auto stated = spec.settings.find(setting.name);
+      if (setting.kind == SettingDefinition::Kind::kJoint && stated != spec.settings.end()) check(spec, stated->second);
+    }
+  }
+}
+
 void CheckEffects(const CalibrationProblem& problem) {
   std::set<std::string> loads;
   for (const Shot& shot : problem.data().shots) loads.insert(shot.load);

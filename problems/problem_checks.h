@@ -19,6 +19,9 @@ int LineOf(const Experiment& experiment, std::string key);
 // Markers and stations of the experiment that no row has.
 void CheckNames(const CalibrationProblem& problem);
 
+// Joints that effects name, before a model is made of them.
+void CheckJointsOfEffects(const Robot& robot, const Experiment& experiment);
+
 // Targets that only the data know.
 void CheckEffects(const CalibrationProblem& problem);
 

@@ -83,6 +83,14 @@ TEST_F(ProblemChecksTest, TargetsOfEffectsAreInTheData) {
   EXPECT_TRUE(SaysInOrder(refused("payload", "crate"), {"robot.yaml", "payload", "no 'crate'"}));
 }
 
+TEST_F(ProblemChecksTest, JointsOfEffectsAreThoseOfTheRobot) {
+  robot_.effects = {{"joint_harmonic", "A7", {{"order", "1"}}, {}}};
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"robot.yaml", "joint_harmonic", "the robot has no joint 'A7'", "A1"}));
+  robot_.effects = {{"joint_coupling", "A2", {{"driver", "B3"}}, {}}};
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"joint_coupling", "the robot has no joint 'B3'", "A3"}));
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { MakeKnownProblem(robot_, data_, experiment_, {}); }), {"no joint 'B3'"}));
+}
+
 TEST_F(ProblemChecksTest, ColumnsOfEffectsAreInTheData) {
   robot_.effects = {{"thermal_growth", "robot", {}, {}}};
   EXPECT_TRUE(SaysInOrder(Refusal(), {"simulated.csv:2", "temperature_degC", "thermal_growth/robot needs this column",
