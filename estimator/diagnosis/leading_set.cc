@@ -61,7 +61,7 @@ RefittedSet WithoutFunctions(const SearchInput& input, const LeadingSet& found) 
     model.set.members.push_back(all.members[k]);
     model.set.scales.push_back(all.scales[k]);
   }
-  return RefitSet(*found.evidence, model, input.working, input.baseline, input.joint, &found.refitted);
+  return RefitSet(*found.evidence, model, input.working, input.baseline, input.joint);
 }
 
 // What the functions without a name of a set add to its log likelihood.

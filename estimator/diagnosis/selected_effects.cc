@@ -89,12 +89,11 @@ bool IsRateAlone(const Evidence& evidence, const std::vector<int>& columns) {
          evidence.columns().Name(columns[0]) == NameOf(CompensatorPart::kKc);
 }
 
-// near: the believed model with a noise like that of this model.
 DiagnosedModel LackingGiven(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& working,
-                            const DiagnosedModel& baseline, const Estimate& near, const JointOptions& joint) {
+                            const DiagnosedModel& baseline, const JointOptions& joint) {
   const bool is_other = evidence.ViewOf(model).kind != NoiseView::Kind::kStated;
   if (!is_other && evidence.IsSigmaStated() && evidence.SigmaIsWrong(model) <= kEvenOdds) return baseline;
-  DiagnosedModel refit = RefitFully(WithNoiseOf(evidence, model, working), near, joint);
+  DiagnosedModel refit = RefitFully(WithNoiseOf(evidence, model, working), baseline.estimate, joint);
   return IsUsable(refit.estimate.status) ? refit : baseline;
 }
 
@@ -112,13 +111,6 @@ void TryOtherSprings(const Evidence& evidence, const JointOptions& joint, Refitt
       if (refitted->IsUsable()) return;
     }
   }
-}
-
-// Sets of one view have almost the same noise, and where it is large many steps lead from the stated one to it.
-const RefittedSet* LastOfView(const std::vector<RefittedSet>& refitted, int view) {
-  const auto last = std::find_if(refitted.rbegin(), refitted.rend(),
-                                 [view](const RefittedSet& each) { return each.model.view == view; });
-  return last == refitted.rend() ? nullptr : &*last;
 }
 
 // Whether a coordinate is a parameter of one of them.
@@ -234,11 +226,10 @@ WeightedModel Alone(const Evidence& evidence, int view, int explanation) {
 }
 
 RefittedSet RefitSet(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& working,
-                     const DiagnosedModel& baseline, const JointOptions& joint, const RefittedSet* near) {
+                     const DiagnosedModel& baseline, const JointOptions& joint) {
   RefittedSet refitted;
   refitted.model = model;
-  const Estimate& start = near == nullptr ? baseline.estimate : near->lacking.estimate;
-  refitted.lacking = LackingGiven(evidence, model, working, baseline, start, joint);
+  refitted.lacking = LackingGiven(evidence, model, working, baseline, joint);
   refitted.effects = SelectedEffectsOf(evidence, model, refitted.lacking);
   refitted.with_effects = Extend(refitted.lacking, CandidatesOf(refitted.effects), joint);
   if (!refitted.IsUsable()) TryOtherSprings(evidence, joint, &refitted);
@@ -253,7 +244,7 @@ RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel
   bool any_usable = false;
   for (size_t s = posterior->Leading(gate); s < posterior->sets.size(); s = order.Next()) {
     const WeightedModel& best = evidence->models()[posterior->sets[s].best];
-    refitted.push_back(RefitSet(*evidence, best, working, baseline, joint, LastOfView(refitted, best.view)));
+    refitted.push_back(RefitSet(*evidence, best, working, baseline, joint));
     any_usable |= refitted.back().IsUsable();
     const double correction = LogCorrection(*evidence, refitted.back());
     VLOG(1) << "diagnosis: refit of set " << s << " (" << posterior->sets[s].probability
@@ -274,7 +265,7 @@ RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel
     const bool is_same = each.model.set.members == leading.set.members && each.model.pieces == leading.pieces;
     if (each.model.view == leading.view && is_same) return each;
   }
-  return RefitSet(*evidence, leading, working, baseline, joint, LastOfView(refitted, leading.view));
+  return RefitSet(*evidence, leading, working, baseline, joint);
 }
 
 double LogPriorOfFitted(const Evidence& evidence, const RefittedSet& refitted, const SelectedEffect& spring) {

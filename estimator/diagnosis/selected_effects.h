@@ -41,10 +41,9 @@ struct RefittedSet {
   bool IsUsable() const { return sagitta::IsUsable(with_effects.estimate.status); }
 };
 
-// working: what the evidence is made of. baseline: fitted with the noise as stated. near: another set with a noise like
-// that of this one, to start from.
+// working: what the evidence is made of. baseline: fitted with the noise as stated.
 RefittedSet RefitSet(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& working,
-                     const DiagnosedModel& baseline, const JointOptions& joint, const RefittedSet* near = nullptr);
+                     const DiagnosedModel& baseline, const JointOptions& joint);
 
 // The most probable sets by name, refitted; `evidence` and `posterior` follow. The leading one is returned: of those
 // with an optimum in the full model, or the first as it is where none has one. gate: of Posterior::Leading. rivals: the

@@ -26,10 +26,6 @@ constexpr int kRowsThatSettle = 1000;
 // A view that is so much less likely with the best set is not searched: e^-4 = 2 %.
 constexpr double kWorthSearching = -4.0;
 constexpr int kMostViews = 4;
-// Where so many moves do not end a climb with the stated noise, thirty causes at once are less likely than other noise,
-// which is asked first.
-constexpr int kFirstMoves = 30;
-constexpr int kEveryMove = std::numeric_limits<int>::max();
 // A deviation is another than stated only where the interval of 95 % for it, by the likelihood ratio, does not hold
 // what is stated: half the quantile of chi-square with one degree of freedom.
 constexpr double kLeastGain = 1.92;
@@ -83,7 +79,7 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
   DropInvisible(stated.given_believed.normal, masses, &list_);
   share_of_pose_ = ShareOfOneMoreFamily(list_, masses);
   if (progress) progress("weighing " + std::to_string(list_.math.size()) + " explanations");
-  const bool is_done = Climb(std::move(stated), before == nullptr ? WeightedSet() : BestOf(*before), kFirstMoves);
+  Climb(std::move(stated), before == nullptr ? WeightedSet() : BestOf(*before));
   const auto& joints = problem.robot().chain.joints;
   const bool any_turns =
       std::any_of(joints.begin(), joints.end(), [](const Joint& joint) { return joint.type == JointType::kRevolute; });
@@ -92,9 +88,8 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
     const std::optional<Trial> next = NextView();
     if (!next) break;
     if (progress) progress(SearchingWithRepeatability(next->view.sigma));
-    Climb(Viewed(next->view), best, kEveryMove);
+    Climb(Viewed(next->view), best);
   }
-  if (!is_done) FinishStated();
   Explore();
 }
 
@@ -123,15 +118,6 @@ std::optional<Evidence::Trial> Evidence::NextView() {
     if (!next || trial.log_weight > next->log_weight) next = trial;
   }
   return next;
-}
-
-void Evidence::FinishStated() {
-  const WeightedModel best = models_[0];
-  const bool is_worth_it = best.view == 0 || LogWeightAsStated(best.set) >= best.log_weight + kWorthSearching;
-  if (!is_worth_it) return;
-  searches_.front().ClimbFrom(best.set);
-  AddModel(0, searches_.front().Best());
-  Normalise(&models_);
 }
 
 JointScatter Evidence::ScatterOf(const NoiseView& view) const {
@@ -252,15 +238,14 @@ WeightedSet Evidence::BestOf(const Evidence& other) const {
   return set;
 }
 
-bool Evidence::Climb(ViewedNormal viewed, const WeightedSet& start, int most_moves) {
+void Evidence::Climb(ViewedNormal viewed, const WeightedSet& start) {
   views_.push_back(std::move(viewed));
   const int view = static_cast<int>(views_.size()) - 1;
   SetSearch& search = searches_.emplace_back(SearchIn(view));
-  const bool is_done = search.ClimbFrom(start, most_moves);
+  search.ClimbFrom(start);
   AddModel(view, search.Best());
   if (!search.Best().members.empty()) AddModel(view, search.Empty());
   Normalise(&models_);
-  return is_done;
 }
 
 void Evidence::Explore() {

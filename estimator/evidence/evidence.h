@@ -123,11 +123,8 @@ class Evidence {
   std::optional<Trial> NextView();
   // What the best set of another evidence is called here.
   WeightedSet BestOf(const Evidence& other) const;
-  // In one more view, from a set; what is best there is added to the models. False: it was not reached.
-  bool Climb(ViewedNormal viewed, const WeightedSet& start, int most_moves);
-  // Where thirty moves in the stated view did not end, other noise is asked first, and this goes on where it is worth
-  // it.
-  void FinishStated();
+  // In one more view, from a set; what is best there is added to the models.
+  void Climb(ViewedNormal viewed, const WeightedSet& start);
   // All models, by views that are not hopeless: what lies further below the best than is kept is not explored.
   void Explore();
   void AddModel(int view, const WeightedSet& set);

@@ -388,16 +388,15 @@ void SetSearch::SwapTogether(const WeightedSet& set, const std::vector<Swap>& sw
 }
 
 // To the nearest set that no addition, drop or swap improves: each move is up, by evaluations that are kept.
-bool SetSearch::Climb(WeightedSet from, int most_moves) {
+void SetSearch::Climb(WeightedSet from) {
   from = Settled(from);
-  for (int move = 0; move < most_moves; ++move) {
+  while (true) {
     Expand(from);
-    if (Best().members == from.members && !Exchange(from) && !BreakUp(from)) return true;
+    if (Best().members == from.members && !Exchange(from) && !BreakUp(from)) return;
     do {
       from = Settled(Best());
     } while (Best().members != from.members);
   }
-  return false;
 }
 
 // What an addition says of a set keeps the others' scales: the most probable sets are evaluated by themselves, all but
@@ -421,12 +420,12 @@ void SetSearch::SettleAll() {
   }
 }
 
-bool SetSearch::ClimbFrom(const WeightedSet& start, int most_moves) {
+void SetSearch::ClimbFrom(const WeightedSet& start) {
   Record(Evaluate({}), true);
-  if (explanations_.empty()) return true;
+  if (explanations_.empty()) return;
   if (!start.members.empty()) Record(Evaluate(start.members, start.scales));
   Expand(*found_.Find({}));
-  return Climb(*found_.Find(start.members), most_moves);
+  Climb(*found_.Find(start.members));
 }
 
 std::vector<WeightedSet> SetSearch::Explore() {

@@ -3,7 +3,6 @@
 // it.
 #pragma once
 
-#include <limits>
 #include <map>
 #include <memory>
 #include <set>
@@ -29,8 +28,8 @@ class SetSearch {
   SetSearch(const ProjectedNormal& normal, const std::vector<Explanation>& explanations, const SetPrior& prior,
             const ResidualLikelihood& likelihood);
 
-  // To a set that no addition, drop or swap improves; false: not within so many moves. start: a set to climb from.
-  bool ClimbFrom(const WeightedSet& start = {}, int most_moves = std::numeric_limits<int>::max());
+  // To a set that no addition, drop or swap improves. start: a set to climb from.
+  void ClimbFrom(const WeightedSet& start = {});
   // After a climb: the neighbours of the sets that share the probability. Sets within kWorthKeeping of the best, best
   // first; the empty one is always among them.
   std::vector<WeightedSet> Explore();
@@ -92,7 +91,7 @@ class SetSearch {
   // The causes that are not among the others each exchanged for the best given the rest, once around.
   WeightedSet EachAnew(WeightedSet causes, const WeightedSet& others, int columns);
   void SwapTogether(const WeightedSet& set, const std::vector<Swap>& swaps);
-  bool Climb(WeightedSet from, int most_moves = std::numeric_limits<int>::max());
+  void Climb(WeightedSet from);
   void SettleAll();
   double BestWeight() const { return Best().log_weight; }
 
