@@ -65,6 +65,15 @@ def outdated_examples():
             yield 'docs/ADDING_AN_EFFECT.md: not the code of tests/support/driven_harmonic.h: %s' % block[:60].strip()
 
 
+def unsaid_gates():
+    """`tests/run --help` says what each gate is, and builds nothing."""
+    script = ROOT / 'tests/run'
+    said = subprocess.run([script, '--help'], capture_output=True, text=True, timeout=60).stdout
+    for gate in re.findall(r'^gate_(\w+)\(\)', script.read_text(encoding='utf-8'), re.MULTILINE):
+        if not re.search(r'^  %s +\S' % gate, said, re.MULTILINE):
+            yield 'tests/run: --help does not say what the gate %s is' % gate
+
+
 def main():
     try:
         names = files()
@@ -73,7 +82,7 @@ def main():
     names = names or sorted(files_without_git())
     machine_path = machine_paths()
     found = [defect for name in names for defect in defects(name, machine_path)]
-    found += outdated_examples()
+    found += [*outdated_examples(), *unsaid_gates()]
     print('\n'.join(found) if found else '%d files, nothing to complain about' % len(names))
     return 1 if found or not names else 0
 
