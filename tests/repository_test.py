@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """What a checkout must keep: no paths of somebody's machine, no large files, no
-source a newcomer gets lost in, scripts that can be run. Standard library only."""
+source a newcomer gets lost in, scripts that can be run, gates of tests that exist. Standard library only."""
+import fnmatch
 import os
 import pathlib
 import re
@@ -74,6 +75,22 @@ def unsaid_gates():
             yield 'tests/run: --help does not say what the gate %s is' % gate
 
 
+def threads_gate_in_vain():
+    """Every pattern of the gate `threads` finds a test in the program that it runs, every source of that has one."""
+    gates, targets = ((ROOT / 'tests' / name).read_text(encoding='utf-8') for name in ('run', 'CMakeLists.txt'))
+    patterns = ''.join(re.findall(r"^thread_tests\+?='(.*)'$", gates, re.MULTILINE)).split(':')
+    program = re.search(r'add_executable\(sagitta_thread_tests(.*?)\)', targets, re.DOTALL)
+    tests = {source: ['.'.join(names) for names in re.findall(
+        r'^TEST(?:_[FP])?\((\w+), (\w+)\)', (ROOT / 'tests' / source).read_text(encoding='utf-8'), re.MULTILINE)]
+        for source in re.findall(r'\S+_test\.cc', program.group(1))}
+    found = {(source, pattern) for source, names in tests.items() for pattern in patterns
+             if fnmatch.filter(names, pattern.split('/')[-1])}
+    for pattern in sorted(set(patterns) - {pattern for _, pattern in found}):
+        yield 'tests/run: no test of sagitta_thread_tests is called %s' % pattern
+    for source in sorted(set(tests) - {source for source, _ in found}):
+        yield 'tests/CMakeLists.txt: the gate threads runs no test of %s' % source
+
+
 def main():
     try:
         names = files()
@@ -82,7 +99,7 @@ def main():
     names = names or sorted(files_without_git())
     machine_path = machine_paths()
     found = [defect for name in names for defect in defects(name, machine_path)]
-    found += [*outdated_examples(), *unsaid_gates()]
+    found += [*outdated_examples(), *unsaid_gates(), *threads_gate_in_vain()]
     print('\n'.join(found) if found else '%d files, nothing to complain about' % len(names))
     return 1 if found or not names else 0
 
