@@ -10,9 +10,9 @@ namespace sagitta {
 namespace {
 
 // Days from 0000-03-01, in years that begin in March, less those to 1970-01-01.
-double DaysSince1970(int year, int month, int day) {
+int DaysSince1970(int year, int month, int day) {
   const int shifted_year = month > 2 ? year : year - 1, shifted_month = (month + 9) % 12;
-  return 365.0 * shifted_year + shifted_year / 4 - shifted_year / 100 + shifted_year / 400 +
+  return 365 * shifted_year + shifted_year / 4 - shifted_year / 100 + shifted_year / 400 +
          (153 * shifted_month + 2) / 5 + day - 719469;
 }
 

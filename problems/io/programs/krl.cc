@@ -308,10 +308,9 @@ int KrlReader::NamedPoint(const std::string& word, TextRange place) {
     return AddComputedPoint(word + " of line " + std::to_string(line), line, place.first, why, &program_);
   }
   const std::string name = code_.substr(place.first, stop - place.first);
-  if (named_.count(name) == 0) {
-    named_[name] = static_cast<size_t>(AddPointElsewhere(name, line, place.first, &program_));
-  }
-  const int index = static_cast<int>(named_[name]);
+  const auto [named, is_new] = named_.try_emplace(name, 0);
+  if (is_new) named->second = static_cast<size_t>(AddPointElsewhere(name, line, place.first, &program_));
+  const int index = static_cast<int>(named->second);
   UseHere(index, place.first);
   return index;
 }

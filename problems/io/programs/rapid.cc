@@ -276,12 +276,13 @@ void RapidReader::ReadTarget(const std::string& command, TextRange part, bool is
   std::smatch word;
   motion.is_offset = SearchPattern(text, &word, offset);
   if (motion.is_offset || SearchPattern(text, &word, name_alone)) {
-    if (named_.count(word[1]) == 0) {
+    const auto [named, is_new] = named_.try_emplace(word[1], 0);
+    if (is_new) {
       const std::string name =
           code_.substr(part.first + static_cast<size_t>(word.position(1)), static_cast<size_t>(word.length(1)));
-      named_[word[1]] = static_cast<size_t>(AddPointElsewhere(name, motion.line, part.first, &program_));
+      named->second = static_cast<size_t>(AddPointElsewhere(name, motion.line, part.first, &program_));
     }
-    motion.point = static_cast<int>(named_[word[1]]);
+    motion.point = static_cast<int>(named->second);
   } else if (text[0] == '[') {
     AddTarget(in_motion, part.first, is_joints);
     motion.point = static_cast<int>(program_.points.size()) - 1;
