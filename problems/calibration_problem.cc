@@ -296,6 +296,7 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
   ResolveRepeats(&problem);
   CheckSigmas(problem);
   SayRotationSigmas(&problem);
+  SayRounding(&problem);
   SetPriors(&problem);
   TieSpringMarkers(&problem);
   problem.fitted_ = std::make_shared<const std::vector<int>>(problem.CalibrationObservations());

@@ -1,11 +1,14 @@
 #include "problems/noise_checks.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "problems/input_error.h"
 #include "problems/problem_checks.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -169,6 +172,52 @@ void CheckSigmas(const CalibrationProblem& problem) {
                      "other rows state standard deviations, this one has none",
                      "add the columns, state noise: {sigma_mm: …}, or give --sigma_mm");
   }
+}
+
+namespace {
+
+constexpr size_t kFewestRounded = 4;  // rows: 12 coordinates that are round by chance once in 10^12 files
+
+// The largest power of ten, m, that all coordinates are multiples of; 0: they have digits below a micrometre.
+double DecimalStep(const std::vector<Vector3<double>>& points) {
+  constexpr double kDigits = 1e-6;  // of a step: what a number that was read from a file is off by
+  for (const double step : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
+    const bool is_rounded = std::all_of(points.begin(), points.end(), [step](const Vector3<double>& point) {
+      const Eigen::Array3d steps = point.array() / step;
+      return (steps - steps.round()).abs().maxCoeff() <= kDigits;
+    });
+    if (is_rounded) return step;
+  }
+  return 0.0;
+}
+
+}  // namespace
+
+void SayRounding(CalibrationProblem* problem) {
+  const Measurements& data = problem->data();
+  if (problem->experiment().noise.from == From::kRepeats) return;
+  std::vector<std::string> warnings;
+  for (size_t station = 0; station < data.stations.size(); ++station) {
+    std::vector<Vector3<double>> points;
+    double variance = 0.0;  // m^2, mean of the axes
+    for (size_t i = 0; i < data.observations.size(); ++i) {
+      const Observation& row = data.observations[i];
+      const bool is_read = row.is_point() && row.point_in_station.allFinite() && !row.point_in_station.isZero(0.0);
+      if (!is_read || data.shots[row.shot].station != static_cast<int>(station)) continue;
+      points.push_back(row.point_in_station);
+      variance += problem->SqrtCovariance(static_cast<int>(i)).squaredNorm() / 3.0;
+    }
+    if (points.size() < kFewestRounded || variance == 0.0) continue;
+    const double sigma = std::sqrt(variance / static_cast<double>(points.size()));
+    const double step = DecimalStep(points), of_rounding = step / std::sqrt(12.0);
+    if (of_rounding <= sigma) continue;
+    const std::string least = InMillimetres(of_rounding);
+    warnings.push_back("the readings of station " + data.stations[station] + " are rounded to " +
+                       Significant(1e3 * step, 1) + " mm: that alone has a standard deviation of " + least +
+                       " (step / sqrt(12)), the stated one is " + InMillimetres(sigma) +
+                       "; export more digits, or state at least " + least);
+  }
+  for (std::string& warning : warnings) problem->mutable_data()->warnings.push_back(std::move(warning));
 }
 
 }  // namespace sagitta

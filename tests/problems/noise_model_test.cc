@@ -1,5 +1,6 @@
 #include "problems/noise_model.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "problems/calibration_problem.h"
@@ -10,6 +11,7 @@ namespace sagitta::noise_model_test {
 namespace {
 
 using From = NoiseSpec::From;
+using ::testing::HasSubstr;
 
 NoiseSpec Tracker() {
   NoiseSpec noise;
@@ -137,6 +139,25 @@ TEST(NoiseModel, WhatCannotBeIsRefusedWithWords) {
   experiment = Experiment();
   experiment.noise.from = From::kRows;
   EXPECT_NE(Refusal(once, experiment).find("no row states"), std::string::npos);
+}
+
+// Points of the arm to the last digit that a display shows.
+std::vector<std::string> WarningsOfRounded(double step, double sigma) {
+  Measurements data = Repeated();
+  for (Observation& row : data.observations) {
+    row.point_in_station = step * (row.point_in_station / step).array().round().matrix();
+    row.sigma.setConstant(sigma);
+  }
+  return Make(data, Experiment()).data().warnings;
+}
+
+TEST(NoiseModel, RoundingThatScattersByMoreThanIsStatedIsSaid) {
+  const std::vector<std::string> warnings = WarningsOfRounded(1e-4, 2e-5);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_THAT(warnings[0], HasSubstr("are rounded to 0.1 mm"));
+  EXPECT_THAT(warnings[0], HasSubstr("state at least 0.0289 mm"));
+  EXPECT_TRUE(WarningsOfRounded(1e-4, 3e-5).empty());
+  EXPECT_TRUE(WarningsOfRounded(1e-7, 1e-9).empty());
 }
 
 }  // namespace
