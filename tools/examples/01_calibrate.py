@@ -12,6 +12,6 @@ except sagitta.InputError as error:
 print(estimate.verdict)
 print("on poses it has not seen: %.3f mm RMS, before %.3f mm" % (
     estimate.validation["distance_rms_mm"], estimate.validation["before"]["distance_rms_mm"]))
-print(estimate["geometry/p_x1"])  # value ± standard deviation, with its unit
+print(estimate["geometry/p_x1"])  # value with its unit, and its standard deviation
 print(estimate.to_dataframe()[["value", "sigma", "unit"]].head())
 estimate.write("results")  # estimate.json, robot.calibrated.yaml, residuals.csv, report.html
