@@ -68,17 +68,20 @@ std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Poster
                                           const std::vector<NamedProbability>& in_place) {
   const int member = model.set.members[place];
   const ColumnGroup& own = evidence.list().math[member].group;
-  const WeightedSet others = Without(model.set, place);
-  const Sweep given(evidence.NormalOf(model.view), GroupsOf(evidence.list().math, others.members), others.scales);
-  const Eigen::MatrixXd information = given.Information(own);
-  const Eigen::VectorXd values = Solve(Determine(information), given.Gradient(own));
-  const double size = std::max(1e-300, values.dot(information * values));
+  Members others = evidence.MembersOf(model);
+  const GivenOthers given = others.Of(place);
+  others.Remove(place);
+  const Eigen::VectorXd values = Solve(Determine(given.information), given.gradient);
+  const double size = std::max(1e-300, values.dot(given.information * values));
   std::vector<Alternative> alternatives;
   for (const NamedProbability& rival : in_place) {
     if (posterior.Of(rival.name) < kWorthListing) continue;
     if (rival.name == evidence.list().name[member]) continue;
     if (evidence.list().IsUnnamed(rival.explanation)) continue;
-    const Eigen::MatrixXd both = given.Information(Joined(own, evidence.list().math[rival.explanation].group));
+    const ColumnGroup joined = Joined(own, evidence.list().math[rival.explanation].group);
+    Members with = others;
+    with.Insert(0, joined, 1.0);
+    const Eigen::MatrixXd both = with.Of(0).information;
     const long n = own.size(), m = both.cols() - n;
     const Eigen::VectorXd across = both.bottomLeftCorner(m, n) * values;
     const double overlap = across.dot(Solve(Determine(both.bottomRightCorner(m, m)), across)) / size;

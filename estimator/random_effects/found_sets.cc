@@ -10,6 +10,21 @@ WeightedSet Without(WeightedSet set, size_t place) {
   return set;
 }
 
+Difference DifferenceOf(const WeightedSet& one, const WeightedSet& other) {
+  const auto holds = [](const WeightedSet& set, int member, double scale) {
+    const size_t place = PlaceIn(set.members, member);
+    return place < set.members.size() && set.members[place] == member && set.scales[place] == scale;
+  };
+  Difference difference;
+  for (size_t k = one.members.size(); k-- > 0;) {
+    if (!holds(other, one.members[k], one.scales[k])) difference.gone.push_back(k);
+  }
+  for (size_t k = 0; k < other.members.size(); ++k) {
+    if (!holds(one, other.members[k], other.scales[k])) difference.come.push_back(k);
+  }
+  return difference;
+}
+
 WeightedSet Grown(WeightedSet set, int candidate, double scale) {
   const size_t at = PlaceIn(set.members, candidate);
   set.members.insert(set.members.begin() + at, candidate);

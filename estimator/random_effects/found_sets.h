@@ -21,6 +21,14 @@ WeightedSet Without(WeightedSet set, size_t place);
 // A set with one more; its weights are to be found.
 WeightedSet Grown(WeightedSet set, int candidate, double scale);
 
+// What turns one set into another: places among the members. A member with another scale goes and comes.
+struct Difference {
+  std::vector<size_t> gone;  // of the one, last first
+  std::vector<size_t> come;  // of the other, ascending
+};
+// From one set to the other.
+Difference DifferenceOf(const WeightedSet& one, const WeightedSet& other);
+
 // Sets that were met: by members, and by weight.
 class FoundSets {
  public:

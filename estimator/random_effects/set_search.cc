@@ -85,22 +85,50 @@ WeightedSet SetSearch::Less(const WeightedSet& set, size_t place) const {
   return less;
 }
 
-const Sweep& SetSearch::SweepOf(const WeightedSet& set) const {
-  if (!place_ || place_->set.members != set.members || place_->set.scales != set.scales) {
-    place_ = std::make_unique<Place>(Place{set, Sweep(normal_, GroupsOf(explanations_, set.members), set.scales)});
-  }
-  return place_->sweep;
+Members SetSearch::Less(Members members, const WeightedSet& set, size_t place) const {
+  for (const size_t gone : GoingWith(explanations_, set.members, place)) members.Remove(gone);
+  return members;
 }
 
 // Coordinate ascent over the scales, each member's given the others at theirs; then the average over each.
+WeightedSet SetSearch::Evaluate(const std::vector<int>& given_members, const std::vector<double>& scales) const {
+  const std::vector<double> ones(given_members.size(), 1.0);
+  return EvaluateFrom(given_members, Members(normal_, GroupsOf(explanations_, given_members),
+                                             scales.size() == given_members.size() ? scales : ones));
+}
+
+const Sweep& SetSearch::SweepOf(const WeightedSet& set) const {
+  const Difference difference = place_ ? DifferenceOf(place_->set, set) : Difference();
+  // A move costs a pass over the matrix, and so does a member of the first sweep.
+  if (!place_ || difference.gone.size() + difference.come.size() > set.members.size() + 1) {
+    place_ = std::make_unique<Place>(Place{set, Sweep(normal_, GroupsOf(explanations_, set.members), set.scales)});
+    return place_->sweep;
+  }
+  for (const size_t k : difference.gone) place_->sweep.Remove(k);
+  for (const size_t k : difference.come) {
+    place_->sweep.Insert(k, explanations_[set.members[k]].group, set.scales[k]);
+  }
+  place_->set = set;
+  return place_->sweep;
+}
+
+Members SetSearch::MembersOf(const WeightedSet& set) const {
+  const Difference difference = place_ ? DifferenceOf(place_->set, set) : Difference();
+  // Moves of all members cost what the inverse does anew.
+  if (!place_ || difference.gone.size() + difference.come.size() > set.members.size()) {
+    return Members(normal_, GroupsOf(explanations_, set.members), set.scales);
+  }
+  Members members = place_->sweep.members();
+  for (const size_t k : difference.gone) members.Remove(k);
+  for (const size_t k : difference.come) members.Insert(k, explanations_[set.members[k]].group, set.scales[k]);
+  return members;
+}
+
 // Of m <= kAveragedTogether members  log mean over all s of L(s); of more, at the best scales s^,
 //   log L(s^) + sum_k (log mean_s L(s_k = s) - log L(s^)),
 // and what the signs say at the best scales.
 // The weight is that times the prior: log w = log L + log P(set).
-WeightedSet SetSearch::Evaluate(const std::vector<int>& given_members, const std::vector<double>& scales) const {
-  const std::vector<double> ones(given_members.size(), 1.0);
-  Members members(normal_, GroupsOf(explanations_, given_members),
-                  scales.size() == given_members.size() ? scales : ones);
+WeightedSet SetSearch::EvaluateFrom(const std::vector<int>& given_members, Members members) const {
   WeightedSet set{given_members, members.scales(), likelihood_.Log(normal_.residual), 0.0};
   // A pass that moves no scale has seen each member given the others at their best.
   bool moved = !set.members.empty();
@@ -188,8 +216,10 @@ void SetSearch::Record(WeightedSet set, bool replaces) {
   if (is_better) found_.Put(std::move(set));
 }
 
-WeightedSet SetSearch::Settled(const WeightedSet& set) {
-  if (settled_.insert(set.members).second) Record(Evaluate(set.members, set.scales), true);
+WeightedSet SetSearch::Settled(const WeightedSet& set, const Members* conditioned) {
+  if (settled_.insert(set.members).second) {
+    Record(EvaluateFrom(set.members, conditioned == nullptr ? MembersOf(set) : *conditioned), true);
+  }
   return *found_.Find(set.members);
 }
 
@@ -228,7 +258,7 @@ std::vector<WeightedSet> SetSearch::WithoutEach(const WeightedSet& set, const Me
     if (known != nullptr) {
       others = *known;
     } else if (others.members.size() <= kAveragedTogether || others.members.size() + 1 < set.members.size()) {
-      others = Evaluate(others.members, others.scales);
+      others = EvaluateFrom(others.members, Less(all, set, m));
     } else {
       others.log_likelihood += averages - own_averages[m];
       others.log_weight = others.log_likelihood + prior_.Log(SharesOf(others.members));
@@ -238,11 +268,11 @@ std::vector<WeightedSet> SetSearch::WithoutEach(const WeightedSet& set, const Me
 }
 
 std::vector<double> SetSearch::LossesOf(const WeightedSet& set) const {
-  const double whole = Evaluate(set.members, set.scales).log_weight;
+  const Members all(normal_, GroupsOf(explanations_, set.members), set.scales);
+  const double whole = EvaluateFrom(set.members, all).log_weight;
   std::vector<double> losses;
   for (size_t m = 0; m < set.members.size(); ++m) {
-    const WeightedSet others = Less(set, m);
-    losses.push_back(whole - Evaluate(others.members, others.scales).log_weight);
+    losses.push_back(whole - EvaluateFrom(Less(set, m).members, Less(all, set, m)).log_weight);
   }
   return losses;
 }
@@ -315,7 +345,7 @@ bool SetSearch::Exchange(const WeightedSet& set) {
   for (size_t m = 0; m < without.size(); ++m) swaps.push_back({m, -1, 1.0, without[m].log_weight});
   std::stable_sort(swaps.begin(), swaps.end(),
                    [](const Swap& a, const Swap& b) { return a.log_weight > b.log_weight; });
-  SwapTogether(set, swaps);
+  SwapTogether(set, sweep.members(), swaps);
   return Best().members != set.members;
 }
 
@@ -368,8 +398,9 @@ WeightedSet SetSearch::EachAnew(WeightedSet causes, const WeightedSet& others, i
 
 // The swaps and drops that make the set better by themselves, best first, one for each place: each is kept if the set
 // is better still with it.
-void SetSearch::SwapTogether(const WeightedSet& set, const std::vector<Swap>& swaps) {
+void SetSearch::SwapTogether(const WeightedSet& set, const Members& all, const std::vector<Swap>& swaps) {
   WeightedSet now = set;
+  Members members = all;
   std::set<int> done;
   for (const Swap& swap : swaps) {
     if (swap.log_weight <= set.log_weight) return;
@@ -378,12 +409,19 @@ void SetSearch::SwapTogether(const WeightedSet& set, const std::vector<Swap>& sw
     const size_t at = PlaceIn(now.members, out);
     if (at == now.members.size() || now.members[at] != out) continue;  // gone with what it needs
     WeightedSet swapped = Less(now, at);
+    Members theirs = Less(members, now, at);
     if (swap.candidate >= 0) {
       if (IsExcluded(swapped.members, swap.candidate)) continue;
-      swapped = With(std::move(swapped), swap.candidate, swap.scale);
+      WeightedSet grown = With(swapped, swap.candidate, swap.scale);
+      for (const size_t k : DifferenceOf(swapped, grown).come) {
+        theirs.Insert(k, explanations_[grown.members[k]].group, grown.scales[k]);
+      }
+      swapped = std::move(grown);
     }
-    const WeightedSet settled = Settled(swapped);
-    if (settled.log_weight > now.log_weight) now = settled;
+    const WeightedSet settled = Settled(swapped, &theirs);
+    if (!(settled.log_weight > now.log_weight)) continue;
+    now = settled;
+    members = MembersOf(now);
   }
 }
 

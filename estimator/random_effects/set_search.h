@@ -63,16 +63,23 @@ class SetSearch {
   WeightedSet With(WeightedSet set, int candidate, double scale) const;  // its weights are to be found
   // Without the member at a place and those that need it.
   WeightedSet Less(const WeightedSet& set, size_t place) const;
+  Members Less(Members members, const WeightedSet& set, size_t place) const;
+  // conditioned: the members, at scales to begin with.
+  WeightedSet EvaluateFrom(const std::vector<int>& given_members, Members conditioned) const;
   double AverageOverScales(const Members& members) const;
   const Eigen::MatrixXd& OwnOf(size_t candidate) const;
   // scales: the best of each.
   std::vector<double> AdditionsTo(const WeightedSet& set, const Sweep& sweep, std::vector<double>* scales) const;
+  // Given a set: by what comes to the set before, and goes from it.
   const Sweep& SweepOf(const WeightedSet& set) const;
+  // Conditioned; by what comes to those of the sweep, and goes from them.
+  Members MembersOf(const WeightedSet& set) const;
   void Expand(const WeightedSet& given);
   void RecordGrown(WeightedSet set, int candidate, double scale, double log_weight);
   // replaces: an evaluation, which is better than what an addition says.
   void Record(WeightedSet set, bool replaces = false);
-  WeightedSet Settled(const WeightedSet& set);
+  // conditioned: its members, at its scales, where they are at hand.
+  WeightedSet Settled(const WeightedSet& set, const Members* conditioned = nullptr);
   // A set without each of its members, the others' scales and averages kept unless the set is small. all: its members,
   // at its scales.
   std::vector<WeightedSet> WithoutEach(const WeightedSet& set, const Members& all) const;
@@ -90,7 +97,7 @@ class SetSearch {
   WeightedSet WithBestCause(const WeightedSet& set, int columns);
   // The causes that are not among the others each exchanged for the best given the rest, once around.
   WeightedSet EachAnew(WeightedSet causes, const WeightedSet& others, int columns);
-  void SwapTogether(const WeightedSet& set, const std::vector<Swap>& swaps);
+  void SwapTogether(const WeightedSet& set, const Members& all, const std::vector<Swap>& swaps);
   void Climb(WeightedSet from);
   void SettleAll();
   double BestWeight() const { return Best().log_weight; }
@@ -111,7 +118,7 @@ class SetSearch {
     WeightedSet set;
     Sweep sweep;
   };
-  mutable std::unique_ptr<Place> place_;  // the set asked last
+  mutable std::unique_ptr<Place> place_;  // the set asked last, from where those next to it are reached
 };
 
 constexpr double kWorthKeeping = 12.0;  // log units: e^-12 = 6e-6 of the best

@@ -3,12 +3,15 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "estimator/least_squares/normal_algebra.h"
 #include "estimator/least_squares/row_sums.h"
 
 namespace sagitta {
 namespace {
+
+constexpr long kSpareRows = 32;  // of a smooth function without a name, the widest groups: one more has room
 
 // s M'G of one group.
 Eigen::MatrixXd ScaledRowsOf(const ProjectedNormal& normal, const ColumnGroup& group, double scale) {
@@ -17,6 +20,12 @@ Eigen::MatrixXd ScaledRowsOf(const ProjectedNormal& normal, const ColumnGroup& g
 
 Eigen::MatrixXd Cross(const ProjectedNormal& normal, const ColumnGroup& a, const ColumnGroup& b) {
   return a.Mixed(b.Mixed(normal.information.Between(a.columns, b.columns).transpose()).transpose());
+}
+
+// Of no columns none: a solver would ask where the first one lies.
+Eigen::MatrixXd Solved(const Eigen::LLT<Eigen::MatrixXd>& root, const Eigen::MatrixXd& right) {
+  if (right.cols() == 0) return right;
+  return root.solve(right);
 }
 
 }  // namespace
@@ -149,6 +158,64 @@ void Members::Rescale(size_t group, double scale) {
   SetResidual();
 }
 
+// `beside`: A_k;  t <- t - A_k A_kk^-1 t_k. Of the group itself nothing is left.
+void Members::Remove(size_t group) {
+  const long first = first_[group], size = SizeOf(group);
+  const Apart apart = Without(group);
+  const Eigen::MatrixXd beside = inverse_.middleCols(first, size), left = apart.root.solve(beside.transpose());
+  inverse_.noalias() -= beside * left;
+  solved_ -= beside * apart.own;
+  log_det_ = apart.log_det;
+  const long last = num_columns() - first - size;
+  Eigen::MatrixXd inverse(first + last, first + last);
+  inverse << inverse_.topLeftCorner(first, first), inverse_.topRightCorner(first, last),
+      inverse_.bottomLeftCorner(last, first), inverse_.bottomRightCorner(last, last);
+  Eigen::VectorXd solved(first + last), gradient(first + last);
+  solved << solved_.head(first), solved_.tail(last);
+  gradient << gradient_.head(first), gradient_.tail(last);
+  inverse_ = std::move(inverse);
+  solved_ = std::move(solved);
+  gradient_ = std::move(gradient);
+  groups_.erase(groups_.begin() + static_cast<long>(group));
+  scales_.erase(scales_.begin() + static_cast<long>(group));
+  SetFirst();
+  SetResidual();
+}
+
+// `column`: q;  `beside`: U = A q;  `corner`: c - q'U = i^-1.
+void Members::Insert(size_t place, const ColumnGroup& group, double scale) {
+  const long count = num_columns(), more = group.size(), first = first_[place], last = count - first;
+  Eigen::MatrixXd column(count, more);
+  for (size_t k = 0; k < size(); ++k) {
+    column.middleRows(first_[k], SizeOf(k)) = scale * scales_[k] * Cross(*normal_, *groups_[k], group);
+  }
+  const Eigen::MatrixXd beside = inverse_ * column;
+  Eigen::MatrixXd corner = scale * scale * OwnInformation(*normal_, group) - column.transpose() * beside;
+  corner.diagonal().array() += 1.0;
+  const Eigen::LLT<Eigen::MatrixXd> root(corner);
+  const Eigen::VectorXd gradient = OwnGradient(*normal_, group);
+  const Eigen::MatrixXd left = Solved(root, beside.transpose());  // i U'
+  const Eigen::VectorXd own = root.solve(scale * gradient - column.transpose() * solved_);
+  inverse_.noalias() += beside * left;
+  Eigen::MatrixXd inverse(count + more, count + more);
+  inverse << inverse_.topLeftCorner(first, first), -left.leftCols(first).transpose(),
+      inverse_.topRightCorner(first, last),                                                             //
+      -left.leftCols(first), root.solve(Eigen::MatrixXd::Identity(more, more)), -left.rightCols(last),  //
+      inverse_.bottomLeftCorner(last, first), -left.rightCols(last).transpose(), inverse_.bottomRightCorner(last, last);
+  solved_ -= beside * own;
+  Eigen::VectorXd solved(count + more), gradients(count + more);
+  solved << solved_.head(first), own, solved_.tail(last);
+  gradients << gradient_.head(first), gradient, gradient_.tail(last);
+  inverse_ = std::move(inverse);
+  solved_ = std::move(solved);
+  gradient_ = std::move(gradients);
+  log_det_ += LogDet(root);
+  groups_.insert(groups_.begin() + static_cast<long>(place), &group);
+  scales_.insert(scales_.begin() + static_cast<long>(place), scale);
+  SetFirst();
+  SetResidual();
+}
+
 // R - g'M D t = R - g'M D Q^-1 D M'g.
 void Members::SetResidual() { residual_ = normal_->residual - Scales().cwiseProduct(gradient_).dot(solved_); }
 
@@ -189,9 +256,69 @@ double Members::LogOfSigns() const {
 Sweep::Sweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given,
              const std::vector<double>& scales)
     : members_(normal, given, scales), gradient_(normal.gradient) {
+  tops_.assign(members_.first_.begin(), members_.first_.end() - 1);
   rows_ = members_.ScaledRows();
   solved_ = TallProduct(rows_.transpose(), members_.inverse_).transpose();
   gradient_ -= rows_.transpose() * members_.solved_;
+}
+
+// `rows`: W = L^-1 s M'G, then T_k = L^-T W;  `along`: w;  `beside`: U = s T M, M of the new group.
+void Sweep::Insert(size_t place, const ColumnGroup& group, double scale) {
+  const Eigen::MatrixXd own = ScaledRowsOf(*members_.normal_, group, scale);
+  Eigen::MatrixXd rows = own;  // s M'G of what is left
+  rows -= scale * TallProduct(ColumnsOf(group, rows_).transpose(), solved_);
+  Eigen::MatrixXd inner = scale * ColumnsOf(group, rows);
+  inner.diagonal().array() += 1.0;
+  const Eigen::LLT<Eigen::MatrixXd> factor(inner);
+  const Eigen::VectorXd along = factor.matrixL().solve(scale * Gradient(group));
+  const Eigen::MatrixXd beside = scale * ColumnsOf(group, solved_);
+  factor.matrixL().solveInPlace(rows);  // W
+  gradient_.noalias() -= rows.transpose() * along;
+  factor.matrixU().solveInPlace(rows);  // T of the group
+  solved_.noalias() -= beside * rows;
+  const long top = FreeRows(group.size());
+  latest_ = {};
+  members_.Insert(place, group, scale);
+  tops_.insert(tops_.begin() + place, top);
+  solved_.middleRows(top, rows.rows()) = rows;
+  rows_.middleRows(top, rows.rows()) = own;
+}
+
+// The first gap that is large enough, or below all others: then there is room for some more.
+long Sweep::FreeRows(long size) {
+  std::map<long, long> taken;  // end of each, by its top
+  for (size_t k = 0; k < tops_.size(); ++k) taken[tops_[k]] = tops_[k] + members_.SizeOf(k);
+  long top = 0;
+  for (const auto& [own, end] : taken) {
+    if (own - top >= size) return top;
+    top = end;
+  }
+  const long before = solved_.rows();
+  if (top + size <= before) return top;
+  const long more = top + size + kSpareRows - before;
+  for (Eigen::MatrixXd* matrix : {&rows_, &solved_}) {
+    matrix->conservativeResize(before + more, gradient_.size());
+    matrix->bottomRows(more).setZero();
+  }
+  return top;
+}
+
+void Sweep::Remove(size_t group) {
+  const long size = members_.SizeOf(group), top = tops_[group];
+  const WithoutOne without = Without(group);
+  gradient_ += without.Gradient(solved_);
+  Eigen::MatrixXd beside = Eigen::MatrixXd::Zero(solved_.rows(), size);  // A_k, by rows of T
+  for (size_t k = 0; k < tops_.size(); ++k) {
+    beside.middleRows(tops_[k], members_.SizeOf(k)) =
+        members_.inverse_.block(members_.First(k), members_.First(group), members_.SizeOf(k), size);
+  }
+  const Eigen::MatrixXd of_group = without.root.solve(Eigen::MatrixXd(solved_.middleRows(top, size)));
+  solved_.noalias() -= beside * of_group;
+  solved_.middleRows(top, size).setZero();
+  rows_.middleRows(top, size).setZero();
+  latest_ = {};
+  members_.Remove(group);
+  tops_.erase(tops_.begin() + group);
 }
 
 Eigen::MatrixXd Sweep::Taken(const ColumnGroup& group) const {
@@ -208,7 +335,7 @@ Eigen::MatrixXd Sweep::Information(const ColumnGroup& group) const {
 
 Eigen::VectorXd Sweep::Gradient(const ColumnGroup& group) const { return group.Mixed(gradient_(group.columns)); }
 
-Sweep::WithoutOne Sweep::Without(size_t group) const { return {members_.Without(group), members_.first_[group]}; }
+Sweep::WithoutOne Sweep::Without(size_t group) const { return {members_.Without(group), tops_[group]}; }
 
 // X'X,  X = C^(-1/2) T_k.
 Eigen::MatrixXd Sweep::WithoutOne::Information(const Eigen::MatrixXd& solved) const {

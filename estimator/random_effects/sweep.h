@@ -56,12 +56,19 @@ GroupValues ValuesOf(const ProjectedNormal& normal, const std::vector<const Colu
 // With A = Q^-1 one group costs the square of all columns, not the cube: its scale times r, e = 1/r^2 - 1,
 //
 //   A <- R^-1 (A - A_k e (I + e A_kk)^-1 A_k') R^-1,   log |Q| += log |I + e A_kk| + 2 n_k log r
+//
+// without it  A <- A - A_k A_kk^-1 A_k',  log |Q| += log |A_kk|,  of the other groups' rows and columns; and with one
+// more, of which Q has the column q and the corner c: U = A q, i = (c - q'U)^-1,
+//
+//   A <- [A + U i U', -U i; -i U', i],   t_k = i (s_k g_k - q't),  t <- t - U t_k,   log |Q| -= log |i|
 class Members {
  public:
   Members(const ProjectedNormal& normal, std::vector<const ColumnGroup*> groups, std::vector<double> scales);
 
-  // The same with another scale of one group.
+  // The same with another scale of one group; without one; with one more at a place.
   void Rescale(size_t group, double scale);
+  void Remove(size_t group);
+  void Insert(size_t place, const ColumnGroup& group, double scale);
   const std::vector<double>& scales() const { return scales_; }
   GivenOthers Of(size_t group) const;
   double LogOfSigns() const;  // of all groups, each given the others
@@ -78,6 +85,8 @@ class Members {
   size_t size() const { return groups_.size(); }
   int NumScales(size_t group) const { return groups_[group]->num_scales; }
   long num_columns() const { return gradient_.size(); }
+  // Where a group's columns begin among those of all.
+  long First(size_t group) const { return first_[group]; }
   long SizeOf(size_t group) const { return groups_[group]->size(); }
   // s M'G of all groups, one after the other.
   Eigen::MatrixXd ScaledRows() const;
@@ -102,13 +111,17 @@ class Members {
   double residual_ = 0.0, log_det_ = 0.0;
 };
 
-// All columns given groups. With Z = D M'G and T = Q^-1 Z of all columns, G - Z'T is left of G, of which only the
-// blocks that are asked for are made; and of g,  g - Z't.  Without a group, C = A_kk:
+// All columns given groups that come and go one at a time. With Z = D M'G and T = Q^-1 Z of all columns, G - Z'T is
+// left of G; of that only the rows of the group that comes and the blocks that are asked for are made:
 //
-//   g += T_k' C^-1 t_k,  R += t_k' C^-1 t_k,  log |Q| += log |C|,  G += T_k' C^-1 T_k
+//   a group comes:  as above, G, g, R what is left before; T_k = L^-T W, T <- T - U T_k
+//   a group goes:   with C = A_kk: g += T_k' C^-1 t_k, R += t_k' C^-1 t_k, log |Q| += log |C|, T <- T - A_k C^-1 T_k
 class Sweep {
  public:
   Sweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given, const std::vector<double>& scales);
+
+  void Insert(size_t place, const ColumnGroup& group, double scale);
+  void Remove(size_t group);
 
   Eigen::MatrixXd Information(const ColumnGroup& group) const;
   Eigen::VectorXd Gradient(const ColumnGroup& group) const;
@@ -131,6 +144,8 @@ class Sweep {
   Eigen::MatrixXd Gradients(const std::vector<WithoutOne>& without) const;
 
  private:
+  long FreeRows(long size);  // top of so many rows that no group has
+
   // Z'T of columns: many groups mix the same ones, and follow each other.
   struct TakenColumns {
     std::vector<int> columns;
@@ -138,8 +153,9 @@ class Sweep {
   };
 
   Members members_;
-  mutable TakenColumns latest_;
-  Eigen::MatrixXd rows_, solved_;  // Z and T
+  mutable TakenColumns latest_;    // until a group comes or goes
+  std::vector<long> tops_;         // row of each group in Z and T, which stay where they are
+  Eigen::MatrixXd rows_, solved_;  // Z and T; what no group has is zero
   Eigen::VectorXd gradient_;       // g that is left
 };
 

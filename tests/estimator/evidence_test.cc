@@ -125,8 +125,8 @@ TEST(Sweep, IsWhatIsLeftBesideTheGivenGroups) {
   EXPECT_NEAR(sweep.members().log_det(), std::log(noise.determinant()), 1e-9);
 }
 
-// Scales that go through their values one by one: as if conditioned anew.
-TEST(Sweep, MembersFollowOneScale) {
+// Scales that go through their values one by one, and a group that leaves: as if conditioned anew.
+TEST(Sweep, MembersFollowOneScaleAndOneGroup) {
   const Small small(15, 3, 6, 31);
   const ProjectedNormal normal = small.Normal();
   const ColumnGroup first{{1, 4}, {}}, second{{0, 2, 5}, Random(3, 2, 77)}, third{{3}, {}};
@@ -147,8 +147,64 @@ TEST(Sweep, MembersFollowOneScale) {
       stepwise.Rescale(k, scale);
       const Members anew(normal, groups, stepwise.scales());
       expect_same(stepwise, anew);
+      std::vector<const ColumnGroup*> others = groups;
+      std::vector<double> theirs = stepwise.scales();
+      others.erase(others.begin() + static_cast<long>(k));
+      theirs.erase(theirs.begin() + static_cast<long>(k));
+      const Members of_others(normal, others, theirs);
+      Members left = stepwise;
+      left.Remove(k);
+      expect_same(left, of_others);
+      left.Insert(k, *groups[k], stepwise.scales()[k]);
+      expect_same(left, stepwise);
     }
   }
+}
+
+// Groups come and go in any order, to none and back: as if swept anew.
+TEST(Sweep, FollowsGroupsThatComeAndGo) {
+  const Small small(15, 3, 6, 31);
+  const ProjectedNormal normal = small.Normal();
+  const ColumnGroup first{{1, 4}, {}}, second{{0, 2, 5}, Random(3, 2, 77)}, third{{3}, {}}, asked{{3, 0}, {}};
+  Sweep moving(normal, {}, {});
+  std::vector<const ColumnGroup*> groups;
+  std::vector<double> scales;
+  const auto expect_same = [&] {
+    const Sweep anew(normal, groups, scales);
+    for (const ColumnGroup* group : {&first, &second, &third, &asked}) {
+      EXPECT_LT((moving.Information(*group) - anew.Information(*group)).norm(), 1e-9);
+      EXPECT_LT((moving.Gradient(*group) - anew.Gradient(*group)).norm(), 1e-9);
+    }
+    EXPECT_NEAR(moving.residual(), anew.residual(), 1e-9);
+    EXPECT_NEAR(moving.members().log_det(), anew.members().log_det(), 1e-9);
+  };
+  const auto insert = [&](size_t place, const ColumnGroup& group, double scale) {
+    moving.Insert(place, group, scale);
+    groups.insert(groups.begin() + static_cast<long>(place), &group);
+    scales.insert(scales.begin() + static_cast<long>(place), scale);
+    expect_same();
+  };
+  const auto remove = [&](size_t place) {
+    moving.Remove(place);
+    groups.erase(groups.begin() + static_cast<long>(place));
+    scales.erase(scales.begin() + static_cast<long>(place));
+    expect_same();
+  };
+  insert(0, second, 0.3);
+  insert(0, first, 3.0);
+  insert(1, third, 1.0);
+  remove(2);
+  remove(0);
+  remove(0);
+  insert(0, third, 0.1);
+  insert(1, second, 3.0);
+  insert(2, first, 1.0);
+  remove(1);  // what comes next has its place, or is too large for it
+  insert(0, second, 0.3);
+  remove(1);
+  remove(0);
+  insert(1, third, 1.0);
+  insert(1, second, 1.0);
 }
 
 // Of three groups each in turn: by leaving it out, and by removing it from the sweep with all.
