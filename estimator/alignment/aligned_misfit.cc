@@ -106,8 +106,8 @@ double AlignedMisfit(const CalibrationProblem& problem, const std::vector<int>& 
 AlignedSample::AlignedSample(const CalibrationProblem& problem)
     : rows(SampleOfRows(problem)), parameters(problem.parameters), misfit(AlignTo(problem, rows, &parameters)) {}
 
-bool MissesAllRows(const CalibrationProblem& problem, const AlignedSample& aligned, double limit) {
-  const std::vector<int> points = problem.data().PointsAmong(problem.CalibrationObservations());
+bool MissesRows(const CalibrationProblem& problem, const AlignedSample& aligned, const std::vector<int>& points,
+                double limit) {
   const auto misfit_of = [&](const Eigen::Matrix3Xd& predicted) {
     double squares = 0.0;
     for (size_t k = 0; k < points.size(); ++k) {

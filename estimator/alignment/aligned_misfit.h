@@ -32,9 +32,10 @@ struct AlignedSample {
   double misfit = 0.0;  // AlignedMisfit, m
 };
 
-// Whether the misfit of all calibration rows of points, aligned to a sample of them, is more than `limit`: what a
-// sample may have missed.
-bool MissesAllRows(const CalibrationProblem& problem, const AlignedSample& aligned, double limit);
+// Whether the misfit of these rows of points is more than `limit` where the sample puts the robot: what the sample may
+// have missed.
+bool MissesRows(const CalibrationProblem& problem, const AlignedSample& aligned, const std::vector<int>& points,
+                double limit);
 
 // Where the nominal robot has the frame of each observation of a point, base poses fitted to a sample of the points:
 // station_from_frame.

@@ -216,8 +216,12 @@ Inspection Inspect(const CalibrationProblem& problem, const std::function<void(c
                              inspection.reading.findings.end());
   say(LinearizingAtNominal());
   // Rows that weights moved another way than they are said to pull are good rows.
-  const bool is_misfit = inspection.reading.is_suspicious || FindLoadDirection(problem).has_value();
-  const LinearState state = Align(problem, is_misfit, &inspection.findings);
+  // Rows that were read in another way than the others are named: what the others can determine is shown.
+  CalibrationProblem good = problem;
+  for (const int i : inspection.reading.wrong_rows) good.mutable_data()->ExcludeRow(i);
+  const bool is_misread = inspection.reading.is_suspicious && inspection.reading.wrong_rows.empty();
+  const bool is_misfit = is_misread || FindLoadDirection(problem).has_value();
+  const LinearState state = Align(good, is_misfit, &inspection.findings);
   inspection.aligned = AlignedSize(problem);
   inspection.torques = CompareTorques(state.problem, state.parameters);
   if (!inspection.torques.joints.empty()) {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "estimator/alignment/aligned_misfit.h"
 #include "estimator/alignment/starting_values.h"
@@ -24,7 +25,6 @@ constexpr size_t kFewestOfMarker = 3;  // rows: 9 numbers to a point of three
 constexpr size_t kFewestPoses = 3;     // the rows of one are a pose wherever its joints are: any fits some station
 constexpr double kClearlyBetter = 5.0;
 constexpr double kOnePoint = 1e-3;  // of the reach
-constexpr double kApart = 10.0;     // of the RMS distance of the rows that fit
 
 void SetFound(OtherLabel::Kind kind, const std::string& stated, const std::string& fits, OtherLabel* found) {
   found->kind = kind;
@@ -75,20 +75,6 @@ double RmsDistance(const Eigen::Matrix3Xd& differences) {
   return differences.norm() / std::sqrt(static_cast<double>(std::max<Eigen::Index>(1, differences.cols())));
 }
 
-// Rows that the nominal robot alone misses by somewhat more than others are no group of their own.
-void KeepThoseApart(FarRows* rows) {
-  std::vector<int> far;
-  std::vector<double> distances;
-  for (size_t k = 0; k < rows->far.size(); ++k) {
-    const bool is_apart = rows->far_distances[k] > kApart * rows->near_rms;
-    (is_apart ? far : rows->near).push_back(rows->far[k]);
-    if (is_apart) distances.push_back(rows->far_distances[k]);
-  }
-  rows->far = far;
-  rows->far_distances = distances;
-  if (!far.empty()) rows->far_median = Median(distances);
-}
-
 // The far rows of one station and one marker, and what else could have made them.
 class LabelGroup {
  public:
@@ -119,7 +105,7 @@ class LabelGroup {
         least = distance;
         nearest = s;
       }
-      if (!(least <= kApart * all_.near_rms)) return false;
+      if (!(least <= kFarApart * all_.near_rms)) return false;
       fits.push_back(problem_.data().stations[nearest]);
     }
     SetFound(OtherLabel::Kind::kOtherStation, problem_.data().stations[StationOf(all_.far.front())], fits.front(),
@@ -214,7 +200,7 @@ void FindMove(const CalibrationProblem& problem, const FarRows& rows, OtherLabel
 }  // namespace
 
 std::optional<OtherLabel> FindOtherLabel(const CalibrationProblem& problem, FarRows rows) {
-  KeepThoseApart(&rows);
+  rows = OnlyThoseApart(std::move(rows));
   if (rows.far.size() < kFewestOfPose || !AreApart(rows, problem)) return std::nullopt;
   const LabelGroup group(problem, rows);
   OtherLabel found;

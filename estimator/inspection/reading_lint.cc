@@ -12,7 +12,10 @@
 #include "estimator/inspection/readings.h"
 #include "estimator/inspection/rotation_lint.h"
 #include "estimator/inspection/sampled_problem.h"
+#include "estimator/inspection/sorted_points.h"
+#include "estimator/inspection/tried_readings.h"
 #include "estimator/inspection/wild_rows.h"
+#include "estimator/inspection/wrong_part.h"
 #include "estimator/report/inspection_label_words.h"
 #include "models/constants.h"
 
@@ -20,18 +23,15 @@ namespace sagitta {
 namespace {
 
 constexpr double kSuspiciousReading = 0.005;  // of the reach: no arm needs that much calibration
-constexpr double kReadingImprovement = 5.0;
-constexpr double kAsGood = 1.1;    // readings that fit alike: the simplest is named
-constexpr double kPerfect = 1e-4;  // of the reach: no better fit means anything
 constexpr size_t kShown = 6;
-constexpr size_t kMostAlike = 2;
 constexpr double kLongestArm = 100.0;  // m; of the arms that are built the longest reach some tens
 constexpr double kLargestError = 4.0;  // times 5 mm or 1 deg: no arm is made or mastered that badly
 constexpr double kMostFarRows = 0.2;   // of all: more are no exceptions
 
 // alike: names of other readings that fit as well.
-Finding DescribeReading(const Reading& reading, double misfit, const std::vector<std::string>& alike) {
-  const std::string words = MisfitOfReading(misfit, reading.misfit, reading.name, alike);
+Finding DescribeReading(const Reading& reading, double misfit, const std::vector<std::string>& alike,
+                        bool limits_decide) {
+  const std::string words = MisfitOfReading(misfit, reading.misfit, reading.name, alike, limits_decide);
   return {Severity::kSerious, reading.code, words, reading.remedy, {}};
 }
 
@@ -54,7 +54,7 @@ std::optional<Finding> LongRobot(const CalibrationProblem& problem, const Aligne
   reading.misfit = AlignedMisfit(Reread(problem, reading), aligned.rows);
   const bool fits = reading.misfit <= SuspiciousMisfit(reading.robot->chain);
   if (!fits || !(reading.misfit * kReadingImprovement < spread)) return std::nullopt;
-  return DescribeReading(reading, aligned.misfit, {});
+  return DescribeReading(reading, aligned.misfit, {}, false);
 }
 
 // A unit that is wrong in the robot or in a column, or points that are all one.
@@ -75,57 +75,11 @@ std::optional<Finding> WrongLengths(const CalibrationProblem& problem, const Ali
   return std::nullopt;
 }
 
-// The other readings of the files, with the nominal robot's misfit to a sample of the rows under each.
-struct RereadReadings {
-  explicit RereadReadings(const CalibrationProblem& problem) : all(AllReadings(problem)) {
-    const CalibrationProblem sampled = SampledProblem(problem);
-    const std::vector<int> some = SampleOfRows(sampled);
-    as_stated = AlignedMisfit(sampled, some);
-    double least = as_stated;
-    for (Reading& reading : all) {
-      reading.misfit = MisfitUnder(reading, sampled, some);
-      least = std::min(least, reading.misfit);
-    }
-    best = std::max(kPerfect * Reach(problem), kAsGood * least);
-    const auto found =
-        std::find_if(all.begin(), all.end(), [this](const Reading& reading) { return reading.misfit <= best; });
-    if (found != all.end() && found->misfit * kReadingImprovement < as_stated) simplest = found - all.begin();
-  }
-
-  // Names of others that do as well as the simplest.
-  std::vector<std::string> Alike() const {
-    std::vector<std::string> alike;
-    for (size_t k = *simplest + 1; k < all.size() && alike.size() < kMostAlike; ++k) {
-      if (all[k].misfit <= best) alike.push_back(all[k].name);
-    }
-    return alike;
-  }
-
-  std::vector<Reading> BestOf(size_t count) const {
-    std::vector<Reading> sorted = all;
-    std::stable_sort(sorted.begin(), sorted.end(),
-                     [](const Reading& a, const Reading& b) { return a.misfit < b.misfit; });
-    sorted.resize(std::min(count, sorted.size()));
-    return sorted;
-  }
-
-  std::vector<Reading> all;  // simplest first
-  double as_stated = 0.0, best = 0.0;
-  std::optional<size_t> simplest;  // of those that explain the rows
-
- private:
-  // Some readings leave rows out. Where those were what did not fit, the others fit as stated as well.
-  double MisfitUnder(const Reading& reading, const CalibrationProblem& sampled, const std::vector<int>& some) const {
-    const CalibrationProblem reread = Reread(sampled, reading);
-    std::vector<int> rows;
-    for (const int i : some) {
-      if (!reread.data().observations[i].excluded) rows.push_back(i);
-    }
-    const double misfit = AlignedMisfit(reread, rows);
-    const bool leaves_out = rows.size() < some.size();
-    return leaves_out && misfit * kReadingImprovement >= AlignedMisfit(sampled, rows) ? as_stated : misfit;
-  }
-};
+// The other readings of the files, on a sample of the rows.
+TriedReadings TryAll(const CalibrationProblem& problem) {
+  const CalibrationProblem sampled = SampledProblem(problem);
+  return TryReadings(sampled, SampleOfRows(sampled), AllReadings(problem));
+}
 
 }  // namespace
 
@@ -146,11 +100,11 @@ ReadingLint LintReadings(const CalibrationProblem& problem, const AlignedSample&
     lint.is_explained = true;
     return lint;
   }
-  const RereadReadings reread(problem);
+  const TriedReadings reread = TryAll(problem);
   lint.is_explained = reread.simplest.has_value();
-  lint.findings.push_back(lint.is_explained
-                              ? DescribeReading(reread.all[*reread.simplest], reread.as_stated, reread.Alike())
-                              : Unexplained(problem, lint.misfit, suspicious, errors));
+  lint.findings.push_back(lint.is_explained ? DescribeReading(reread.all[*reread.simplest], reread.as_stated,
+                                                              reread.Alike(), reread.limits_decide)
+                                            : Unexplained(problem, lint.misfit, suspicious, errors));
   for (const Reading& reading : reread.BestOf(kShown)) lint.readings.push_back({reading.name, reading.misfit});
   return lint;
 }
@@ -164,7 +118,9 @@ ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem, const Alig
     return lint;
   }
   const double suspicious = SuspiciousMisfit(problem);
-  const bool is_missed = lint.misfit <= suspicious && MissesAllRows(problem, aligned, suspicious);  // by the sample
+  const bool is_missed =
+      lint.misfit <= suspicious &&  // by the sample
+      MissesRows(problem, aligned, problem.data().PointsAmong(problem.CalibrationObservations()), suspicious);
   if (!lint.is_suspicious && !is_missed) return lint;
   std::optional<OtherLabel> other = FindOtherFrame(problem);
   std::optional<FarRows> far_rows;
@@ -175,6 +131,21 @@ ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem, const Alig
   }
   if (other) {
     lint.findings = {OtherLabelInWords(problem, *other)};
+    lint.is_suspicious = lint.is_explained = true;
+    return lint;
+  }
+  std::optional<WrongPart> part;
+  if (lint.is_suspicious) {
+    part = FindWrongPart(problem, far_rows);
+  } else if (far_rows) {
+    part = FindWrongRows(problem, *far_rows);
+  }
+  if (!part && lint.is_suspicious) {
+    if (std::optional<Finding> sorted = FindSortedPoints(problem)) part = WrongPart{std::move(*sorted), {}};
+  }
+  if (part) {
+    lint.findings = {part->finding};
+    lint.wrong_rows = part->rows;
     lint.is_suspicious = lint.is_explained = true;
     return lint;
   }
@@ -193,10 +164,27 @@ ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem, const Alig
   return lint;
 }
 
+namespace {
+
+// A mistake that has a name, of all rows: those that are held out judge the calibration, and may have it alone.
+std::optional<Finding> MistakeInAllRows(const CalibrationProblem& problem) {
+  CalibrationProblem whole = problem;
+  for (Configuration& configuration : whole.mutable_data()->configurations) configuration.is_validation = false;
+  const ReadingLint lint = LintReadingsOfGoodRows(whole);
+  return lint.is_suspicious && lint.is_explained ? std::optional(lint.findings.front()) : std::nullopt;
+}
+
+}  // namespace
+
 Plausibility CheckPlausible(const CalibrationProblem& problem, const AlignedSample& aligned) {
   const ReadingLint lint = LintReadingsOfGoodRows(problem, aligned);
-  if (!lint.is_suspicious) return {};
-  return {false, lint.findings.front()};
+  const std::vector<int> held_out = problem.data().PointsAmong(problem.ValidationObservations());
+  const bool may_have_more =
+      lint.is_suspicious ? lint.is_explained : MissesRows(problem, aligned, held_out, SuspiciousMisfit(problem));
+  if (!held_out.empty() && may_have_more) {
+    if (const std::optional<Finding> found = MistakeInAllRows(problem)) return {false, *found};
+  }
+  return lint.is_suspicious ? Plausibility{false, lint.findings.front()} : Plausibility{};
 }
 
 ReadingLint LintReadings(const CalibrationProblem& problem) { return LintReadings(problem, AlignedSample(problem)); }

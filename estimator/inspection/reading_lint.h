@@ -24,6 +24,7 @@ struct ReadingLint {
   bool is_explained = false;            // by another reading
   std::vector<ReadingMisfit> readings;  // as stated first, then what was tried, best first
   std::vector<Finding> findings;
+  std::vector<int> wrong_rows;  // observations that were read in another way than the others
 };
 
 // RMS distance, m, above which an aligned nominal robot's misfit has to be explained.

@@ -12,17 +12,24 @@ namespace {
 
 using Readings = std::vector<Reading>;
 
+struct Change {
+  std::function<void(Measurements*)> rows;
+  bool is_of_joints = false;
+};
+
 // The same change to the joint values of every configuration.
-std::function<void(Measurements*)> OfJoints(std::function<void(Eigen::VectorXd*)> change) {
-  return [change = std::move(change)](Measurements* data) {
+Change OfJoints(std::function<void(Eigen::VectorXd*)> change) {
+  const auto rows = [change = std::move(change)](Measurements* data) {
     for (Configuration& configuration : data->configurations) change(&configuration.q);
   };
+  return {rows, true};
 }
 
-std::function<void(Measurements*)> OfPoints(std::function<void(Vector3<double>*)> change) {
-  return [change = std::move(change)](Measurements* data) {
+Change OfPoints(std::function<void(Vector3<double>*)> change) {
+  const auto rows = [change = std::move(change)](Measurements* data) {
     for (Observation& observation : data->observations) change(&observation.point_in_station);
   };
+  return {rows, false};
 }
 
 bool IsRevolute(const Chain& chain, int joint) { return chain.joints[joint].type == JointType::kRevolute; }
@@ -33,12 +40,12 @@ std::vector<std::string> NamesOf(const Chain& chain, const std::vector<int>& joi
   return names;
 }
 
-void Add(const char* code, const Advice& advice, std::function<void(Measurements*)> change, Readings* readings) {
-  readings->push_back({code, advice.words, advice.remedy, std::move(change), {}});
+void Add(const char* code, const Advice& advice, Change change, Readings* readings) {
+  readings->push_back({code, advice.words, advice.remedy, std::move(change.rows), change.is_of_joints, {}});
 }
 
 void Add(const char* code, const Advice& advice, const Robot& robot, Readings* readings) {
-  readings->push_back({code, advice.words, advice.remedy, {}, robot});
+  readings->push_back({code, advice.words, advice.remedy, {}, false, robot});
 }
 
 // Sets of `size` joints that are counted the other way.
@@ -229,7 +236,8 @@ void AddRowShifts(const CalibrationProblem& problem, Readings* readings) {
       }
       for (Observation& row : data->observations) row.excluded |= lost[data->shots[row.shot].configuration];
     };
-    Add("row_shift", RowsShifted(shift > 0), move, readings);
+    Add("row_shift", RowsShifted(shift > 0), Change{move, true}, readings);
+    readings->back().is_of_order = true;
   }
 }
 

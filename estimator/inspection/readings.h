@@ -17,8 +17,10 @@ struct Reading {
   std::string name;  // "joint A2 counted the other way"
   std::string remedy;
   std::function<void(Measurements*)> change;  // of joint values (SI) and points (m); empty: none
+  bool changes_joints = false;                // joint values, which all rows of a configuration share
   std::optional<Robot> robot;
-  double misfit = 0.0;  // distance RMS, aligned, m
+  double misfit = 0.0;       // distance RMS, aligned, m
+  bool is_of_order = false;  // points go with the joint values of other rows
 };
 
 // Simple ones first: the first of those that fit alike is what is named. They can be tried on a part of the problem's

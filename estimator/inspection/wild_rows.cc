@@ -18,7 +18,6 @@ namespace {
 
 constexpr int kMostTrimmingSteps = 20;
 constexpr size_t kFewestRows = 3;    // rows of a marker at a station
-constexpr double kFarApart = 10.0;   // of the RMS distance of the rows that fit: the median of the others
 constexpr size_t kMostShown = 1000;  // rows
 // Random starts, for all rows together may lead to a half that fits and is not the robot's: a third of the rows are
 // wrong and four of each of two groups are drawn: (2/3)^8 = 0.04, and one of 100 starts is free of wrong rows with
@@ -176,6 +175,20 @@ std::optional<FarRows> FindFarRows(const CalibrationProblem& problem) {
   if (rows.far.empty() || rows.near.size() <= rows.far.size()) return std::nullopt;
   rows.near_rms = RmsOf(distances, near);
   rows.far_median = Median(rows.far_distances);
+  return rows;
+}
+
+FarRows OnlyThoseApart(FarRows rows) {
+  std::vector<int> far;
+  std::vector<double> distances;
+  for (size_t k = 0; k < rows.far.size(); ++k) {
+    const bool is_apart = rows.far_distances[k] > kFarApart * rows.near_rms;
+    (is_apart ? far : rows.near).push_back(rows.far[k]);
+    if (is_apart) distances.push_back(rows.far_distances[k]);
+  }
+  rows.far = far;
+  rows.far_distances = distances;
+  if (!far.empty()) rows.far_median = Median(distances);
   return rows;
 }
 

@@ -27,12 +27,18 @@ struct FarRows {
 
 constexpr double kNearHalf = 5.0;  // of the RMS distance of the half that is aligned to: what fits
 
+constexpr double kFarApart = 10.0;  // of the RMS distance of the rows that fit: rows that are clear of them
+
 // m, from the points that are predicted; 1e300 where none can be.
 std::vector<double> DistancesFromPoints(const CalibrationProblem& problem, const std::vector<int>& points,
                                         const ParameterSet& parameters);
 
 // Nothing where no row is far, or as many as fit.
 std::optional<FarRows> FindFarRows(const CalibrationProblem& problem);
+
+// Rows that the nominal robot alone misses by somewhat more than others are no group of their own: those that are clear
+// of the others stay far.
+FarRows OnlyThoseApart(FarRows rows);
 
 // Whether those that fit do so as a robot's do, and the others are clear of them.
 bool AreApart(const FarRows& rows, const CalibrationProblem& problem);

@@ -161,10 +161,11 @@ Advice LoadsPullAcross(double angle, const Vector3<double>& fitted, const Vector
 }
 
 std::string MisfitOfReading(double misfit, double as_read, const std::string& name,
-                            const std::vector<std::string>& alike) {
-  const std::string words = "the aligned nominal robot misses by " + InMillimetres(misfit) + " (RMS) as stated, by " +
-                            InMillimetres(as_read) + " with " + name;
-  return alike.empty() ? words : words + ", and just as well with " + Enumerate(alike);
+                            const std::vector<std::string>& alike, bool limits_decide) {
+  std::string words = "the aligned nominal robot misses by " + InMillimetres(misfit) + " (RMS) as stated, by " +
+                      InMillimetres(as_read) + " with " + name;
+  if (!alike.empty()) words += ", and just as well with " + Enumerate(alike);
+  return limits_decide ? words + "; what else fits goes beyond the limits of the joints" : words;
 }
 
 Advice MisfitUnexplained(double misfit) {

@@ -50,9 +50,9 @@ Advice LoadsPullAcross(double angle, const Vector3<double>& fitted, const Vector
 std::string WeightsPullAcross(double angle);
 
 // misfit: of the aligned nominal robot as stated, m RMS; `as_read`: with the other reading `name`. alike: others that
-// fit as well.
+// fit as well. limits_decide: still others do so beyond the joints' limits.
 std::string MisfitOfReading(double misfit, double as_read, const std::string& name,
-                            const std::vector<std::string>& alike);
+                            const std::vector<std::string>& alike, bool limits_decide);
 Advice MisfitUnexplained(double misfit);
 // What would have to be off for the robot to be this one: `by` (m or rad) in the largest error, so named.
 std::string ErrorsThatWouldExplain(double by, bool is_length, const std::string& largest);
