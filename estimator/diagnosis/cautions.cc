@@ -16,6 +16,7 @@
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/report/diagnosis_caution_words.h"
 #include "estimator/report/validation_words.h"
+#include "estimator/validation/suspects.h"
 #include "models/constants.h"
 #include "models/effects/catalogue.h"
 #include "problems/split.h"
@@ -200,6 +201,15 @@ std::string OfOrder(const CalibrationProblem& problem) {
   return in_order.empty() ? "" : JointsFollowTheOrder(in_order);
 }
 
+// Where the believed model is as far off as no arm is: rows that cannot be what they say, which the search would
+// explain.
+std::string OfSuspects(const DiagnosedModel& believed) {
+  if (believed.estimate.fit.distance_rms <= SuspiciousMisfit(*believed.problem)) return "";
+  const std::vector<Suspect> suspects = FindSuspects(*believed.problem, believed.estimate);
+  if (suspects.empty()) return "";
+  return LookAtSuspectsFirst(RowsAreSuspect(suspects.size(), suspects[0].row + ": " + suspects[0].words));
+}
+
 bool IsCompliance(const EffectSpec& spec) {
   const EffectDefinition* definition = FindEffect(spec.effect);
   return definition == &JointComplianceEffect() || definition == &TransverseCompliance() ||
@@ -210,7 +220,7 @@ bool IsCompliance(const EffectSpec& spec) {
 
 std::vector<std::string> CautionsOfReadings(const CalibrationProblem& problem) {
   std::vector<std::string> cautions;
-  for (const std::vector<Finding>& findings : {LintReadings(problem).findings, LintDeflections(problem)}) {
+  for (const std::vector<Finding>& findings : {LintReadingsOfGoodRows(problem).findings, LintDeflections(problem)}) {
     for (const Finding& finding : findings) {
       if (finding.severity != Severity::kSerious) continue;
       cautions.push_back(LookAtThisFirst(finding));
@@ -222,11 +232,17 @@ std::vector<std::string> CautionsOfReadings(const CalibrationProblem& problem) {
 std::vector<std::string> FindCautions(const CalibrationProblem& stated, const DiagnosedModel& believed) {
   const Counts counts = CountConfigurations(stated.data());
   std::vector<std::string> cautions = {
-      OfNoise(stated),        OfUnusedKeys(stated.experiment()),
-      OfFew(stated, counts),  OfStandingJoints(stated),
-      OfPartlyStated(stated), OfHeldParameters(believed.estimate),
-      OfHeldEffects(stated),  counts.in_both > 0 ? FittedAndHeldOut(counts.in_both) : "",
-      OfHoldout(counts),      OfTool(believed),
+      OfSuspects(believed),
+      OfNoise(stated),
+      OfUnusedKeys(stated.experiment()),
+      OfFew(stated, counts),
+      OfStandingJoints(stated),
+      OfPartlyStated(stated),
+      OfHeldParameters(believed.estimate),
+      OfHeldEffects(stated),
+      counts.in_both > 0 ? FittedAndHeldOut(counts.in_both) : "",
+      OfHoldout(counts),
+      OfTool(believed),
       OfOrder(stated),
   };
   cautions.erase(std::remove(cautions.begin(), cautions.end(), ""), cautions.end());

@@ -29,6 +29,10 @@ std::string LookAtThisFirst(const Finding& finding) {
   return "Look at this first: " + finding.words + "; " + finding.remedy + ".";
 }
 
+std::string LookAtSuspectsFirst(const std::string& suspects) {
+  return "Look at this first: " + suspects + "; correct these rows or leave them out, and diagnose again.";
+}
+
 std::string NoNoiseIsStated(bool rows_share_visits) {
   const std::string taken =
       rows_share_visits

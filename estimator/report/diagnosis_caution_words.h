@@ -12,6 +12,8 @@ namespace sagitta {
 
 // A finding about the readings that no effect answers.
 std::string LookAtThisFirst(const Finding& finding);
+// suspects: how many rows, and the first.
+std::string LookAtSuspectsFirst(const std::string& suspects);
 
 // rows_share_visits: rows of one arrival can share an error.
 std::string NoNoiseIsStated(bool rows_share_visits);

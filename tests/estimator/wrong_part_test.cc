@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 #include <numeric>
 
+#include "estimator/calibration/joint_estimator.h"
+#include "estimator/diagnosis/cautions.h"
 #include "estimator/inspection/inspect.h"
 #include "estimator/inspection/reading_lint.h"
 #include "tests/support/measured_arms.h"
@@ -13,6 +16,8 @@ namespace sagitta::wrong_part_test {
 namespace {
 
 using test::DhRow;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -150,6 +155,20 @@ TEST(WrongPart, HeldOutRowsAreNamedToo) {
   const Plausibility found = CheckPlausible(problem);
   ASSERT_FALSE(found.plausible);
   EXPECT_THAT(found.finding.words, HasSubstr("6 of 80 rows, those of 3 shots"));
+}
+
+// Where a diagnosis goes on with such rows, it says the same, and names the rows.
+TEST(WrongPart, ADiagnosisSaysWhatIsKnownOfTheRows) {
+  const std::vector<DhRow> arm = test::Ur5Rows();
+  Measurements data = TwoMarkers(arm, 40);
+  for (const size_t i : {10u, 11u, 30u, 31u, 60u, 61u}) data.observations[i].marker ^= 1;
+  const auto problem = std::make_shared<CalibrationProblem>(test::ProblemOf(arm, data));
+  EXPECT_THAT(CautionsOfReadings(*problem), ElementsAre(HasSubstr("with markers M1 and M2 exchanged")));
+  DiagnosedModel believed;
+  believed.problem = problem;
+  believed.estimate = EstimateJointly(*problem);
+  EXPECT_THAT(FindCautions(*problem, believed)[0],
+              AllOf(HasSubstr("6 rows are suspect (arm.csv:12: "), HasSubstr("fits as marker M1 of the same shot")));
 }
 
 // Of readings that fit alike, the one that the joint limits allow.
