@@ -126,9 +126,12 @@ std::optional<Finding> DescribeRotations(const RotationColumns& columns, Rotatio
   as_stated.columns = columns.names;
   as_stated.reading = readings.front().Words();
   std::vector<std::pair<double, size_t>> misfits;
-  for (size_t k = 1; k < readings.size(); ++k) misfits.emplace_back(MisfitAs(readings[k], stated), k);
+  double best = std::numeric_limits<double>::infinity();
+  for (size_t k = 1; k < readings.size(); ++k) {
+    misfits.emplace_back(MisfitAs(readings[k], stated), k);
+    best = std::min(best, misfits.back().first);
+  }
   std::sort(misfits.begin(), misfits.end());
-  const double best = misfits.front().first;
   std::vector<std::string> fitting;
   for (const auto& [misfit, k] : misfits) {
     const bool fits = misfit < kRotationFits && misfit * kBetter < as_stated.misfit && misfit <= kBetter * best;
