@@ -62,19 +62,15 @@ std::vector<std::pair<int, int>> EqualReadings(const Measurements& data) {
     if (data.observations[i].is_point()) points.push_back({{p.x(), p.y(), p.z()}, static_cast<int>(i)});
   }
   std::sort(points.begin(), points.end());
-  const auto is_equal = [&](int i, int j) {
-    const Observation &a = data.observations[i], &b = data.observations[j];
-    return a.marker == b.marker && data.shots[a.shot].station == data.shots[b.shot].station &&
-           data.ConfigurationOf(a).q == data.ConfigurationOf(b).q;
-  };
   std::vector<std::pair<int, int>> equal;
-  for (size_t first = 0, k = 1; k < points.size(); ++k) {
-    if (points[k].first != points[first].first) first = k;
-    for (size_t earlier = first; earlier < k; ++earlier) {
-      if (!is_equal(points[k].second, points[earlier].second)) continue;
-      equal.emplace_back(points[k].second, points[earlier].second);
-      break;
-    }
+  std::map<std::tuple<int, int, std::vector<double>>, int> seen;  // rows of one point, by marker, station, joint values
+  for (size_t k = 0; k < points.size(); ++k) {
+    if (k == 0 || points[k].first != points[k - 1].first) seen.clear();
+    const Observation& row = data.observations[points[k].second];
+    const Eigen::VectorXd& q = data.ConfigurationOf(row).q;
+    const auto [earlier, is_new] =
+        seen.try_emplace({row.marker, data.shots[row.shot].station, {q.begin(), q.end()}}, points[k].second);
+    if (!is_new) equal.emplace_back(points[k].second, earlier->second);
   }
   std::sort(equal.begin(), equal.end());
   return equal;
