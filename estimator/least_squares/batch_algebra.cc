@@ -364,7 +364,7 @@ void Factor(const SharedRows<kRows>& rows, int latent, int count) {
   }
 }
 
-// From row k on; by recursion, so that all of x stays in registers; rows by value: a reference is read anew after stores.
+// From row k on; by recursion: all of x stays in registers. rows by value: a reference is read anew after stores.
 template <int k, int kRows, int kColumns>
 HWY_INLINE void Eliminate(SharedRows<kRows> rows, int column, V (&x)[kRows][kColumns]) {
   if constexpr (k < kRows) {
