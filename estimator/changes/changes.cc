@@ -188,6 +188,13 @@ SearchOutcome SearchFrom(EstimateComparison* comparison) {
   return outcome;
 }
 
+void SetBefore(const KnownRobot& old_estimate, Change* change) {
+  const auto known = old_estimate.parameters.find(WordOf(change->kind) + ("/" + change->target));
+  if (change->kind != ChangeKind::kCompliance || known == old_estimate.parameters.end()) return;
+  change->before = known->second.value / TraitsOf(Quantity::kCompliance).si_per_unit;
+  change->words = ChangeInWords(*change);
+}
+
 void AddAlternatives(const std::vector<ChangeGroup>& groups, const SearchOutcome& outcome, Changes* result) {
   std::vector<bool> named(outcome.of.size(), false);
   for (const SparsePosterior::Member& member : outcome.posterior.best) named[member.group] = true;
@@ -225,6 +232,7 @@ Changes FindChanges(const KnownRobot& old_estimate, const KnownRobot& new_estima
     const size_t g = best->of[member.group];
     result.changes.push_back(
         DescribeChange(groups[g], best->applied[g], member.covariance, best->posterior.probability[member.group]));
+    SetBefore(old_estimate, &result.changes.back());
     if (!groups[g].is_motion()) continue;
     const std::vector<std::string> zeros = comparison.ZerosWithin(linear, static_cast<int>(g));
     if (!zeros.empty()) result.notes.push_back(ZerosAreHidden(zeros, result.changes.back()));

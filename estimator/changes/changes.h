@@ -29,6 +29,7 @@ struct Change {
   double value = 0.0;  // in `unit`; a motion: of the base's or the flange's origin
   std::string unit;    // mm, mrad, ...
   double ci95[2] = {0.0, 0.0};
+  double before = 0.0;  // of a compliance, in `unit`; 0: the old estimate has none
   double probability = 0.0;
   struct Part {
     std::string name;  // x, y, z, rx, ry, rz

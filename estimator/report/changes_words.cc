@@ -15,6 +15,14 @@ int DigitsOf(const Change& change) {
   return std::clamp(1 + static_cast<int>(std::ceil(std::log10(std::abs(change.value) / half))), 3, 9);
 }
 
+// ", from 0.35 (-25 %)"
+std::string FromInWords(const Change& change) {
+  if (!(change.before > 0.0)) return "";
+  const double percent = 100.0 * change.value / change.before;
+  return ", from " + Significant(change.before, 3) + " (" + (percent > 0.0 ? "+" : "") + Significant(percent, 2) +
+         " %)";
+}
+
 }  // namespace
 
 std::string ChangeInWords(const Change& change) {
@@ -39,7 +47,7 @@ std::string ChangeInWords(const Change& change) {
              Significant(kelvin, 2) + " K " + (change.value > 0.0 ? "warmer" : "colder") + ", of steel)";
     }
     default:
-      return WordOf(change.kind) + " " + change.target + " changed by " + size + same;
+      return WordOf(change.kind) + " " + change.target + " changed by " + size + FromInWords(change) + same;
   }
 }
 

@@ -100,6 +100,28 @@ TEST(ChangesTest, WhatOnlyOneEstimatedIsNoChange) {
   EXPECT_THAT(changes.notes[0], HasSubstr("geometry/p_x2"));
 }
 
+// A gear that gives way by a fifth less: what it was is said with it.
+TEST(ChangesTest, AStifferGearIsComparedWithWhatItWas) {
+  test::LoadedTruth truth;
+  const auto estimated = [&](std::uint64_t seed) {
+    test::LoadedDesign design;
+    design.seed = seed, design.configurations = 60, design.stations = 1;
+    Measurements data = test::LoadedRows(design, truth);
+    test::Measure(test::ExactPoints(truth, data), 2e-5, 200 + seed, &data);
+    const test::LoadedSetup setup = test::SetupFor(truth);
+    const CalibrationProblem problem = MakeCalibrationProblem(setup.robot, data, setup.experiment);
+    return KnownFrom(Calibration{problem, EstimateJointly(problem), {}});
+  };
+  const double before = truth.k[2];
+  const KnownRobot old_estimate = estimated(11);
+  truth.k[2] *= 0.8;
+  const Changes changes = FindChanges(old_estimate, estimated(12));
+  ASSERT_EQ(NamesOf(changes), "compliance/A3 ") << changes.words;
+  EXPECT_NEAR(changes.changes[0].before, 1e6 * before, 0.03 * 1e6 * before);
+  EXPECT_THAT(changes.changes[0].words,
+              ::testing::ContainsRegex(", from 0\\.4[0-9]* \\(-(1[7-9]|2[0-3])(\\.[0-9])? %\\)"));
+}
+
 // One campaign with weights, one without: nothing changed, and what no weight excited there is left open.
 TEST(ChangesTest, StiffnessesOfALoadedCampaignAreOpenInAnUnloadedOne) {
   for (const double slip : {0.0, 0.3e-3}) {
