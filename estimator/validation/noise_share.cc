@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/noise/rotation_noise.h"
 #include "estimator/statistics/distributions.h"
 
 namespace sagitta {
@@ -10,12 +11,11 @@ namespace {
 
 constexpr double kConsiderable = 0.5;  // of the RMS: a quarter of the mean square
 
-// Components of the joints are apart from the noise of the instrument; those of points and of rotations are the spread
-// of their residuals.
-bool KnowsJointScatter(const Estimate& estimate) {
-  const std::vector<VarianceComponent>& components = estimate.noise_report.components;
-  return std::any_of(components.begin(), components.end(),
-                     [](const VarianceComponent& component) { return !component.joints.empty(); });
+// Nothing states it, or points and rotations are weighed by the spread of their residuals. Components of the joints are
+// apart from the noise of the instrument.
+bool IsNoiseOfResiduals(const Estimate& estimate) {
+  const NoiseReport& report = estimate.noise_report;
+  return RotationComponent(report) != nullptr || (!estimate.sigma.stated && report.components.empty());
 }
 
 }  // namespace
@@ -29,7 +29,7 @@ NoiseShare ShareOfNoise(const Estimate& estimate, const std::vector<int>& points
   const double square = unseen.distance_rms * unseen.distance_rms;
   const double deviation = square * std::sqrt(2.0 / unseen.freedom);
   const double two_sided = NormalQuantile(0.975), one_sided = NormalQuantile(0.95);
-  share.of_residuals = !estimate.sigma.stated && !KnowsJointScatter(estimate);
+  share.of_residuals = IsNoiseOfResiduals(estimate);
   const double lacking = square - noise / (1.0 - unseen.parameters_share);
   if (!share.of_residuals && lacking > two_sided * deviation) share.beyond_noise = std::sqrt(lacking);
   // More noise than there are errors: it is stated too large, which is said elsewhere.

@@ -290,14 +290,12 @@ TEST(NoiseShare, TheSpreadOfResidualsIsNoInstrument) {
   unseen.distance_rms = 2.0;
   unseen.freedom = 200.0;
   const std::vector<int> points = {0, 1, 2, 3, 4, 5};
-  estimate.noise_report.components.resize(2);  // points, rotations
-  EXPECT_TRUE(ShareOfNoise(estimate, points, unseen).of_residuals);
-  estimate.noise_report.components.resize(3);
-  estimate.noise_report.components[2].joints = {0, 1};
-  EXPECT_FALSE(ShareOfNoise(estimate, points, unseen).of_residuals);
-  estimate.noise_report.components.clear();
   EXPECT_TRUE(ShareOfNoise(estimate, points, unseen).of_residuals);
   estimate.sigma.stated = true;
+  EXPECT_FALSE(ShareOfNoise(estimate, points, unseen).of_residuals);
+  estimate.noise_report.components.resize(2);  // points, rotations: weights that count as stated
+  EXPECT_TRUE(ShareOfNoise(estimate, points, unseen).of_residuals);
+  estimate.noise_report.components[1].joints = {0, 1};
   EXPECT_FALSE(ShareOfNoise(estimate, points, unseen).of_residuals);
 }
 
