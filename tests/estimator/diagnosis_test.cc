@@ -279,6 +279,23 @@ TEST(Diagnosis, DeviatingJointsAreNoEffect) {
   }
 }
 
+// Next to an effect that is named, too: the deviation that may follow the pose is in the gap, before and after.
+TEST(Diagnosis, DeviatingJointsNextToAnEffectAreGap) {
+  std::mt19937_64 random(45);
+  std::normal_distribution<double> rest(0.0, 15e-6);
+  const Diagnosis diagnosis = Diagnose(Moved(65,
+                                             [&](Eigen::VectorXd* q) {
+                                               (*q)[2] += 400e-6 * std::cos((*q)[2]);
+                                               for (double& joint : *q) joint += rest(random);
+                                             }),
+                                       DiagnosisOptions());
+  ASSERT_FALSE(diagnosis.effects.empty());
+  ASSERT_FALSE(diagnosis.noise.is_distinguished_from_pose);
+  ASSERT_GT(diagnosis.noise.repeatability, 0.0);
+  EXPECT_LT(diagnosis.baseline.estimate.noise_floor, diagnosis.final.estimate.noise_floor);
+  EXPECT_EQ(diagnosis.gap.floor, diagnosis.baseline.estimate.noise_floor);
+}
+
 // The joints deviate as stated and the instrument scatters twice as much: sigma is wrong, the repeatability is not.
 TEST(Diagnosis, StatedRepeatabilityBesideAWrongSigmaIsNoFinding) {
   constexpr double kStated = 20e-6;
