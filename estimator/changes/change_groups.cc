@@ -1,5 +1,6 @@
 #include "estimator/changes/change_groups.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "models/geometry.h"
@@ -50,18 +51,38 @@ ChangeGroup MarkerGroup(const CalibrationProblem& problem, int marker, bool of_c
   return group;
 }
 
-// Every marker, and those on the flange as one body: with one of these a knocked tool is a reseated marker.
+// Markers that were mounted anew, each by its own amount.
+ChangeGroup AllAnew(const std::vector<ChangeGroup>& markers) {
+  ChangeGroup all{ChangeKind::kMarkers, "flange"};
+  for (const ChangeGroup& marker : markers) {
+    for (int a = 0; a < 3; ++a) {
+      AddAxis(a, false, &all);
+      all.names.back() = marker.target + "/" + all.names.back();
+    }
+    all.coordinates.insert(all.coordinates.end(), marker.coordinates.begin(), marker.coordinates.end());
+  }
+  return all;
+}
+
+// Every marker, and those on the flange as one body, or all mounted anew: with one of these a knocked tool is a
+// reseated marker. Nine numbers of three markers are those of a tool and one marker, too: what is one cause has the
+// higher prior.
 void AddMarkers(const CalibrationProblem& problem, const KnownRobot& known, const CampaignsOwn& own,
                 std::vector<ChangeGroup>* groups) {
   ChangeGroup tool{ChangeKind::kTool, "flange"};
   for (int i = 0; i < 6; ++i) AddAxis(i % 3, i >= 3, &tool);
+  std::vector<ChangeGroup> on_flange;
   const std::vector<std::string>& markers = problem.data().markers;
   for (size_t m = 0; m < markers.size(); ++m) {
     const auto index = static_cast<int>(m);
     groups->push_back(MarkerGroup(problem, index, own.markers));
-    if (known.markers.at(markers[m]).on.kind == MarkerPlace::Kind::kFlange) tool.carried.push_back(index);
+    if (known.markers.at(markers[m]).on.kind != MarkerPlace::Kind::kFlange) continue;
+    tool.carried.push_back(index);
+    on_flange.push_back(groups->back());
   }
-  if (tool.carried.size() > 1 && !own.markers) groups->push_back(tool);
+  if (on_flange.size() < 2 || own.markers) return;
+  groups->push_back(tool);
+  groups->push_back(AllAnew(on_flange));
 }
 
 // Lengths of the arm and its distance to the instrument: an arm that is warmer grows by itself, what measures by
@@ -106,6 +127,14 @@ std::vector<ChangeGroup> ListChangeGroups(const CalibrationProblem& problem, con
   groups.push_back(ScaleGroup());
   AddDesignParameters(problem, new_estimate.robot.effects.size() == old_estimate.robot.effects.size(), &groups);
   return groups;
+}
+
+bool IsPartOf(const ChangeGroup& part, const ChangeGroup& all) {
+  if (all.kind != ChangeKind::kMarkers) return false;
+  const auto is_own = [&](int coordinate) {
+    return std::find(all.coordinates.begin(), all.coordinates.end(), coordinate) != all.coordinates.end();
+  };
+  return part.kind == ChangeKind::kTool || (part.kind == ChangeKind::kMarker && is_own(part.coordinates[0]));
 }
 
 Matrix3<double> RotationOf(const ChangeGroup& group, const Eigen::VectorXd& change) {

@@ -14,11 +14,22 @@ namespace sagitta {
 constexpr double kSteelPerKelvin = 11.5e-6;  // of a length, as in the sizes of thermal_growth
 
 // What can have changed between two estimates.
-enum class ChangeKind { kJointZero, kTool, kMarker, kBase, kScale, kGeometry, kCompliance, kCompensator, kEffect };
+enum class ChangeKind {
+  kJointZero,
+  kTool,
+  kMarker,
+  kMarkers,  // all those on the flange, each by its own amount
+  kBase,
+  kScale,
+  kGeometry,
+  kCompliance,
+  kCompensator,
+  kEffect
+};
 template <>
 struct ChoiceWords<ChangeKind> {
-  static constexpr const char* kWords[] = {"joint_zero", "tool",       "marker",      "base",  "scale",
-                                           "geometry",   "compliance", "compensator", "effect"};
+  static constexpr const char* kWords[] = {"joint_zero", "tool",     "marker",     "markers",     "base",
+                                           "scale",      "geometry", "compliance", "compensator", "effect"};
 };
 
 // One explanation: what moves, per typical size of each of its parameters.
@@ -36,18 +47,21 @@ struct ChangeGroup {
   std::vector<std::string> same = {};  // other parameters that would move the points alike
 
   int size() const { return static_cast<int>(names.size()); }
-  bool is_motion() const { return size() == 6; }  // translation and rotation vector
-  // A joint's zero, the base, the tool or a marker: a cause that needs no design parameter to be another, and that can
+  // Translation and rotation vector.
+  bool is_motion() const { return kind == ChangeKind::kTool || kind == ChangeKind::kBase; }
+  // A joint's zero, the base, the tool or markers: a cause that needs no design parameter to be another, and that can
   // be of any size (set up anew, mastered anew, mounted anew).
   bool is_plain() const {
-    return kind == ChangeKind::kJointZero || kind == ChangeKind::kTool || kind == ChangeKind::kMarker ||
-           kind == ChangeKind::kBase;
+    return is_motion() || kind == ChangeKind::kJointZero || kind == ChangeKind::kMarker || kind == ChangeKind::kMarkers;
   }
 };
 
 // problem: predicts the rows of both with the old robot.
 std::vector<ChangeGroup> ListChangeGroups(const CalibrationProblem& problem, const KnownRobot& old_estimate,
                                           const KnownRobot& new_estimate, const CampaignsOwn& own);
+
+// Whether `all` are markers that were mounted anew, and `part` is one of these or the tool that carries them.
+bool IsPartOf(const ChangeGroup& part, const ChangeGroup& all);
 
 // A change further: sums, of motions translations and products of rotations. In typical sizes.
 Eigen::VectorXd Further(const ChangeGroup& group, const Eigen::VectorXd& change, const Eigen::VectorXd& step);

@@ -24,7 +24,7 @@ constexpr double kWorthAWord = 0.05;
 // Of what is left: less probable means that something is not explained.
 constexpr double kUnexplained = 1e-3;
 
-// value: of one parameter as it is; of a motion the length of its translation, or its angle where that is all there is.
+// value: of one parameter as it is; of a shift its length, of several the largest one's.
 Change DescribeChange(const ChangeGroup& group, const Eigen::VectorXd& size, const Eigen::MatrixXd& covariance,
                       double probability) {
   const double k = NormalQuantile(0.975);
@@ -49,9 +49,13 @@ Change DescribeChange(const ChangeGroup& group, const Eigen::VectorXd& size, con
     change.words = ChangeInWords(change);
     return change;
   }
-  change.value = value.head(3).norm();
-  const Eigen::VectorXd along = value.head(3) / std::max(change.value, 1e-300);
-  const double sigma = std::sqrt(along.dot(spread.topLeftCorner(3, 3) * along));
+  long largest = 0;
+  for (long i = 3; i < value.size() && !group.is_motion(); i += 3) {
+    if (value.segment(i, 3).norm() > value.segment(largest, 3).norm()) largest = i;
+  }
+  change.value = value.segment(largest, 3).norm();
+  const Eigen::VectorXd along = value.segment(largest, 3) / std::max(change.value, 1e-300);
+  const double sigma = std::sqrt(along.dot(spread.block(largest, largest, 3, 3) * along));
   change.ci95[0] = std::max(0.0, change.value - k * sigma), change.ci95[1] = change.value + k * sigma;
   change.words = ChangeInWords(change);
   if (group.is_motion()) change.words += TurnedInWords(value.tail(3).norm());
@@ -107,6 +111,11 @@ SearchInput InputOf(const EstimateComparison::Linear& linear, const std::vector<
     }
     input.groups.push_back({linear.of_group[g], BeyondTypicalOf(groups[g])});
     input.of.push_back(g);
+  }
+  for (size_t i = 0; i < input.of.size(); ++i) {
+    const auto all = std::find_if(input.of.begin(), input.of.end(),
+                                  [&](size_t g) { return IsPartOf(groups[input.of[i]], groups[g]); });
+    if (all != input.of.end()) input.groups[i].part_of = static_cast<int>(all - input.of.begin());
   }
   if (own.empty()) return input;
   input.own = kAnySize * linear.columns(Eigen::all, own);

@@ -44,7 +44,15 @@ class Search {
   // Sets by one more, one less, one exchanged.
   std::vector<GroupSet> Neighbours(const GroupSet& set) const;
 
-  SparsePosterior Summarise(double best) const;
+  // Whether a group and a part of it are in the set: a step of the search, and no answer.
+  bool HasPartOfMember(const GroupSet& set) const {
+    return std::any_of(set.begin(), set.end(), [&](const auto& part) {
+      const auto is_whole = [&](const auto& member) { return groups_[part.first].part_of == member.first; };
+      return std::any_of(set.begin(), set.end(), is_whole);
+    });
+  }
+
+  SparsePosterior Summarise();
   void AddMembers(GroupSet set, SparsePosterior* posterior) const;
   double ScaleOf(int group, int scale) const {
     if (scale < kNumChangeScales) return kChangeScales[scale];
@@ -149,10 +157,15 @@ SparsePosterior Search::Run() {
     }
     if (expanded.size() > 16 * kBeam) break;
   }
-  return Summarise(best);
+  return Summarise();
 }
 
-SparsePosterior Search::Summarise(double best) const {
+SparsePosterior Search::Summarise() {
+  for (auto entry = seen_.begin(); entry != seen_.end();) {
+    entry = HasPartOfMember(entry->first) ? seen_.erase(entry) : std::next(entry);
+  }
+  const auto lower = [](const auto& a, const auto& b) { return a.second < b.second; };
+  const double best = std::max_element(seen_.begin(), seen_.end(), lower)->second;
   SparsePosterior posterior;
   posterior.log_best = best;
   posterior.probability.setZero(static_cast<long>(groups_.size()));
@@ -173,8 +186,7 @@ SparsePosterior Search::Summarise(double best) const {
   }
   posterior.probability /= sum;
   posterior.nothing /= sum;
-  const auto top = std::max_element(by_groups.begin(), by_groups.end(),
-                                    [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto top = std::max_element(by_groups.begin(), by_groups.end(), lower);
   const GroupSet* most = nullptr;
   for (const auto& [set, log] : seen_) {
     if (members_of(set) == top->first && (most == nullptr || log > seen_.at(*most))) most = &set;

@@ -38,6 +38,7 @@ struct SparsePrior {
 struct SparseGroup {
   std::vector<int> columns;
   BeyondTypical beyond = BeyondTypical::kNone;
+  int part_of = -1;  // group that moves all that this one moves: no answer has both
 };
 
 struct SparsePosterior {

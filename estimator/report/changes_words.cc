@@ -38,6 +38,8 @@ std::string ChangeInWords(const Change& change) {
       return "the tool with all its markers moved on the flange by " + size;
     case ChangeKind::kMarker:
       return "marker " + change.target + " was reseated: " + size;
+    case ChangeKind::kMarkers:
+      return "all markers on the flange were mounted anew, the one that moved most by " + size;
     case ChangeKind::kBase:
       return "the base, or the instrument of station " + change.target + ", moved by " + size;
     case ChangeKind::kScale: {

@@ -69,6 +69,37 @@ TEST(ChangesTest, AKnockedToolIsOneRigidMotion) {
   }
 }
 
+// Nine numbers of three markers are those of a tool and of one marker, too.
+TEST(ChangesTest, MarkersThatWereMountedAnewAreNoKnockedTool) {
+  const Kr270Truth before;
+  Kr270Truth after = before;
+  ASSERT_EQ(after.tools.size(), 3u);
+  const Vector3<double> shifts[3] = {{2.1e-3, -0.4e-3, 3.3e-3}, {-1.2e-3, 2.8e-3, 0.6e-3}, {0.3e-3, 1.7e-3, -2.4e-3}};
+  for (int m = 0; m < 3; ++m) after.tools[m] += shifts[m];
+  const Changes changes = FindChanges(Estimated(before, 31), Estimated(after, 32));
+  ASSERT_EQ(NamesOf(changes), "markers/flange ") << changes.words;
+  const Change& anew = changes.changes[0];
+  ASSERT_EQ(anew.parts.size(), 9u);
+  EXPECT_EQ(anew.parts[3].name, "P2/x");
+  for (int i = 0; i < 9; ++i) {
+    EXPECT_NEAR(anew.parts[i].value, 1e3 * shifts[i / 3][i % 3], anew.parts[i].ci95[1] - anew.parts[i].ci95[0]);
+  }
+  EXPECT_NEAR(anew.value, 1e3 * shifts[0].norm(), anew.ci95[1] - anew.ci95[0]);
+  // What is a part of it is no further cause.
+  for (const Change& other : changes.alternatives) EXPECT_LT(other.probability, 1.0 - anew.probability + 1e-9);
+}
+
+// A small knock and a marker that fell out: a tool and one marker are likelier than three by chance alike.
+TEST(ChangesTest, AKnockedToolWithOneMarkerReseatedIsBoth) {
+  const Kr270Truth before;
+  Kr270Truth after = before;
+  const Vector3<double> turn(0, 1e-3, 0.5e-3);
+  for (Vector3<double>& tool : after.tools) tool = RotationFromVector(turn) * tool + Vector3<double>(2e-4, 0, -3e-4);
+  after.tools[1] += Vector3<double>(4e-3, -5e-3, 3e-3);
+  const Changes changes = FindChanges(Estimated(before, 33), Estimated(after, 34));
+  EXPECT_THAT(NamesOf(changes), ::testing::AnyOf("marker/P2 tool/flange ", "tool/flange marker/P2 ")) << changes.words;
+}
+
 TEST(ChangesTest, AMovedBaseIsFound) {
   const Kr270Truth before;
   Kr270Truth after = before;
