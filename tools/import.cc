@@ -16,6 +16,7 @@
 #include "problems/io/files.h"
 #include "problems/io/import/import_plan.h"
 #include "problems/io/import/imported_rows.h"
+#include "problems/io/import/joined_tables.h"
 #include "problems/io/import/marker_column.h"
 #include "problems/io/import/robot_reading.h"
 #include "problems/io/measurement_file.h"
@@ -166,6 +167,7 @@ void PrintPlan(const TextTable& table, const Choice& choice) {
             << table.path << ": " << table.rows.size() << " rows, " << table.columns() << " columns, " << table.encoding
             << ", separator " << table.separator << ", decimal " << (table.decimal_comma ? "comma" : "point")
             << (table.has_header() ? "" : ", no header") << "\n";
+  if (!table.joined_with.empty()) std::cout << "  " << table.joined_with << "\n";
   std::cout << fmt::format("  {:<30} {:<28} {:<6} {}\n", "column", "meaning", "unit", "first value");
   for (const PlannedColumn& column : choice.plan.columns) {
     std::cout << fmt::format("  {:<30} {:<28} {:<6} {}\n", column.header, column.stem + " (" + column.meaning + ")",
@@ -235,6 +237,13 @@ struct Files {
   std::vector<TextTable> tables;
 };
 
+// Empty: the robot is not given, or its file is for a later message.
+std::vector<Joint> JointsOf(const std::vector<std::string>& robots) {
+  RobotReadOptions options = RobotOptionsFromFlags();
+  options.leave_convention_open = true;
+  return robots.size() == 1 ? ReadAnyRobot(robots[0], options).robot.chain.joints : std::vector<Joint>();
+}
+
 Files ReadFiles(const std::vector<std::string>& paths) {
   Files files;
   for (const std::string& path : paths) {
@@ -244,7 +253,10 @@ Files ReadFiles(const std::vector<std::string>& paths) {
       files.tables.push_back(ReadTextTable(path));
     }
   }
-  if (!files.tables.empty()) return files;
+  if (!files.tables.empty()) {
+    files.tables = JoinPosesByName(std::move(files.tables), JointsOf(files.robots));
+    return files;
+  }
   throw InputError({paths[0], 0, ""}, "there are no measurements among the files",
                    "a robot alone is for 'sagitta convert'");
 }
@@ -354,7 +366,8 @@ robot.yaml, measurements.csv and experiment.yaml to DIR. Separator, decimal sign
 found out; where a header does not say, the robot decides: the reading that its nominal geometry can have made, also of
 angles (rotation vector or one of the products of three rotations) and of the convention of a DH table. What was
 understood is printed, column by column, and every guess. --strict refuses guesses. Positions that were commanded,
-nominal or computed are never read as measured ones. Several files are several stations.
+nominal or computed are never read as measured ones. Several files are several stations. Points whose joint values stand
+in another file (plan.csv) are joined with it by the names of the poses.
 
 Without a robot the tables that this program ships are tried; --robot=NAME uses one of them. They are found
 in $SAGITTA_DATA_DIR/robots if that is set, else next to the program or where it was built. Details: docs/IMPORT.md.
@@ -362,6 +375,7 @@ in $SAGITTA_DATA_DIR/robots if that is set, else next to the program or where it
 Examples
   sagitta import robot.urdf tracker.csv --out=job
   sagitta import dh.csv series1.csv series2.csv --out=job --strict
+  sagitta import robot.yaml plan.csv points.txt --out=job
   sagitta import robot.yaml export.txt --out=job --map=x_mm=measurement_x,y_mm=measurement_y,z_mm=measurement_z
 )",
           {"out", "map", "rotation", "strict", "robot", "convention", "base_link", "tip_link", "nominal", "seed",

@@ -462,6 +462,7 @@ std::vector<ImportPlan> PossiblePlans(const TextTable& table, const std::vector<
                                       const std::map<std::string, std::string>& columns) {
   std::vector<ImportPlan> plans = Planner(table, joints, columns).Plans();
   NameMarkers(table, columns.count("marker") > 0, &plans);
+  NamePoses(table, &plans);
   return plans;
 }
 

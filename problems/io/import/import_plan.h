@@ -16,8 +16,8 @@
 
 namespace sagitta {
 
-// Of P07_SMR2 the whole, what stands before the first and behind the last sign that is no letter or digit.
-enum class NamePart { kWhole, kFirst, kLast };
+// Of P_07_SMR2 the whole, P, SMR2, P_07: parts end at signs that are no letters or digits.
+enum class NamePart { kWhole, kFirst, kLast, kButLast };
 std::string PartOfName(const std::string& name, NamePart part);
 
 struct PlannedColumn {

@@ -201,13 +201,42 @@ std::string GuessInWords(const TextTable& table, const Found& found) {
          "--map=marker=" + header + " says it";
 }
 
+void AddNames(const TextTable& table, const char* stem, const Found& found, ImportPlan* plan) {
+  PlannedColumn names;
+  names.stem = names.meaning = stem;
+  names.source = found.column;
+  names.part = found.part;
+  names.header = table.header[static_cast<size_t>(found.column)];
+  plan->columns.push_back(names);
+  const auto is_same = [&](const auto& unused) { return unused.first == names.header; };
+  plan->unused.erase(std::remove_if(plan->unused.begin(), plan->unused.end(), is_same), plan->unused.end());
+}
+
+// Whether each name has its own joint values and these no other name.
+bool NamesPoses(const TextTable& table, const ImportPlan& plan, const Found& found) {
+  std::map<std::string, std::string> joints_of, name_of;
+  for (const TextTable::Row& row : table.rows) {
+    CheckInterruption();
+    std::string joints;
+    for (const PlannedColumn& column : plan.columns) {
+      if (column.stem[0] == 'q') joints += row.cells[static_cast<size_t>(column.source)] + ";";
+    }
+    const std::string name = PartOfName(row.cells[static_cast<size_t>(found.column)], found.part);
+    if (name.empty() || joints_of.emplace(name, joints).first->second != joints) return false;
+    if (name_of.emplace(joints, name).first->second != name) return false;
+  }
+  return joints_of.size() > 1;
+}
+
 }  // namespace
 
 std::string PartOfName(const std::string& name, NamePart part) {
   if (part == NamePart::kWhole) return name;
   const auto parts_names = [](unsigned char c) { return c < 0x80 && std::isalnum(c) == 0; };
   if (part == NamePart::kFirst) return {name.begin(), std::find_if(name.begin(), name.end(), parts_names)};
-  return {std::find_if(name.rbegin(), name.rend(), parts_names).base(), name.end()};
+  const auto last = std::find_if(name.rbegin(), name.rend(), parts_names);
+  if (part == NamePart::kLast) return {last.base(), name.end()};
+  return last == name.rend() ? name : std::string(name.begin(), last.base() - 1);
 }
 
 void NameMarkers(const TextTable& table, bool is_mapped, std::vector<ImportPlan>* plans) {
@@ -221,18 +250,26 @@ void NameMarkers(const TextTable& table, bool is_mapped, std::vector<ImportPlan>
   if (!found || (named && found->part == NamePart::kWhole)) return;
   const bool is_said =
       found->part == NamePart::kWhole ? NamesPoints(table.header[static_cast<size_t>(found->column)]) : is_mapped;
-  PlannedColumn marker;
-  marker.stem = marker.meaning = "marker";
-  marker.source = found->column;
-  marker.part = found->part;
-  marker.header = table.header[static_cast<size_t>(found->column)];
   for (ImportPlan& plan : *plans) {
     const auto is_marker = [](const PlannedColumn& column) { return column.stem == "marker"; };
     plan.columns.erase(std::remove_if(plan.columns.begin(), plan.columns.end(), is_marker), plan.columns.end());
-    plan.columns.push_back(marker);
-    const auto is_same = [&](const auto& unused) { return unused.first == marker.header; };
-    plan.unused.erase(std::remove_if(plan.unused.begin(), plan.unused.end(), is_same), plan.unused.end());
+    AddNames(table, "marker", *found, &plan);
     if (!is_said) plan.guesses.push_back(GuessInWords(table, *found));
+  }
+}
+
+void NamePoses(const TextTable& table, std::vector<ImportPlan>* plans) {
+  const ImportPlan& first = plans->front();
+  if (!table.has_header() || first.Find("config")) return;
+  std::vector<int> columns = Candidates(table, first);
+  const PlannedColumn* marker = first.Find("marker");
+  if (marker && marker->part != NamePart::kWhole) columns.push_back(marker->source);
+  for (const int c : columns) {
+    for (const NamePart part : {NamePart::kWhole, NamePart::kButLast, NamePart::kFirst}) {
+      if (!NamesPoses(table, first, {c, part})) continue;
+      for (ImportPlan& plan : *plans) AddNames(table, "config", {c, part}, &plan);
+      return;
+    }
   }
 }
 

@@ -1,5 +1,6 @@
-// Which column says what marker a row is of, where no header does. Rows of equal joint values see one pose: where their
-// points lie apart they are of several markers, and the marker's column is the one whose values part the points.
+// Which columns say what marker and what pose a row is of, where no header does. Rows of equal joint values see one
+// pose: where their points lie apart they are of several markers, and the marker's column is the one whose values part
+// the points.
 #pragma once
 
 #include <string>
@@ -13,6 +14,10 @@ namespace sagitta {
 // pose (SMR2 of P07_SMR2). `is_mapped`: the user names the column; then only its part is decided. A guess where the
 // header does not say it.
 void NameMarkers(const TextTable& table, bool is_mapped, std::vector<ImportPlan>* plans);
+
+// Adds a column of texts, or the first part of its cells, as the names of configurations where none says so and each
+// name has joint values of its own.
+void NamePoses(const TextTable& table, std::vector<ImportPlan>* plans);
 
 // Rows that the plan reads as one marker at one pose and load, and how far their points lie apart: the median over the
 // poses that have several rows, in the points' unit, and two rows of such a pose. Nothing: no pose has two rows.

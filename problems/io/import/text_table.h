@@ -28,6 +28,7 @@ struct TextTable {
   std::string encoding;               // in words
   std::string separator;              // in words
   bool decimal_comma = false;
+  std::string joined_with;           // in words: where columns of another file are from
   std::vector<std::string> guesses;  // what a reader could understand otherwise, in words
 
   bool has_header() const { return header_line > 0; }

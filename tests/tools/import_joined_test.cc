@@ -1,0 +1,129 @@
+// Readings in one file, the joint values of their poses in another.
+#include "tests/tools/import_tables.h"
+
+#ifdef SAGITTA_HAVE_KDL
+
+namespace sagitta::import_joined_test {
+namespace {
+
+using test::Readings;
+using test::Table;
+
+std::string PoseName(size_t row) { return "plan" + std::to_string(row + 1); }
+
+// What an instrument writes: of every pose a name and the point.
+Table Points() {
+  Table table = Table(Readings()).Reordered({6, 7, 8});
+  table.header = {"X", "Y", "Z"};
+  return table.Insert(0, "Point Name", PoseName);
+}
+
+// What a plan has: names and joint values, in another order.
+std::string Poses(const std::string& separator = ",") {
+  Table table = Table(Readings()).Reordered({0, 1, 2, 3, 4, 5}).With(separator);
+  table.Insert(0, "config", PoseName).Insert(1, "marker", [](size_t) { return std::string("M1"); });
+  std::reverse(table.rows.begin(), table.rows.end());
+  return table.ToText();
+}
+
+class ImportJoined : public test::Import {
+ protected:
+  std::vector<std::string> Column(const std::string& name) const {
+    const auto cells = test::Cells(Read("job/measurements.csv"));
+    std::vector<std::string> column;
+    for (size_t r = 1; r < cells.size(); ++r) column.push_back(cells[r][test::Column(cells, name)]);
+    return column;
+  }
+  // ExpectRight imports export.txt and what else is named.
+  std::vector<std::string> With(const std::string& poses, std::vector<std::string> flags = {}) const {
+    flags.insert(flags.begin(), Write("poses.csv", poses));
+    return flags;
+  }
+};
+
+TEST_F(ImportJoined, NamesOfPosesJoinReadingsWithJointValues) {
+  ExpectRight(Points().ToText(), Readings(), With(Poses()));
+  EXPECT_EQ(Column("config")[4], "plan5");
+  EXPECT_EQ(Column("source")[4], "export.txt:6");
+  const test::Outcome outcome = ImportText(Points().ToText(), With(Poses()));
+  EXPECT_NE(outcome.out.find("'Point Name' names the poses of"), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("left out"), std::string::npos) << outcome.out;
+}
+
+TEST_F(ImportJoined, EachFileHasItsOwnSeparatorAndDecimalSign) {
+  ExpectRight(Points().DecimalComma().With(";").ToText(), Readings(), With(Poses("\t")));
+}
+
+TEST_F(ImportJoined, ANameAndThreeNumbersNeedNoHeader) {
+  Table points = Points().With(" ");
+  points.header.clear();
+  ExpectRight(points.ToText(), Readings(), With(Poses()));
+}
+
+// In one file with the joint values a name is the pose's, whatever its header, where each has its own joint values.
+TEST_F(ImportJoined, NamesNextToJointValuesAreKept) {
+  for (const char* header : {"Punkt", "Bezeichnung"}) {
+    Table table{Readings()};
+    ExpectRight(table.Insert(0, header, PoseName).ToText(), Readings(), {"--strict"});
+    EXPECT_EQ(Column("config")[4], "plan5") << header;
+  }
+  Table shared{Readings()};
+  shared.Insert(0, "Punkt", [](size_t row) { return "P" + std::to_string(row / 2); });
+  ExpectRight(shared.ToText(), Readings());
+  EXPECT_EQ(Column("config")[4], "c00005");
+}
+
+TEST_F(ImportJoined, AMarkersNameBehindThePoses) {
+  Table points = Points();
+  for (auto& row : points.rows) row[0] = "PLAN-" + row[0].substr(4) + "_SMR1";
+  Table poses = Table(Readings()).Reordered({0, 1, 2, 3, 4, 5});
+  poses.Insert(0, "pose", [](size_t row) { return "plan-" + std::to_string(row + 1); });
+  ExpectRight(points.ToText(), Readings(), With(poses.ToText()));
+}
+
+// Points that are measured next to the poses (of a reference frame) have no joint values.
+TEST_F(ImportJoined, ReadingsOfNoPoseAreLeftOutAndSaid) {
+  Table points = Points();
+  points.rows.push_back({"REF1", "10.5", "20.5", "30.5"});
+  ExpectRight(points.ToText(), Readings(), With(Poses()));
+  const test::Outcome outcome = ImportText(points.ToText(), With(Poses()));
+  EXPECT_NE(outcome.out.find("1 readings, which are left out: 'REF1'"), std::string::npos) << outcome.out;
+  ExpectRefused(points.ToText(), {"--strict", "'REF1'"}, With(Poses(), {"--strict"}));
+}
+
+TEST_F(ImportJoined, WithoutNamesAsManyRowsAreInOrderWhichIsAGuess) {
+  Table points = Table(Readings()).Reordered({6, 7, 8});
+  Table poses = Table(Readings()).Reordered({0, 1, 2, 3, 4, 5});
+  ExpectRight(points.ToText(), Readings(), With(poses.ToText()));
+  ExpectRefused(points.ToText(), {"--strict", "same order"}, With(poses.ToText(), {"--strict"}));
+  // In another order the robot cannot have made them.
+  std::reverse(poses.rows.begin(), poses.rows.end());
+  EXPECT_EQ(ImportText(points.ToText(), With(poses.ToText())).status, 2);
+}
+
+TEST_F(ImportJoined, NamesOfOtherPosesAreRefused) {
+  Table points = Points();
+  for (auto& row : points.rows) row[0] = "x" + row[0];
+  points.rows.pop_back();
+  ExpectRefused(points.ToText(), {"export.txt", "no column names the poses of", "'plan30'"}, With(Poses()));
+}
+
+// One pose without and with a load: the reading's name has to say which.
+TEST_F(ImportJoined, APoseWithTwoLoadsNeedsToBeSaid) {
+  Table poses = Table(Readings()).Reordered({0, 1, 2, 3, 4, 5});
+  poses.Insert(0, "config", PoseName);
+  const std::vector<std::vector<std::string>> once = poses.rows;
+  poses.rows.insert(poses.rows.end(), once.begin(), once.end());
+  poses.Insert(1, "load", [&](size_t row) { return std::string(row < once.size() ? "none" : "W80"); });
+  ExpectRefused(Points().ToText(), {"export.txt:2", "'none'", "'W80'", "column 'load'"}, With(poses.ToText()));
+  Table named = Points();
+  for (size_t r = 0; r < named.rows.size(); ++r) named.rows[r][0] += r % 2 == 0 ? "_W80" : "_none";
+  ASSERT_EQ(ImportText(named.ToText(), With(poses.ToText())).status, 0);
+  EXPECT_EQ(Column("load")[0], "W80");
+  EXPECT_EQ(Column("load")[1], "none");
+}
+
+}  // namespace
+}  // namespace sagitta::import_joined_test
+
+#endif  // SAGITTA_HAVE_KDL
