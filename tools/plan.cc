@@ -3,6 +3,7 @@
 
 #include <gflags/gflags.h>
 
+#include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -13,7 +14,9 @@
 #include "problems/io/effect_names.h"
 #include "problems/io/experiment_inputs.h"
 #include "problems/io/files.h"
+#include "problems/io/import/robot_reading.h"
 #include "problems/io/output_files.h"
+#include "problems/io/robot_file.h"
 #include "problems/range.h"
 #include "tools/commands.h"
 #include "tools/problem_from_arguments.h"
@@ -92,12 +95,32 @@ PlanRequest RequestFromFlags(const Robot& robot) {
   return request;
 }
 
+// A robot alone: what a plan needs next to it, for this robot.
+void CheckRowsAreThere(const std::vector<std::string>& paths) {
+  if (paths.size() > 1 || IsExperimentFile(paths[0]) || !LooksLikeRobot(paths[0])) return;
+  const Robot robot = ReadRobotFile(paths[0]);
+  std::string header = "config,marker,station", row = "a,M1,S1";
+  for (int j = 0; j < robot.num_joints(); ++j) {
+    const bool slides = robot.chain.joints[j].type == JointType::kPrismatic;
+    header += ",q" + std::to_string(j + 1) + (slides ? "_mm" : "_deg");
+    row += ",0";
+  }
+  throw InputError({paths[0], 0, ""}, "nothing says how a pose is measured",
+                   "rows.csv: '" + header + "', below it '" + row +
+                       "', and so a row for every marker, station and load; plan.yaml: 'schema: sagitta/experiment/1', "
+                       "'robot: " +
+                       std::filesystem::path(paths[0]).filename().string() +
+                       "', 'measurements: [rows.csv]', 'markers: {M1: {xyz_mm: [0, 0, 100]}}', 'noise: {sigma_mm: "
+                       "0.05}'; then sagitta plan plan.yaml");
+}
+
 int RunPlan(const CommandLine& line) {
   ExpectArguments(line, PlanCommand(), 1, 1000);
   CheckPlanFlags();
   const OutputFolder out(FLAGS_out, {"plan.csv", "plan.json", "report.html"});
   MeasurementReadOptions options;
   options.points_required = false;
+  CheckRowsAreThere(line.arguments);
   ExperimentInputs inputs = ReadExperimentInputs(line.arguments, options);
   if (IsGiven("sigma_mm")) {
     inputs.experiment.noise.from = NoiseSpec::From::kSigma;

@@ -167,5 +167,26 @@ TEST_F(PlanCommandTest, ALoadThatFoldsTheArmIsNamed) {
   EXPECT_FALSE(Exists("plan/plan.csv"));
 }
 
+// Before anything was measured: what the refusal says is what a plan needs.
+TEST_F(PlanCommandTest, OfARobotAloneItSaysWhatRowsAPlanNeeds) {
+  const std::string robot = Write("robot.yaml", ReadAll(Published("kr270/robot.yaml")));
+  const Outcome refused = Run({"plan", robot, "--poses=15", "--out=" + Path("plan"), "--quiet"});
+  EXPECT_EQ(refused.status, 2);
+  const std::string header = "config,marker,station,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg",
+                    row = "a,M1,S1,0,0,0,0,0,0";
+  const std::vector<std::string> lines = {"schema: sagitta/experiment/1", "robot: robot.yaml",
+                                          "measurements: [rows.csv]", "markers: {M1: {xyz_mm: [0, 0, 100]}}",
+                                          "noise: {sigma_mm: 0.05}"};
+  std::string experiment;
+  for (const std::string& text : lines) experiment += text + "\n";
+  for (const std::string& text : lines) EXPECT_NE(refused.err.find("'" + text + "'"), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("'" + header + "', below it '" + row + "'"), std::string::npos) << refused.err;
+  Write("rows.csv", header + "\n" + row + "\n");
+  const Outcome planned =
+      Run({"plan", Write("plan.yaml", experiment), "--poses=15", "--out=" + Path("plan"), "--quiet"});
+  EXPECT_EQ(planned.status, 0) << planned.err;
+  EXPECT_NE(Read("plan/plan.csv").find("plan15,M1,S1,"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace sagitta::test::plan_command_test
