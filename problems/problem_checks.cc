@@ -1,11 +1,13 @@
 #include "problems/problem_checks.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "models/effects/catalogue.h"
 #include "problems/input_error.h"
 #include "problems/split.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -16,6 +18,26 @@ bool AnyDiffer(const Measurements& data, const std::set<int>& configurations) {
     return data.configurations[c].q != data.configurations[*configurations.begin()].q;
   };
   return std::any_of(configurations.begin(), configurations.end(), differs);
+}
+
+// How many unknowns there are of each kind, and which of the geometry may be held: errors near the flange have the
+// shortest levers, so that what they are assumed to be matters least.
+std::string HowToFreeLess(const ParameterSet& parameters, int too_many) {
+  std::map<std::string, int> count;
+  std::vector<std::string> geometry;
+  for (const int i : parameters.EstimatedCoordinates()) {
+    const std::string& name = parameters.coordinates()[i].name;
+    ++count[name.substr(0, name.find('/'))];
+    if (CoordinateKindOf(name) == CoordinateKind::kGeometry) geometry.push_back(name);
+  }
+  std::vector<std::string> kinds;
+  for (const auto& [kind, number] : count) kinds.push_back(kind + " " + std::to_string(number));
+  std::string hint = "measure more configurations or free less (unknowns: " + Enumerate(kinds) + ")";
+  const int free = static_cast<int>(geometry.size());
+  if (free <= too_many) return hint;
+  geometry.erase(geometry.begin(), geometry.end() - too_many);
+  return hint + ": at least " + std::to_string(too_many) + " have to be held, and what is next to the flange matters " +
+         "least, --fixed=" + Joined(geometry, ",");
 }
 
 }  // namespace
@@ -196,7 +218,7 @@ void CheckEnoughData(const CalibrationProblem& problem) {
     throw InputError(
         {file, 0, ""},
         "fewer equations (" + std::to_string(equations) + ") than unknowns (" + std::to_string(unknowns) + ")",
-        "measure more configurations or free less (estimate.geometry, --fixed)");
+        HowToFreeLess(problem.parameters, unknowns - equations));
   }
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "problems/calibration_problem.h"
+#include "problems/text.h"
 #include "tests/problems/file_test_support.h"
 #include "tests/support/kr270_experiment.h"
 
@@ -51,6 +52,18 @@ TEST_F(ProblemChecksTest, WhatIsHeldByNameIsStated) {
   experiment_.estimate.fixed = {"marker/P1"};
   EXPECT_TRUE(SaysInOrder(Refusal(), {"--fixed", "the markers are held but marker 'P1' has no point", "markers: {P1"}));
   experiment_.markers["P1"].point = Vector3<double>(0.1, 0.2, 0.3);
+  EXPECT_EQ(Refusal(), "");
+}
+
+// With less to estimate, as the hint says, the same rows suffice.
+TEST_F(ProblemChecksTest, FewerEquationsThanUnknownsNameWhatToHold) {
+  data_ = test::DesignMeasurements({2, 1, 1, 1e-4});
+  const std::string refusal = Refusal();
+  EXPECT_TRUE(SaysInOrder(refusal, {"fewer equations (18) than unknowns (33)", "base 6", "geometry 18 and marker 9",
+                                    "at least 15 have to be held", "--fixed="}));
+  const std::string names = refusal.substr(refusal.find("--fixed=") + 8);
+  experiment_.estimate.fixed = SplitText(names.substr(0, names.find_first_of(" )\n")), ',');
+  EXPECT_EQ(experiment_.estimate.fixed.size(), 15u);
   EXPECT_EQ(Refusal(), "");
 }
 
