@@ -14,8 +14,8 @@
 namespace sagitta {
 namespace {
 
-constexpr double kPull = 500.0;   // N
-constexpr double kOffAxis = 0.1;  // m
+constexpr double kMostPull = 500.0;  // N, of an arm that carries more (paper 003 pulls with as much)
+constexpr double kOffAxis = 0.1;     // m
 constexpr int kPulls = 3;
 constexpr int kHeadings = 8;
 constexpr size_t kMostConfigurations = 60;  // tried
@@ -28,6 +28,16 @@ AppliedWrench LoadAtHand(const CalibrationProblem& problem) {
   AppliedWrench at_flange;
   at_flange.frame = problem.robot().chain.FlangeFrame();
   return at_flange;
+}
+
+// N: no more than the heaviest load of the data weighs, which the arm is known to carry.
+double PullAtHand(const CalibrationProblem& problem) {
+  double heaviest = 0.0;
+  for (size_t s = 0; s < problem.data().shots.size(); ++s) {
+    if (!IsLoaded(problem.data().shots[s])) continue;
+    heaviest = std::max(heaviest, problem.shot_inputs()[s].wrenches.back().force.norm());
+  }
+  return heaviest > 0.0 ? std::min(kMostPull, heaviest) : kMostPull;
 }
 
 // One shot of each configuration that is fitted, unloaded where there is one.
@@ -173,7 +183,7 @@ LoadPlan PlanDisplacedLoad(const CalibrationProblem& problem, const Estimate& es
   std::vector<AppliedWrench> wrenches;
   for (int side = 0; side < 6; ++side) {
     AppliedWrench wrench = LoadAtHand(problem);
-    if (wrench.force.isZero()) wrench.force = kPull * problem.experiment().gravity_direction;
+    if (wrench.force.isZero()) wrench.force = kMostPull * problem.experiment().gravity_direction;
     wrench.point[side / 2] += side % 2 == 0 ? kOffAxis : -kOffAxis;
     wrenches.push_back(wrench);
   }
@@ -188,9 +198,10 @@ std::string Outcome(const Coordinate& coordinate, double sigma) {
 std::string ComplianceRemedy(const CalibrationProblem& problem, const Estimate& estimate, int held) {
   const Coordinate& coordinate = estimate.parameters.coordinates()[held];
   const double limit = coordinate.hold_limit;
-  const LoadPlan pulls = PlanPulls(problem, estimate, held, kPull, kPulls);
+  const double force = PullAtHand(problem);
+  const LoadPlan pulls = PlanPulls(problem, estimate, held, force, kPulls);
   if (pulls.sigma < limit) {
-    return PullSideways(kPull, pulls.configurations, Outcome(coordinate, pulls.sigma));
+    return PullSideways(force, pulls.configurations, Outcome(coordinate, pulls.sigma));
   }
   const LoadPlan displaced = PlanDisplacedLoad(problem, estimate, held);
   if (displaced.sigma < limit) {

@@ -134,6 +134,34 @@ Direction MakeDirection(const Eigen::VectorXd& vector, double sigma, const Linea
   return direction;
 }
 
+// The space of some singular vectors (columns scaled by the limits) in reduced form: direction k moves pivot k by one
+// and no other pivot, so that a parameter that is lost by itself is a direction by itself.
+std::vector<Direction> ReducedDirections(const ScaledSvd& svd, const std::vector<int>& lost,
+                                         const Linearization& linearization, const ParameterSet& parameters,
+                                         double sigma, std::vector<int>* pivots) {
+  const long n = linearization.num_columns();
+  Eigen::MatrixXd space(n, static_cast<long>(lost.size()));
+  for (size_t k = 0; k < lost.size(); ++k) space.col(static_cast<long>(k)) = svd.v.col(lost[k]);
+  // One column to hold per lost direction: pivots of the (preferred) rows.
+  Eigen::MatrixXd preferred = space.transpose();
+  for (long c = 0; c < n; ++c) {
+    preferred.col(c) *= HoldPreference(parameters.coordinates()[linearization.columns[c]]);
+  }
+  *pivots = PivotColumns(std::move(preferred));
+  const Eigen::MatrixXd pivot_rows = space(*pivots, Eigen::all);
+  const Eigen::MatrixXd reduced = space * pivot_rows.inverse();
+  std::vector<Direction> directions;
+  for (size_t k = 0; k < lost.size(); ++k) {
+    const Eigen::VectorXd column = reduced.col(static_cast<long>(k)).normalized();
+    // |J x| = |S V'x| (scaled columns): along x the standard deviation is sigma / |J x|.
+    const double information = (svd.singular_values.asDiagonal() * (svd.v.transpose() * column)).norm();
+    const bool zero = information <= kNumericallyZero * svd.singular_values[0];
+    const double standard_deviation = zero ? std::numeric_limits<double>::infinity() : sigma / information;
+    directions.push_back(MakeDirection(column, standard_deviation, linearization, parameters));
+  }
+  return directions;
+}
+
 }  // namespace
 
 Unidentifiable FindUnidentifiable(const Linearization& linearization, const ParameterSet& parameters, double sigma) {
@@ -150,25 +178,7 @@ Unidentifiable FindUnidentifiable(const Linearization& linearization, const Para
     if (zero || sigma > svd.singular_values[i]) lost.push_back(i);
   }
   if (lost.empty()) return result;
-  Eigen::MatrixXd null_space(n, lost.size());
-  for (size_t k = 0; k < lost.size(); ++k) null_space.col(k) = svd.v.col(lost[k]);
-  // One column to hold per lost direction: pivots of the (preferred) rows.
-  Eigen::MatrixXd preferred = null_space.transpose();
-  for (int c = 0; c < n; ++c) {
-    preferred.col(c) *= HoldPreference(parameters.coordinates()[linearization.columns[c]]);
-  }
-  result.columns = PivotColumns(std::move(preferred));
-  const Eigen::MatrixXd pivot_rows = null_space(result.columns, Eigen::all);
-  // Reduced form: direction k moves held column k by one and no other held one.
-  const Eigen::MatrixXd reduced = null_space * pivot_rows.inverse();
-  for (size_t k = 0; k < lost.size(); ++k) {
-    const Eigen::VectorXd column = reduced.col(k).normalized();
-    // |J x| = |S V'x| (scaled columns): along x the standard deviation is sigma / |J x|.
-    const double information = (svd.singular_values.asDiagonal() * (svd.v.transpose() * column)).norm();
-    const bool zero = information <= kNumericallyZero * svd.singular_values[0];
-    const double standard_deviation = zero ? std::numeric_limits<double>::infinity() : sigma / information;
-    result.directions.push_back(MakeDirection(column, standard_deviation, linearization, parameters));
-  }
+  result.directions = ReducedDirections(svd, lost, linearization, parameters, sigma, &result.columns);
   return result;
 }
 
@@ -190,11 +200,11 @@ std::vector<Direction> FindWeak(const Linearization& linearization, const Parame
   const Eigen::MatrixXd factor = ScaledFactor(linearization, limits);
   if (AllAbove(factor, sigma)) return weak;
   const ScaledSvd svd = Decompose(factor);
-  for (int i = n - 1; i >= 0 && sigma > svd.singular_values[i]; --i) {
-    weak.push_back(MakeDirection(svd.v.col(i), sigma / svd.singular_values[i], linearization, parameters));
-    Direction& direction = weak.back();
-    direction.words = PoorlyDetermined(direction.components, direction.words);
-  }
+  std::vector<int> poor, pivots;
+  for (int i = n - 1; i >= 0 && sigma > svd.singular_values[i]; --i) poor.push_back(i);
+  if (poor.empty()) return weak;
+  weak = ReducedDirections(svd, poor, linearization, parameters, sigma, &pivots);
+  for (Direction& direction : weak) direction.words = PoorlyDetermined(direction.components, direction.words);
   return weak;
 }
 

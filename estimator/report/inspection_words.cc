@@ -56,15 +56,16 @@ Advice OrientationIsConstant(const std::string& stations) {
   return {"the flange has the same orientation in all configurations" + OfStations(stations) +
               ": where the marker sits on the flange cannot be distinguished from where the base stands; both could be "
               "shifted against each other by any amount without a trace",
-          "add configurations with the flange turned about at least two axes by 30 degrees and more, or state the "
-          "markers' points"};
+          "add configurations with the flange turned about at least two axes by 30 degrees and more where the arm can "
+          "turn it so, or state the markers' points"};
 }
 
 Advice OrientationAboutOneAxis(const Vector3<double>& axis, const std::string& stations) {
   return {"the flange turns about one axis only, (" + Fixed(axis.x(), 2) + ", " + Fixed(axis.y(), 2) + ", " +
               Fixed(axis.z(), 2) + ") in its own frame" + OfStations(stations) +
               ": the marker's place along it cannot be distinguished from the base's",
-          "add configurations with the flange tilted about another axis, or state a marker's point and hold it "
+          "add configurations with the flange tilted about another axis where the arm can tilt it, or state a marker's "
+          "point and hold it "
           "(--fixed=NAME)"};
 }
 

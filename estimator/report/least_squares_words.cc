@@ -26,9 +26,12 @@ std::string RemedyFor(const std::vector<std::pair<std::string, double>>& compone
     marker |= IsOf(name, "marker");
     geometry |= IsOf(name, "geometry");
   }
+  if (!components.empty() && IsOf(components[0].first, "compliance")) {
+    return "load the arm more heavily in configurations in which the load turns this joint, or state a prior";
+  }
   if (base && marker) {
     return std::string("measure with the flange turned about at least two axes (wrist joints spread over 60 degrees ") +
-           "or more), or " + kHoldTheMarker;
+           "or more) where the arm can turn it so, or " + kHoldTheMarker;
   }
   if (marker && geometry)
     return std::string("only where the marker ends up matters: leave the error at nominal, or ") + kHoldTheMarker;

@@ -93,6 +93,21 @@ TEST(Identifiability, WeakDirectionsAreReported) {
   EXPECT_EQ(weak[0].components[0].first, "geometry/b");
 }
 
+// Two that are both poor, in whatever mixture the decomposition has them, are poor each by itself: "only their sum" and
+// "only their difference" would contradict each other.
+TEST(Identifiability, TwoThatAreBothPoorAreNamedEachByItself) {
+  Eigen::MatrixXd jacobian(2, 2);
+  jacobian << 500, 100, -80, 400;
+  const std::vector<Direction> weak = FindWeak(FromMatrix(jacobian), TwoLengths(), 1.0);
+  ASSERT_EQ(weak.size(), 2u);
+  for (const Direction& direction : weak) {
+    ASSERT_EQ(direction.components.size(), 1u) << direction.words;
+    EXPECT_EQ(direction.words, direction.components[0].first + " is measured poorly");
+    EXPECT_GT(direction.sigma, 1.0);
+  }
+  EXPECT_NE(weak[0].words, weak[1].words);
+}
+
 TEST(LinearSolution, MatchesTheNormalEquations) {
   Eigen::MatrixXd jacobian(4, 2);
   jacobian << 1, 2e6, 0, 1e6, 3, -1e6, 1, 1e6;

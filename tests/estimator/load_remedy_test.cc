@@ -93,6 +93,19 @@ TEST(LoadRemedy, PulledAsItSaysTheCompliancePrecisionIsReached) {
   EXPECT_NEAR(PlanPulls(problem, before, k1, 250.0).sigma, 2 * plan.sigma, 0.1 * plan.sigma);
 }
 
+// An arm that carries 3 kg is not pulled with 50.
+TEST(LoadRemedy, AnArmIsPulledWithNoMoreThanItIsKnownToCarry) {
+  test::LoadedTruth truth = VerticalBase();
+  truth.loads["V250"].force *= 3.0 / 250.0;
+  const test::LoadedDesign design;
+  const CalibrationProblem problem = Simulate(truth, design, test::LoadedRows(design, truth), test::SetupFor(truth));
+  const Estimate estimate = EstimateJointly(problem);
+  std::string remedies;
+  for (const Direction& direction : estimate.identifiability.unidentifiable) remedies += direction.remedy + "\n";
+  EXPECT_THAT(remedies, HasSubstr("pull sideways with 29 N"));
+  EXPECT_THAT(remedies, Not(HasSubstr("500 N")));
+}
+
 TEST(LoadRemedy, ThePromiseCountsTheJointsRepeatability) {
   test::LoadedTruth truth = VerticalBase();
   const test::LoadedDesign design;
