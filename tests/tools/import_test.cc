@@ -302,6 +302,30 @@ TEST_F(Convert, RoundTripAndWords) {
   EXPECT_NE(unknown.err.find(".urdf"), std::string::npos);
 }
 
+// A gantry's joints are called as the axes of the points are.
+TEST_F(Import, JointsNamedLikeAxes) {
+  const std::string robot = Write("gantry.yaml",
+                                  "schema: sagitta/robot/1\njoints:\n  - {name: X, type: prismatic}\n"
+                                  "  - {name: Y, type: prismatic}\n  - {name: Z, type: prismatic}\n"
+                                  "kinematics:\n  chain: [{Tx: X}, {Ty: Y}, {Tz: Z}]\n");
+  for (const std::string points : {"Ist X [mm];Ist Y [mm];Ist Z [mm]", "x_mm;y_mm;z_mm"}) {
+    std::string text = "X [mm];Y [mm];Z [mm];" + points + "\n";
+    RandomNumbers random(3);
+    for (int row = 0; row < 12; ++row) {
+      const double q[3] = {random.Uniform(0, 2000), random.Uniform(0, 1500), random.Uniform(0, 900)};
+      for (const double value : q) text += test::Text(value) + ";";
+      for (int i = 0; i < 3; ++i) text += test::Text(q[i] + 100.0 + 0.3 * std::sin(row + i)) + (i < 2 ? ";" : "\n");
+    }
+    const test::Outcome outcome = Run({"import", robot, Write("export.txt", text), "--out=" + Path("job")});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const auto cells = test::Cells(Read("job/measurements.csv"));
+    ASSERT_EQ(cells.size(), 13u);
+    const double joint = std::stod(cells[1][test::Column(cells, "q1_mm")]);
+    EXPECT_NEAR(std::stod(cells[1][test::Column(cells, "x_mm")]) - joint, 100.0, 0.4);
+    std::filesystem::remove_all(Path("job"));
+  }
+}
+
 }  // namespace
 }  // namespace sagitta::test::import_test
 

@@ -1,6 +1,7 @@
 #include "problems/io/import/column_meaning.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <set>
 
@@ -347,6 +348,27 @@ void NamePendantJoints(const std::vector<std::string>& headers, std::vector<Colu
   }
 }
 
+// Joints called X, Y, Z, as a gantry's: columns of exactly these names, where others hold the points; all or none.
+void NameAxisJoints(const std::vector<std::string>& headers, const std::vector<Joint>& joints,
+                    std::vector<ColumnMeaning>* meanings) {
+  std::map<size_t, int> joint_of;
+  std::set<int> axes_of_points;
+  for (size_t c = 0; c < headers.size(); ++c) {
+    if ((*meanings)[c].role != Role::kPoint) continue;
+    const auto own = std::find_if(joints.begin(), joints.end(),
+                                  [&](const Joint& joint) { return joint.name == StemOf(headers[c]); });
+    if (own == joints.end()) axes_of_points.insert((*meanings)[c].index);
+    if (own != joints.end()) joint_of[c] = static_cast<int>(own - joints.begin());
+  }
+  const auto is_axis = [](const Joint& joint) { return AxisNamed(LowerCaseOf(joint.name)) >= 0; };
+  const long expected = std::count_if(joints.begin(), joints.end(), is_axis);
+  if (axes_of_points.size() != 3 || static_cast<long>(joint_of.size()) != expected) return;
+  for (const auto& [column, joint] : joint_of) {
+    (*meanings)[column].role = Role::kJoint;
+    (*meanings)[column].index = joint;
+  }
+}
+
 // Turning joints that are named by one word and the numbers 1, 2, … in their order: their places; else empty.
 std::vector<int> NumberedTurningJoints(const std::vector<Joint>& joints) {
   std::vector<int> places;
@@ -406,6 +428,7 @@ std::vector<ColumnMeaning> MeaningsOf(const std::vector<std::string>& headers, c
   std::vector<ColumnMeaning> meanings;
   for (const std::string& header : headers) meanings.push_back(MeaningOf(header, names));
   NamePendantJoints(headers, &meanings);
+  NameAxisJoints(headers, joints, &meanings);
   CountTurningJoints(joints, &meanings);
   NameRail(headers, joints, &meanings);
   return meanings;
