@@ -152,6 +152,7 @@ class Session {
   // Nor is one named that the posterior does not name. What more is missing then, with that probability, is a rest.
   void JudgeFinal() {
     Say("fitting the extended model");
+    aside_.NextToMoments(SpecsOf(CandidatesOf(selected_)), {&d_.baseline, &lacking_}, &d_.cautions);
     while (true) {
       d_.final = selected_.empty() ? lacking_ : JudgedWith(selected_);
       if (selected_.empty()) break;

@@ -4,6 +4,7 @@
 
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/explanations/moments.h"
+#include "estimator/report/diagnosis_caution_words.h"
 
 namespace sagitta {
 namespace {
@@ -18,10 +19,10 @@ bool Replace(const CalibrationProblem& problem, const JointOptions& joint, Diagn
   return usable;
 }
 
-// Moments at which the model's effects begin.
-std::vector<double> Moments(const Robot& robot) {
+// Moments at which effects begin.
+std::vector<double> Moments(const Robot& robot, const std::vector<EffectSpec>& effects) {
   std::vector<double> moments;
-  for (const EffectSpec& spec : robot.effects) {
+  for (const EffectSpec& spec : effects) {
     const std::string setting = MomentOf(robot, spec);
     if (!setting.empty()) moments.push_back(spec.NumberSetting(setting, 0.0));
   }
@@ -42,6 +43,25 @@ bool IsNextToAny(const std::vector<double>& moments, const CalibrationProblem& p
   });
 }
 
+// Held-out rows with no fitted visit between them and one of the moments.
+std::vector<int> HeldOutNextTo(const std::vector<double>& moments, const CalibrationProblem& problem) {
+  const auto time_of = [&](int observation) {
+    return problem.shot_inputs()[problem.data().observations[observation].shot].conditions.time;
+  };
+  std::set<double> fitted;
+  for (const int i : problem.CalibrationObservations()) fitted.insert(time_of(i));
+  std::vector<int> rows;
+  for (const int i : problem.ValidationObservations()) {
+    const double own = time_of(i);
+    const bool is_next = std::any_of(moments.begin(), moments.end(), [&](double moment) {
+      const auto after = fitted.lower_bound(std::min(own, moment));
+      return after == fitted.end() || *after > std::max(own, moment);
+    });
+    if (is_next) rows.push_back(i);
+  }
+  return rows;
+}
+
 }  // namespace
 
 void SetAside::FromFitted(DiagnosedModel* model) {
@@ -54,7 +74,7 @@ bool SetAside::Follow(const DiagnosedModel& extended, DiagnosedModel* baseline) 
   const ParameterSet& parameters = extended.estimate.parameters;
   const double significance = kShareOfOutliers * significance_;
   std::vector<int> back = ExplainedOutliers(seen, parameters, outliers_, significance);
-  const std::vector<double> moments = Moments(seen.robot());
+  const std::vector<double> moments = Moments(seen.robot(), seen.robot().effects);
   for (const int i : outliers_) {
     const bool is_back = std::find(back.begin(), back.end(), i) != back.end();
     if (!is_back && IsNextToAny(moments, seen, i)) back.push_back(i);
@@ -93,6 +113,28 @@ void SetAside::FromHeldOut(bool lacks_nothing, DiagnosedModel* baseline, Diagnos
   *baseline = std::move(cleaned_baseline);
   outliers_.insert(outliers_.end(), removed.begin(), removed.end());
   held_out_ = static_cast<int>(removed.size());
+}
+
+void SetAside::NextToMoments(const std::vector<EffectSpec>& effects, const std::vector<DiagnosedModel*>& models,
+                             std::vector<std::string>* cautions) const {
+  const CalibrationProblem& problem = *models.front()->problem;
+  const Measurements& data = problem.data();
+  const std::vector<int> rows = HeldOutNextTo(Moments(problem.robot(), effects), problem);
+  if (rows.empty() || rows.size() == problem.ValidationObservations().size()) return;
+  std::vector<DiagnosedModel> without;
+  for (const DiagnosedModel* model : models) {
+    CalibrationProblem judged = *model->problem;
+    for (const int i : rows) judged.mutable_data()->ExcludeRow(i);
+    without.push_back(*model);
+    if (!Replace(judged, joint_, &without.back())) return;
+  }
+  std::vector<std::string> names;
+  for (const int i : rows) {
+    const std::string& id = data.configurations[data.shots[data.observations[i].shot].configuration].id;
+    if (std::find(names.begin(), names.end(), id) == names.end()) names.push_back(id);
+  }
+  for (size_t m = 0; m < models.size(); ++m) *models[m] = std::move(without[m]);
+  cautions->push_back(AreNextToAMoment(names));
 }
 
 }  // namespace sagitta

@@ -21,6 +21,11 @@ class SetAside {
   // model lacks nothing, a reading that stands alone; no hold-out figure counts them.
   void FromHeldOut(bool lacks_nothing, DiagnosedModel* baseline, DiagnosedModel* final);
 
+  // Held-out rows between the two fitted visits next to the moment of an effect: on which side of it they are nothing
+  // says, so that no model predicts them. Of all models or none; said as a caution.
+  void NextToMoments(const std::vector<EffectSpec>& effects, const std::vector<DiagnosedModel*>& models,
+                     std::vector<std::string>* cautions) const;
+
   const std::vector<int>& outliers() const { return outliers_; }
   int held_out() const { return held_out_; }
 

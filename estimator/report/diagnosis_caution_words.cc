@@ -184,6 +184,12 @@ std::string NotInFullModel(const std::vector<std::pair<EffectSpec, double>>& eff
          "were not fitted predicted worse.";
 }
 
+std::string AreNextToAMoment(const std::vector<std::string>& configurations) {
+  return "Held out, but in no figure: " + Enumerate(configurations, kNamesListed) +
+         ", measured between the two fitted " +
+         "visits next to the moment of an effect: nothing says whether before it or after.";
+}
+
 std::string AreBagged(int resamples) {
   return "Probabilities are averaged over the poses and " + std::to_string(resamples) +
          " resamples of them (bagged): something without a name is left, and then those of the poses as they "

@@ -59,5 +59,7 @@ std::string NotInLeading(const std::vector<std::pair<EffectSpec, double>>& effec
 std::string NotInFullModel(const std::vector<std::pair<EffectSpec, double>>& effects);
 // Of probabilities: averaged over so many resamples of the poses.
 std::string AreBagged(int resamples);
+// Of held-out configurations between the visits next to the moment of an effect.
+std::string AreNextToAMoment(const std::vector<std::string>& configurations);
 
 }  // namespace sagitta

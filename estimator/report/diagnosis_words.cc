@@ -192,6 +192,10 @@ std::string UnknownInWords(const Diagnosis& d) {
     if (probability >= kWorthSaying && likely.size() < kMostLikely)
       likely.push_back(Title(robot, spec) + " " + Percent(probability));
   }
+  if (likely.empty() && d.posterior.noise > d.posterior.unnamed) {
+    return there_is + ", most probably noise other than stated (" + Percent(d.posterior.noise) +
+           "; see below), next a cause without a name (" + Percent(d.posterior.unnamed) + ").";
+  }
   if (likely.empty() || d.posterior.unnamed > kEvenOdds) return there_is + NoEffectInWords(d);
   likely.push_back("what has no name " + Percent(d.posterior.unnamed));
   if (d.posterior.noise >= kWorthSaying) likely.push_back("noise other than stated " + Percent(d.posterior.noise));

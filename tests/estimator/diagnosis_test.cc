@@ -93,6 +93,26 @@ TEST(Diagnosis, WhatMakesUntouchedRowsWorseIsNoStep) {
   EXPECT_LT(diagnosis.final.estimate.validation.rms, 1.01 * diagnosis.baseline.estimate.validation.rms);
 }
 
+// A joint that slips between two fitted visits, with three held-out ones between these: on which side they are no
+// fitted row says, and no figure counts them.
+TEST(Diagnosis, HeldOutVisitsNextToAMomentAreNoGap) {
+  int configuration = 0;
+  Measurements data = test::MeasuredAfter(test::CampaignOf(50, 1, kSigma, 5), 105,
+                                          [&](Eigen::VectorXd* q) { (*q)[2] += configuration++ < 25 ? 0.0 : 300e-6; });
+  for (Shot& shot : data.shots) shot.has_time = true, shot.time = 60.0 * shot.configuration;
+  CalibrationProblem problem = MakeCalibrationProblem(test::Kr270Robot(), data, Experiment());
+  for (int c = 0; c < 50; ++c)
+    problem.mutable_data()->configurations[c].is_validation = c % 4 == 0 || c == 25 || c == 26;
+  const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
+  ASSERT_EQ(diagnosis.effects.size(), 1u);
+  EXPECT_EQ(diagnosis.effects[0].candidate.spec.effect, "joint_slip");
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kExplained);
+  EXPECT_GT(diagnosis.gap.closed, 0.9);
+  EXPECT_EQ(diagnosis.final.estimate.validation.observations, 3 * 12);
+  EXPECT_EQ(diagnosis.baseline.estimate.validation.observations, 3 * 12);
+  EXPECT_THAT(diagnosis.cautions, ::testing::Contains(::testing::StartsWith("Held out, but in no figure: ")));
+}
+
 TEST(Diagnosis, MeasuredAndSimulatedFollowTheDriver) {
   const auto harmonic = [](double q) { return 80e-6 * std::cos(2 * q) - 50e-6 * std::sin(2 * q); };
   const Diagnosis diagnosis = Diagnose(Hidden(2, harmonic), DiagnosisOptions());

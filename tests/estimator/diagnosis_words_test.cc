@@ -210,6 +210,11 @@ TEST(DiagnosisWords, UndecidedIsNotUnexplained) {
   d.posterior.unnamed = 0.24;
   EXPECT_THAT(VerdictInWords(d), AllOf(HasSubstr("do not decide what it is"), HasSubstr("encoder_gain, A3) 27 %"),
                                        HasSubstr("no name 24 %"), ::testing::Not(HasSubstr("link_gravity"))));
+  // Where it is the noise most probably, that stands first.
+  d.posterior.explanations = {{{"encoder_gain", "A3", {}, {}}, 0.02}};
+  d.posterior.unnamed = 0.1, d.posterior.noise = 0.52;
+  EXPECT_THAT(VerdictInWords(d), HasSubstr("most probably noise other than stated (52 %; see below), next a cause "
+                                           "without a name (10 %)"));
 }
 
 // A sign or a size that no machine shows is said in the first line: nothing is left, and yet the cause is another one.
