@@ -42,7 +42,7 @@ int RunPredict(const CommandLine& line) {
   CheckInterruption();
   out.Write(csv);
   progress.reset();
-  std::cout << PredictedInWords(rows.NumRows(), largest, FLAGS_out);
+  std::cout << PredictedInWords(rows.NumRows(), largest, known.noise.freedom, FLAGS_out);
   for (const std::string& warning : warnings) std::cout << "Warning: " << warning << "\n";
   const std::string model_error = ModelErrorInWords(known);
   if (!model_error.empty()) std::cout << model_error << "\n";

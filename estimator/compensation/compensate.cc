@@ -139,8 +139,8 @@ void Compensator::AddUncertainty(int shot, CompensatedTarget* result) const {
     covariance += held * known.second_moment * held.transpose();
   }
   const Matrix3<double> position = covariance.topLeftCorner<3, 3>();
-  result->u95_position = Radius95(position + AddedByRest(position, input_.rest));
-  result->u95_rotation = Radius95(covariance.bottomRightCorner<3, 3>());
+  result->u95_position = Radius95(position + AddedByRest(position, input_.rest), input_.noise_dof);
+  result->u95_rotation = Radius95(covariance.bottomRightCorner<3, 3>(), input_.noise_dof);
 }
 
 std::string Compensator::JointNames(const std::vector<int>& joints) const {
@@ -174,13 +174,13 @@ std::string Compensator::Words(const Target& target, const CompensatedTarget& re
 
 }  // namespace
 
-double Radius95(const Matrix3<double>& covariance) {
+double Radius95(const Matrix3<double>& covariance, double noise_dof) {
   const double trace = covariance.trace(), of_square = (covariance * covariance).trace();
   if (!std::isfinite(trace)) return std::numeric_limits<double>::quiet_NaN();
   if (!(trace > 0.0)) return 0.0;
   // |x|^2 of a Gaussian vector with covariance C is c chi2_nu in mean and variance, c = tr C^2 / tr C, nu = (tr C)^2 /
-  // tr C^2 (Satterthwaite 1946).
-  return std::sqrt(of_square / trace * ChiSquareQuantile(0.95, trace * trace / of_square));
+  // tr C^2 (Satterthwaite 1946): c nu = tr C.
+  return std::sqrt(trace * FQuantile(0.95, trace * trace / of_square, noise_dof > 0.0 ? noise_dof : kInfinity));
 }
 
 std::vector<CompensatedTarget> Compensate(const CompensationInput& input, const std::vector<Target>& targets,

@@ -22,6 +22,7 @@ struct CompensationInput {
   Chain nominal;                     // what the controller computes with: rigid, without errors
   ParameterUncertainty uncertainty;  // of the estimate, with its model error
   double rest = 0.0;                 // m, RMS distance: what is left on points that were not fitted (AddedByRest)
+  double noise_dof = 0.0;            // where the residuals gave the noise, or scaled it; 0: it is stated
 };
 
 // A target with the joint values that reach it, and what is left.
@@ -43,7 +44,8 @@ std::vector<CompensatedTarget> Compensate(const CompensationInput& input, const 
                                           int threads, const std::function<void(size_t done)>& progress = {});
 
 // Radius of the sphere that holds 95 % of a normal vector of this covariance: |x|^2 is approximated by g chi^2_h with
-// the same mean and variance, g = tr C^2 / tr C, h = (tr C)^2 / tr C^2 (Satterthwaite 1946; Box 1954).
-double Radius95(const Matrix3<double>& covariance);
+// the same mean and variance, g = tr C^2 / tr C, h = (tr C)^2 / tr C^2 (Satterthwaite 1946; Box 1954). Where C was
+// found from residuals with n = noise_dof degrees of freedom, by g h F_{h,n}; 0: it is known.
+double Radius95(const Matrix3<double>& covariance, double noise_dof = 0.0);
 
 }  // namespace sagitta

@@ -63,7 +63,7 @@ CompensationInput MakeCompensationInput(const KnownRobot& known, const Targets& 
   }
   CheckLoadsAreKnown(known, targets.shots);
   CompensationInput input{MakeKnownProblem(known.robot, targets.shots, known.loading, {known.base_in_station, {}}),
-                          NominalChain(known), known.uncertainty, known.rest};
+                          NominalChain(known), known.uncertainty, known.rest, known.noise.freedom};
   CheckEffectColumns(input.problem);
   return input;
 }

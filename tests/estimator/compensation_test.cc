@@ -293,6 +293,8 @@ TEST(Radius95Test, IsExactForBallsAndLines) {
   EXPECT_NEAR(Radius95(4.0 * Matrix3<double>::Identity()), 2.0 * std::sqrt(7.8147279), 1e-6);
   EXPECT_NEAR(Radius95(Vector3<double>(0, 9, 0).asDiagonal()), 3.0 * std::sqrt(3.8414588), 1e-6);
   EXPECT_EQ(Radius95(Matrix3<double>::Zero()), 0.0);
+  // Along a line that is Student's t, t^2 = F_{1,n}: tables have 2.2622 with 9 degrees of freedom.
+  EXPECT_NEAR(Radius95(Vector3<double>(0, 9, 0).asDiagonal(), 9.0), 3.0 * 2.2621572, 1e-6);
 }
 
 }  // namespace

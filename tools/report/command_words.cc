@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "estimator/report/planning_words.h"
+#include "estimator/statistics/distributions.h"
 #include "problems/io/files.h"
 #include "problems/text.h"
 
@@ -87,11 +88,20 @@ std::string PlanInWords(const Plan& plan) {
   return words.str();
 }
 
-std::string PredictedInWords(int points, double largest, const std::string& file) {
+// Where the normal distribution's factor is a few per cent too small.
+std::string CoverageInWords(double noise_dof) {
+  constexpr double kWorthSaying = 1.03;
+  const double factor = noise_dof > 0.0 ? StudentQuantile(0.975, noise_dof) : 0.0;
+  if (!(factor > kWorthSaying * NormalQuantile(0.975))) return "";
+  return "The noise was found from the residuals with " + Fixed(noise_dof, 0) +
+         " degrees of freedom: 95 % are within " + Fixed(factor, 2) + " standard deviations.\n";
+}
+
+std::string PredictedInWords(int points, double largest, double noise_dof, const std::string& file) {
   const std::string deviation = std::isfinite(largest) ? "at most " + Fixed(largest, 4) + " mm per axis"
                                                        : "not known: there are no more rows than unknowns";
   return std::to_string(points) + (points == 1 ? " point predicted, its" : " points predicted, their") +
-         " standard deviation " + deviation + ": " + file + "\n";
+         " standard deviation " + deviation + ": " + file + "\n" + CoverageInWords(noise_dof);
 }
 
 std::string SimulatedInWords(int rows, std::uint64_t seed, bool is_exact, const std::string& file) {

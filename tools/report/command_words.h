@@ -36,8 +36,11 @@ std::string FlangeOfTheMarkers();
 // A plan in a few lines.
 std::string PlanInWords(const Plan& plan);
 
+// What 95 % of a quantity are within whose standard deviation was found with so many degrees of freedom; "" where these
+// are many, or 0: it is stated.
+std::string CoverageInWords(double noise_dof);
 // largest: standard deviation of a predicted coordinate, mm; not finite: not known.
-std::string PredictedInWords(int points, double largest, const std::string& file);
+std::string PredictedInWords(int points, double largest, double noise_dof, const std::string& file);
 std::string SimulatedInWords(int rows, std::uint64_t seed, bool is_exact, const std::string& file);
 
 // A diagnosis against the columns of another simulation. reproduced: RMS distance, m.
