@@ -1,7 +1,6 @@
 #include "problems/io/measurement_warnings.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <string>
@@ -56,21 +55,26 @@ void WarnOfSingleRows(const std::string& what, const std::vector<std::string>& l
 
 // Pairs (row, the earlier one that it equals): of one marker and station, at the same joint values, all digits alike.
 std::vector<std::pair<int, int>> EqualReadings(const Measurements& data) {
-  std::vector<std::pair<std::array<double, 3>, int>> points;
+  std::vector<std::pair<double, int>> by_x;  // the rows, side by side where x is the same
   for (size_t i = 0; i < data.observations.size(); ++i) {
-    const Vector3<double>& p = data.observations[i].point_in_station;
-    if (data.observations[i].is_point()) points.push_back({{p.x(), p.y(), p.z()}, static_cast<int>(i)});
+    const Observation& row = data.observations[i];
+    if (row.is_point()) by_x.emplace_back(row.point_in_station.x(), static_cast<int>(i));
   }
-  std::sort(points.begin(), points.end());
+  std::sort(by_x.begin(), by_x.end());
   std::vector<std::pair<int, int>> equal;
-  std::map<std::tuple<int, int, std::vector<double>>, int> seen;  // rows of one point, by marker, station, joint values
-  for (size_t k = 0; k < points.size(); ++k) {
-    if (k == 0 || points[k].first != points[k - 1].first) seen.clear();
-    const Observation& row = data.observations[points[k].second];
-    const Eigen::VectorXd& q = data.ConfigurationOf(row).q;
-    const auto [earlier, is_new] =
-        seen.try_emplace({row.marker, data.shots[row.shot].station, {q.begin(), q.end()}}, points[k].second);
-    if (!is_new) equal.emplace_back(points[k].second, earlier->second);
+  using Reading = std::tuple<double, double, int, int, std::vector<double>>;  // y, z, marker, station, joint values
+  for (size_t first = 0, end = 0; first < by_x.size(); first = end) {
+    while (end < by_x.size() && by_x[end].first == by_x[first].first) ++end;
+    std::map<Reading, int> seen;
+    for (size_t k = first; end - first > 1 && k < end; ++k) {
+      const Observation& row = data.observations[by_x[k].second];
+      const Vector3<double>& p = row.point_in_station;
+      const Eigen::VectorXd& q = data.ConfigurationOf(row).q;
+      const int station = data.shots[row.shot].station;
+      const auto [earlier, is_new] =
+          seen.try_emplace({p.y(), p.z(), row.marker, station, {q.begin(), q.end()}}, by_x[k].second);
+      if (!is_new) equal.emplace_back(by_x[k].second, earlier->second);
+    }
   }
   std::sort(equal.begin(), equal.end());
   return equal;
