@@ -58,7 +58,9 @@ std::vector<std::pair<int, int>> EqualReadings(const Measurements& data) {
   std::vector<std::pair<double, int>> by_x;  // the rows, side by side where x is the same
   for (size_t i = 0; i < data.observations.size(); ++i) {
     const Observation& row = data.observations[i];
-    if (row.is_point()) by_x.emplace_back(row.point_in_station.x(), static_cast<int>(i));
+    if (row.is_point() && row.point_in_station.allFinite()) {  // a plan's row has none yet
+      by_x.emplace_back(row.point_in_station.x(), static_cast<int>(i));
+    }
   }
   std::sort(by_x.begin(), by_x.end());
   std::vector<std::pair<int, int>> equal;
