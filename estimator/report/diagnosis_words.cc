@@ -36,7 +36,8 @@ std::string SettingsInWords(const EffectDefinition* definition, const EffectSpec
                                                return setting.kind == SettingDefinition::Kind::kMoment &&
                                                       setting.name == name;
                                              });
-    words += is_moment ? ", after " + std::to_string(std::lround(std::stod(text))) + " s" : ", " + name + " " + text;
+    words += is_moment ? ", " + std::to_string(std::lround(std::stod(text))) + " s after the first row"
+                       : ", " + name + " " + text;
   }
   return words;
 }
