@@ -101,6 +101,19 @@ TEST_F(ImportJoined, WithoutNamesAsManyRowsAreInOrderWhichIsAGuess) {
   EXPECT_EQ(ImportText(points.ToText(), With(poses.ToText())).status, 2);
 }
 
+// Numbers of poses next to numbers of markers: each of these is a pose's, too, but they say less.
+TEST_F(ImportJoined, NumbersOfMarkersAreNoPoses) {
+  Table points = Table(Readings()).Reordered({6, 7, 8});
+  points.header = {"X", "Y", "Z"};
+  points.Insert(0, "Nr", [](size_t row) { return std::to_string(row + 1); });
+  points.Insert(0, "Reflector", [](size_t) { return std::string("1"); });
+  Table poses = Table(Readings()).Reordered({0, 1, 2, 3, 4, 5});
+  poses.Insert(0, "Nr", [](size_t row) { return std::to_string(row + 1); });
+  ExpectRight(points.ToText(), Readings(), With(poses.ToText()));
+  EXPECT_EQ(Column("config")[6], "7");
+  EXPECT_EQ(Column("marker")[6], "1");
+}
+
 TEST_F(ImportJoined, NamesOfOtherPosesAreRefused) {
   Table points = Points();
   for (auto& row : points.rows) row[0] = "x" + row[0];

@@ -124,8 +124,12 @@ struct Join {
   int pose_column = -1;
   PoseNameAt at = PoseNameAt::kWhole;
   RowsOfName rows;
-  size_t found = 0;
+  size_t found = 0;  // readings that have a pose
+  size_t poses = 0;  // that have a reading: a marker's number may be a pose's, too, but is that of few
 
+  bool IsBetterThan(const Join& other) const {
+    return found != other.found ? found > other.found : poses > other.poses;
+  }
   const std::vector<size_t>* Find(const std::string& cell) const {
     for (const std::string& name : NamesIn(cell, at)) {
       const auto known = rows.find(name);
@@ -145,8 +149,15 @@ Join BestJoin(const MeantTable& readings, const MeantTable& poses) {
       for (const PoseNameAt at : {PoseNameAt::kWhole, PoseNameAt::kBefore, PoseNameAt::kBehind}) {
         CheckInterruption();
         Join join{c, p, at, *rows};
-        for (size_t r = 0; r < readings.table.rows.size(); ++r) join.found += join.Find(readings.Cell(r, c)) != nullptr;
-        if (join.found > best.found) best = join;
+        std::set<const std::vector<size_t>*> found;
+        for (size_t r = 0; r < readings.table.rows.size(); ++r) {
+          const std::vector<size_t>* pose = join.Find(readings.Cell(r, c));
+          if (pose == nullptr) continue;
+          ++join.found;
+          found.insert(pose);
+        }
+        join.poses = found.size();
+        if (join.IsBetterThan(best)) best = join;
       }
     }
   }
@@ -283,7 +294,7 @@ TextTable Joined(const MeantTable& readings, const std::vector<MeantTable>& list
   const MeantTable* of = &lists[0];
   for (const MeantTable& poses : lists) {
     const Join join = BestJoin(readings, poses);
-    if (join.found > best.found) best = join, of = &poses;
+    if (join.IsBetterThan(best)) best = join, of = &poses;
   }
   const size_t rows = readings.table.rows.size();
   if (2 * best.found >= rows && rows > 0) return Joiner(readings, *of).ByName(best);
