@@ -3,6 +3,7 @@
 
 #include "estimator/agreement/agreement.h"
 #include "estimator/baselines/compare_methods.h"
+#include "estimator/calibration/coupled_joints.h"
 #include "estimator/calibration/noise_loop.h"
 #include "estimator/calibration/unit_guess.h"
 #include "estimator/diagnosis/learnt_model.h"
@@ -107,6 +108,7 @@ void JudgeCalibration(const CalibrateOptions& options, std::shared_ptr<const Row
     const Finding across = LoadDirectionInWords(*result->trust.across);
     estimate.warnings.push_back(across.words + "; " + across.remedy);
   }
+  for (const std::string& coupled : WarningsOfCouplings(result->problem)) estimate.warnings.push_back(coupled);
   const std::string large = WarningOfLargeCorrections(result->problem, estimate.table);
   if (!large.empty()) estimate.warnings.push_back(large);
 }

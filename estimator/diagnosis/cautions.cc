@@ -8,6 +8,7 @@
 #include <set>
 
 #include "estimator/agreement/breaks.h"
+#include "estimator/calibration/coupled_joints.h"
 #include "estimator/diagnosis/diagnosed_model.h"
 #include "estimator/diagnosis/gap.h"
 #include "estimator/diagnosis/noise_check.h"
@@ -246,6 +247,7 @@ std::vector<std::string> FindCautions(const CalibrationProblem& stated, const Di
       OfOrder(stated),
   };
   cautions.erase(std::remove(cautions.begin(), cautions.end(), ""), cautions.end());
+  for (const std::string& coupled : WarningsOfCouplings(stated, true)) cautions.push_back(coupled + ".");
   return cautions;
 }
 

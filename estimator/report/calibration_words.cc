@@ -59,6 +59,14 @@ std::string SandwichInWords(int clusters) {
          "seen";
 }
 
+std::string FollowsTheCommandAlone(const std::string& joint, const std::string& driver) {
+  return joint + " follows the command of " + driver + " and not what " + driver +
+         " deviates by. Where a linkage couples the two (a parallelogram) it follows that, too: there the compliance "
+         "of " +
+         driver + " comes out wrong, and effects of " + driver +
+         " are not recognised. Where the controller alone couples them (FANUC J2 and J3) all is well";
+}
+
 std::string StandsOnBound(const std::string& parameter, double below) {
   return parameter + " stands on its bound, 0, but the data want it " + Significant(below, 2) +
          " standard deviations below: check the sign and the unit of the loads, the load point and what is held; "

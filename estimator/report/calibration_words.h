@@ -28,6 +28,9 @@ std::string ShotThatFolds(const std::string& load, const std::string& configurat
 
 std::string SandwichInWords(int clusters);
 // below: how far below its bound the data want it, in standard deviations.
+// A joint that follows another one by a stated coupling, and what of the other one it does not follow.
+std::string FollowsTheCommandAlone(const std::string& joint, const std::string& driver);
+
 std::string StandsOnBound(const std::string& parameter, double below);
 
 // Loads to hang or pull with. reached: what the parameter would be known to, in its unit.
