@@ -265,6 +265,22 @@ TEST(SparseSearchTest, WhatWasAppliedCounts) {
               std::log(0.5 / 6) - 0.5 * 500 + 0.5 * s2 * 110 * 110 / (1 + 25 * s2) - 0.5 * std::log(1 + 25 * s2), 1e-6);
 }
 
+// What moves all of two and each of the two, of very different sizes: a whole and a part of it are no two causes.
+TEST(SparseSearchTest, AWholeAndAPartOfItAreOneCause) {
+  Eigen::MatrixXd columns(2, 4);
+  columns << 100, 0, 100, 0, 0, 100, 0, 100;
+  const std::vector<SparseGroup> groups = {
+      {{0}, BeyondTypical::kNone, 2}, {{1}, BeyondTypical::kNone, 2}, {{2, 3}, BeyondTypical::kNone, -1}};
+  double largest = 0.0;
+  for (const double small : {0.05, 0.1, 0.3, 1.0}) {
+    const SparsePosterior found = SearchSparse(columns, Eigen::Vector2d(3000.0, 100.0 * small), groups);
+    largest = std::max(largest, found.probability[0] + found.probability[2]);
+    EXPECT_LE(found.best.size(), 2u);
+  }
+  EXPECT_LE(largest, 1.0 + 1e-9);
+  EXPECT_GT(largest, 0.9);
+}
+
 TEST(SparseSearchTest, APairIsFoundThatALikenessHides) {
   // Columns 0 and 1 made the residual; column 2 is near their sum and wins alone.
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(4, 3);
