@@ -12,6 +12,7 @@
 #include "estimator/diagnosis/diagnosed_model.h"
 #include "estimator/diagnosis/gap.h"
 #include "estimator/diagnosis/noise_check.h"
+#include "estimator/diagnosis/stated_effects.h"
 #include "estimator/explanations/drivers.h"
 #include "estimator/inspection/load_lint.h"
 #include "estimator/inspection/reading_lint.h"
@@ -144,13 +145,7 @@ std::string OfHeldParameters(const Estimate& estimate) {
 // What the robot file states and the experiment holds is neither estimated nor a candidate.
 std::string OfHeldEffects(const CalibrationProblem& problem) {
   std::vector<std::string> held;
-  for (const EffectSpec& spec : problem.robot().effects) {
-    const auto& coordinates = problem.parameters.coordinates();
-    const bool is_free = std::any_of(coordinates.begin(), coordinates.end(), [&](const Coordinate& coordinate) {
-      return coordinate.free && IsParameterOf(spec, coordinate.name);
-    });
-    if (!is_free) held.push_back(spec.Path());
-  }
+  for (const EffectSpec& spec : HeldEffects(problem)) held.push_back(spec.Path());
   return held.empty() ? "" : EffectsAreHeld(held);
 }
 
@@ -249,6 +244,18 @@ std::vector<std::string> FindCautions(const CalibrationProblem& stated, const Di
   cautions.erase(std::remove(cautions.begin(), cautions.end(), ""), cautions.end());
   for (const std::string& coupled : WarningsOfCouplings(stated, true)) cautions.push_back(coupled + ".");
   return cautions;
+}
+
+void CautionOfStatedEffects(const DiagnosedModel& lacking, const JointOptions& options,
+                            std::vector<FoundEffect>* effects, std::vector<std::string>* cautions) {
+  std::vector<Candidate> found;
+  for (const FoundEffect& effect : *effects) found.push_back(effect.candidate);
+  for (size_t k = 0; k < found.size(); ++k) {
+    (*effects)[k].stated_instead = StatedInPlaceOf(lacking, found, k, options);
+    for (const EffectSpec& stated : (*effects)[k].stated_instead) {
+      cautions->push_back(StatedOneDoesAsWell(found[k].spec, stated));
+    }
+  }
 }
 
 void CautionOfHalves(const std::vector<FoundEffect>& effects, std::vector<std::string>* cautions) {

@@ -20,6 +20,10 @@ std::vector<std::string> FindCautions(const CalibrationProblem& stated, const Di
 // as many of a hundred diagnoses as one effect's would be.
 void CautionOfHalves(const std::vector<FoundEffect>& effects, std::vector<std::string>* cautions);
 
+// Of effects in place of which another value of a stated one does as well (stated_effects.h).
+void CautionOfStatedEffects(const DiagnosedModel& lacking, const JointOptions& options,
+                            std::vector<FoundEffect>* effects, std::vector<std::string>* cautions);
+
 // Of compliances that were found where every fitted row carries the same load: links bend the arm, too.
 void CautionOfOneLoad(const CalibrationProblem& problem, const std::vector<FoundEffect>& effects,
                       std::vector<std::string>* cautions);

@@ -311,6 +311,7 @@ class Session {
     }
     CautionOfHalves(d_.effects, &d_.cautions);
     CautionOfOneLoad(problem_, d_.effects, &d_.cautions);
+    CautionOfStatedEffects(lacking_, joint_, &d_.effects, &d_.cautions);
     if (is_refuted_) d_.cautions.push_back(ProbabilitiesAreRough());
     d_.next = ProposeMeasuring();
     d_.gap_map = MapGap(d_.baseline, d_.final);

@@ -1,5 +1,7 @@
 #include "estimator/report/diagnosis_caution_words.h"
 
+#include "estimator/diagnosis/diagnose.h"
+#include "estimator/report/diagnosis_words.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -89,6 +91,27 @@ std::string ParametersAreHeld(const std::vector<std::string>& parameters) {
 std::string EffectsAreHeld(const std::vector<std::string>& effects) {
   return "Held at the values of the robot file, and not looked for: " + Enumerate(effects, kNamesListed) +
          ". To ask for them, free them (estimate: {effects: all}) or remove them from the file.";
+}
+
+std::string GivenTheStated(const Robot& robot, const std::vector<FoundEffect>& effects) {
+  std::string words;
+  for (const FoundEffect& effect : effects) {
+    std::vector<std::string> stated;
+    for (const EffectSpec& spec : effect.stated_instead) stated.push_back(spec.target);
+    if (stated.empty()) continue;
+    const EffectSpec& found = effect.candidate.spec;
+    words += " But the " + Percent(effect.probability) + " of " + ShortTitle(robot, found) +
+             " hold if what the robot file states of " + found.effect + " on " + Enumerate(stated) +
+             " is right: other values of that explain as much.";
+  }
+  return words;
+}
+
+std::string StatedOneDoesAsWell(const EffectSpec& found, const EffectSpec& stated) {
+  return "What " + found.Path() + " explains, other values of " + stated.Path() +
+         ", which the robot file states and which are believed, explain as well: are the stated ones right? To ask the "
+         "rows, free them (estimate: {effects: all}); the probability of " +
+         found.Path() + " holds where they are.";
 }
 
 std::string FittedAndHeldOut(int configurations) {

@@ -10,6 +10,9 @@
 
 namespace sagitta {
 
+struct FoundEffect;
+struct Robot;
+
 // A finding about the readings that no effect answers.
 std::string LookAtThisFirst(const Finding& finding);
 // suspects: how many rows, and the first.
@@ -32,6 +35,10 @@ std::string PartlyStated(const std::string& column, long empty, size_t rows);
 std::string ColumnsArePartlyStated(const std::vector<std::string>& columns);
 std::string ParametersAreHeld(const std::vector<std::string>& parameters);
 std::string EffectsAreHeld(const std::vector<std::string>& effects);
+// Of effects in whose place other values of stated ones would do, what their probabilities are given; "" where none is.
+std::string GivenTheStated(const Robot& robot, const std::vector<FoundEffect>& effects);
+// Another value of the stated effect explains what the found one does.
+std::string StatedOneDoesAsWell(const EffectSpec& found, const EffectSpec& stated);
 
 // Configurations that are fitted and held out; held out: none, or too few.
 std::string FittedAndHeldOut(int configurations);

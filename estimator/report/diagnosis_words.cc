@@ -7,6 +7,7 @@
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/estimate/parameter_table.h"
 #include "estimator/explanations/compensator_shapes.h"
+#include "estimator/report/diagnosis_caution_words.h"
 #include "estimator/report/diagnosis_next_words.h"
 #include "estimator/report/explanations_words.h"
 #include "estimator/report/inspection_words.h"
@@ -163,9 +164,12 @@ std::string ImplausibleInWords(const Diagnosis& d) {
 }
 
 std::string RestInWords(const Diagnosis& d) {
-  if (d.verdict == DiagnosisVerdict::kExplained) return "Nothing significant is left." + ImplausibleInWords(d);
+  const std::string given = GivenTheStated(d.final.problem->robot(), d.effects);
+  if (d.verdict == DiagnosisVerdict::kExplained) {
+    return "Nothing significant is left." + ImplausibleInWords(d) + given;
+  }
   const std::string share = std::isnan(d.gap.closed) ? "" : ShareOfGap(d, 1.0 - d.gap.closed);
-  return "A significant rest has no name in the catalogue" + (share.empty() ? "" : " (" + share + ")") + ".";
+  return "A significant rest has no name in the catalogue" + (share.empty() ? "" : " (" + share + ")") + "." + given;
 }
 
 // That no effect of the catalogue explains a gap well; or not as probably.
