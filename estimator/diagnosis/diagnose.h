@@ -51,7 +51,7 @@ struct FoundEffect : CheckedEffect {
   std::vector<ParameterEstimate> parameters;
   PhysicalBounds bounds;
   std::vector<EffectSpec> stated_instead;  // of the robot file, with other values: they explain as much
-  std::optional<ThermalLag> lag;  // that their intervals allow for
+  std::optional<ThermalLag> lag;           // that their intervals allow for
   // m; not a number without a hold-out, or where this prefix of the effects does not converge alone
   double holdout_before = kNotKnown, holdout_after = kNotKnown;
   double reduced_chi2_after = kNotKnown;

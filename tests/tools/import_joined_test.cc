@@ -136,6 +136,105 @@ TEST_F(ImportJoined, APoseWithTwoLoadsNeedsToBeSaid) {
   EXPECT_EQ(Column("load")[1], "none");
 }
 
+// Names of which some hold more than the pose's: repeats. Numbers with zeros in front are the same numbers.
+TEST_F(ImportJoined, RepeatsAndLeadingZeros) {
+  Table points = Points();
+  const size_t count = points.rows.size();
+  for (size_t r = 0; r < count; ++r) {
+    points.rows.push_back(points.rows[r]);
+    points.rows.back()[0] += r % 2 == 0 ? "_2" : " (2)";
+    points.rows.back()[1] = test::Text(Readings()[r].xyz_mm[0] + 0.001, 17);
+    points.rows[r][0] = "Plan" + std::string(r < 9 ? "00" : "0") + std::to_string(r + 1);
+  }
+  std::vector<test::Reading> twice = Readings();
+  for (test::Reading again : Readings()) {
+    again.xyz_mm[0] += 0.001;
+    twice.push_back(again);
+  }
+  ExpectRight(points.ToText(), twice, With(Poses()));
+  EXPECT_EQ(Column("config")[3], "plan4");
+  EXPECT_EQ(Column("config")[33], "plan4");
+}
+
+TEST_F(ImportJoined, ACountOfRowsIsNoName) {
+  Table points = Points();
+  points.Insert(0, "No", [](size_t row) { return std::to_string(row + 1); });
+  Table poses = Table(Readings()).Reordered({0, 1, 2, 3, 4, 5});
+  poses.Insert(0, "Pose", PoseName);
+  std::reverse(poses.rows.begin(), poses.rows.end());
+  poses.Insert(0, "No", [](size_t row) { return std::to_string(row + 1); });
+  ExpectRight(points.ToText(), Readings(), With(poses.ToText()));
+}
+
+// Each file has the readings of one marker, and the list one row for each.
+TEST_F(ImportJoined, MarkersInFilesOfTheirOwn) {
+  Table poses = Table(Readings()).Reordered({0, 1, 2, 3, 4, 5});
+  poses.Insert(0, "config", PoseName).Insert(1, "marker", [](size_t) { return std::string("SMR1"); });
+  const size_t count = poses.rows.size();
+  for (size_t r = 0; r < count; ++r) {
+    poses.rows.push_back(poses.rows[r]);
+    poses.rows.back()[1] = "SMR2";
+  }
+  Table other{test::MakeReadings(false, KDL::Vector(-0.04, 0.02, 0.08))};
+  other = other.Reordered({6, 7, 8});
+  other.header = {"X", "Y", "Z"};
+  other.Insert(0, "Point Name", PoseName);
+  const test::Outcome outcome =
+      ImportText(Points().ToText(), With(poses.ToText(), {Write("second.txt", other.ToText())}));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::vector<std::string> markers = Column("marker");
+  ASSERT_EQ(markers.size(), 60u);
+  EXPECT_EQ(markers[0], "M1");
+  EXPECT_EQ(markers[59], "M2");
+  EXPECT_EQ(Column("config")[59], "plan30");
+}
+
+TEST_F(ImportJoined, TwoListsAreOneUnlessTheyContradictEachOther) {
+  Table first = Table(Readings()).Reordered({0, 1, 2, 3, 4, 5});
+  first.Insert(0, "config", PoseName);
+  Table second = first;
+  first.rows.resize(15);
+  second.rows.erase(second.rows.begin(), second.rows.begin() + 15);
+  ExpectRight(Points().ToText(), Readings(), With(first.ToText(), {Write("second.csv", second.ToText())}));
+  Table actual = first;
+  for (auto& row : actual.rows) row[2] = test::Text(std::stod(row[2]) + 0.2);
+  ExpectRefused(Points().ToText(), {"second.csv", "other joint values here than in", "not both"},
+                With(first.ToText(), {Write("second.csv", actual.ToText())}));
+  second.header[6] = "q6_rad";
+  ExpectRefused(Points().ToText(), {"second.csv", "a second list of poses"},
+                With(first.ToText(), {Write("second.csv", second.ToText())}));
+}
+
+// A controller's list has the nominal points, too.
+TEST_F(ImportJoined, PointsOfAListArePlanned) {
+  Table poses{test::MakeReadings(true)};
+  poses.header[6] = "X", poses.header[7] = "Y", poses.header[8] = "Z";
+  poses.Insert(0, "config", PoseName);
+  ExpectRight(Points().ToText(), Readings(), With(poses.ToText()));
+  const test::Outcome outcome = ImportText(Points().ToText(), With(poses.ToText()));
+  EXPECT_NE(outcome.out.find("poses.csv are not measured: the points are in"), std::string::npos) << outcome.out;
+}
+
+// Collection, group and name in front of a point, a time behind it; the first readings were lost.
+TEST_F(ImportJoined, WhatInstrumentsWriteAroundAPoint) {
+  Table points = Points();
+  points.Insert(0, "Collection", [](size_t) { return std::string("A"); });
+  points.Insert(1, "Group", [](size_t) { return std::string("Main"); });
+  points.Insert(6, "Stamp", [](size_t) { return std::string("11/27/2026 10:15:00 AM"); });
+  for (const size_t lost : {0u, 1u}) {
+    for (size_t c = 3; c < 6; ++c) points.rows[lost][c] = lost == 0 ? "" : "NaN";
+  }
+  ExpectRight(points.ToText(), Readings(), With(Poses()), {0, 1});
+}
+
+TEST_F(ImportJoined, AFileWithoutPointsIsTheOneThatIsRefused) {
+  Table points = Points();
+  points.header.clear();
+  points.Insert(1, "", [](size_t) { return std::string("ok"); });
+  ExpectRefused(points.ToText(), {"export.txt", "no column says that it holds measured points", "poses.csv"},
+                With(Poses()));
+}
+
 }  // namespace
 }  // namespace sagitta::import_joined_test
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <tuple>
 
 #include "problems/input_error.h"
 #include "problems/interruption.h"
@@ -17,22 +18,36 @@ namespace sagitta {
 namespace {
 
 constexpr size_t kNamesInWords = 3;
+constexpr const char* kMarkerColumn = "marker";
 
 bool SeparatesParts(unsigned char c) { return c < 0x80 && std::isalnum(c) == 0; }
 
-// Of a name that holds more than that of the pose: what stands before one of its separators, behind one, or all.
+// Where in a cell the name of a pose stands: it is all of it, or else what is before one of its separators, or behind.
 enum class PoseNameAt { kWhole, kBefore, kBehind };
 
-// The longest first, in small letters: of P_07_SMR2 {p_07, p}, {07_smr2, smr2}.
+// Small letters, and numbers without zeros in front: P007 is p7.
+std::string Plain(const std::string& name) {
+  std::string plain;
+  for (size_t i = 0; i < name.size(); ++i) {
+    const bool is_digit = std::isdigit(static_cast<unsigned char>(name[i])) != 0;
+    const bool goes_on = i > 0 && std::isdigit(static_cast<unsigned char>(name[i - 1])) != 0;
+    const bool is_last = i + 1 == name.size() || std::isdigit(static_cast<unsigned char>(name[i + 1])) == 0;
+    const bool is_leading = name[i] == '0' && !is_last && (!goes_on || plain.empty() || !std::isdigit(plain.back()));
+    if (!is_digit || !is_leading) plain += name[i];
+  }
+  return LowerCaseOf(plain);
+}
+
+// The longest first, as Plain has them: of P_07_SMR2 {p_7_smr2, p_7, p} or {p_7_smr2, 7_smr2, smr2}.
 std::vector<std::string> NamesIn(const std::string& cell, PoseNameAt at) {
-  const std::string name = LowerCaseOf(cell);
-  if (at == PoseNameAt::kWhole) return {name};
+  const std::string name = Plain(cell);
   std::vector<std::string> parts;
-  for (size_t i = 1; i + 1 < name.size(); ++i) {
+  for (size_t i = 1; at != PoseNameAt::kWhole && i < name.size(); ++i) {
     if (!SeparatesParts(static_cast<unsigned char>(name[i]))) continue;
     parts.push_back(at == PoseNameAt::kBefore ? name.substr(0, i) : name.substr(i + 1));
   }
   if (at == PoseNameAt::kBefore) std::reverse(parts.begin(), parts.end());
+  parts.insert(parts.begin(), name);
   return parts;
 }
 
@@ -63,6 +78,12 @@ struct MeantTable {
   }
   const std::string& Cell(size_t row, int column) const { return table.rows[row].cells[static_cast<size_t>(column)]; }
 };
+
+// What a list of poses may say of points is no reading.
+bool IsOfPoint(Role role) {
+  return role == Role::kPoint || role == Role::kTarget || role == Role::kDifference || role == Role::kSigma ||
+         role == Role::kRotation || role == Role::kQuaternion || role == Role::kAngleSigma;
+}
 
 // A table of a name and three numbers without header.
 void NameColumns(TextTable* table) {
@@ -109,7 +130,7 @@ std::optional<RowsOfName> NamesIn(const MeantTable& poses, int column) {
   if (!MayName(poses.meanings[column])) return std::nullopt;
   RowsOfName rows;
   for (size_t r = 0; r < poses.table.rows.size(); ++r) {
-    const std::string name = LowerCaseOf(poses.Cell(r, column));
+    const std::string name = Plain(poses.Cell(r, column));
     if (name.empty()) return std::nullopt;
     std::vector<size_t>& own = rows[name];
     if (!own.empty() && JointsOf(poses, own[0]) != JointsOf(poses, r)) return std::nullopt;
@@ -127,8 +148,10 @@ struct Join {
   size_t found = 0;  // readings that have a pose
   size_t poses = 0;  // that have a reading: a marker's number may be a pose's, too, but is that of few
 
+  bool is_text = false;  // a name says more than a number, which may only count rows
+
   bool IsBetterThan(const Join& other) const {
-    return found != other.found ? found > other.found : poses > other.poses;
+    return std::tie(found, poses, is_text) > std::tie(other.found, other.poses, other.is_text);
   }
   const std::vector<size_t>* Find(const std::string& cell) const {
     for (const std::string& name : NamesIn(cell, at)) {
@@ -157,6 +180,7 @@ Join BestJoin(const MeantTable& readings, const MeantTable& poses) {
           found.insert(pose);
         }
         join.poses = found.size();
+        join.is_text = !readings.table.Number(readings.Cell(0, c));
         if (join.IsBetterThan(best)) best = join;
       }
     }
@@ -178,6 +202,7 @@ class Joiner {
       if (rows) joined.rows.push_back(Joined(r, Rows(r, name, *rows)));
       if (!rows) left_out.push_back("'" + name + "'");
     }
+    DropOpenMarkers(&joined);
     joined.joined_with = "'" + readings_.table.header[join.column] + "' names the poses of " + poses_.table.path +
                          ", where the joint values are";
     if (!left_out.empty()) {
@@ -207,12 +232,30 @@ class Joiner {
     for (int c = 0; c < poses_.table.columns(); ++c) {
       const ColumnMeaning& meaning = poses_.meanings[c];
       const bool is_name = c == pose_name && meaning.role == Role::kOther && !readings_.Has(config);
-      if (!is_name && (meaning.role == Role::kOther || meaning.role == Role::kPoint || readings_.Has(meaning)))
-        continue;
+      if (!is_name && (meaning.role == Role::kOther || IsOfPoint(meaning.role) || readings_.Has(meaning))) continue;
       added_.push_back(c);
       joined.header.push_back(is_name ? config.name : poses_.table.header[c]);
     }
     return joined;
+  }
+
+  // A column of markers that neither names nor readings state: another column may, as the points decide.
+  void DropOpenMarkers(TextTable* joined) const {
+    for (size_t k = 0; k < added_.size(); ++k) {
+      if (poses_.meanings[added_[k]].name != kMarkerColumn) continue;
+      const auto at = static_cast<long>(readings_.table.header.size() + k);
+      const auto open = [at](const TextTable::Row& row) { return row.cells[static_cast<size_t>(at)].empty(); };
+      const auto first = std::find_if(joined->rows.begin(), joined->rows.end(), open);
+      if (first == joined->rows.end()) return;
+      if (!std::all_of(first, joined->rows.end(), open) || first != joined->rows.begin()) {
+        throw InputError({readings_.table.path, first->line, kMarkerColumn},
+                         "names say the marker of some readings, and not of this one",
+                         "a column 'marker' of the readings, or names that hold it, say which");
+      }
+      joined->header.erase(joined->header.begin() + at);
+      for (TextTable::Row& row : joined->rows) row.cells.erase(row.cells.begin() + at);
+      return;
+    }
   }
 
   // Of the rows of one pose those that the reading can be of: what else it states, or what else its name holds.
@@ -223,7 +266,7 @@ class Joiner {
       if (meaning.role != Role::kText) continue;
       std::vector<size_t> kept;
       std::copy_if(rows.begin(), rows.end(), std::back_inserter(kept), [&](size_t row) {
-        const std::string value = LowerCaseOf(poses_.Cell(row, c));
+        const std::string value = Plain(poses_.Cell(row, c));
         return parts.count(value) > 0 || Stated(reading, meaning) == value;
       });
       if (!kept.empty()) rows = kept;
@@ -234,25 +277,38 @@ class Joiner {
   std::string Stated(size_t reading, const ColumnMeaning& meaning) const {
     for (int c = 0; c < static_cast<int>(readings_.meanings.size()); ++c) {
       const ColumnMeaning& own = readings_.meanings[c];
-      if (own.role == meaning.role && own.name == meaning.name) return LowerCaseOf(readings_.Cell(reading, c));
+      if (own.role == meaning.role && own.name == meaning.name) return Plain(readings_.Cell(reading, c));
     }
     return "";
   }
 
   TextTable::Row Joined(size_t reading, const std::vector<size_t>& rows) const {
     TextTable::Row row = readings_.table.rows[reading];
+    Respell(rows[0], &row);
     for (const int c : added_) {
       std::string cell = poses_.Cell(rows[0], c);
       for (const size_t other : rows) {
         if (poses_.Cell(other, c) == cell) continue;
         // What says it may be a column of the readings that the points decide.
-        if (poses_.meanings[c].name == "marker") cell.clear();
+        if (poses_.meanings[c].name == kMarkerColumn) cell.clear();
         if (!cell.empty()) FailSeveral(row, c, cell, poses_.Cell(other, c));
         break;
       }
       row.cells.push_back(WithOwnDecimals(cell));
     }
     return row;
+  }
+
+  // Texts that both state are written as the list has them: PLAN7 is plan7, l50 L50.
+  void Respell(size_t pose, TextTable::Row* row) const {
+    for (int p = 0; p < poses_.table.columns(); ++p) {
+      for (int c = 0; c < readings_.table.columns() && poses_.meanings[p].role == Role::kText; ++c) {
+        const ColumnMeaning& own = readings_.meanings[c];
+        const bool is_same = own.role == Role::kText && own.name == poses_.meanings[p].name;
+        std::string& cell = row->cells[static_cast<size_t>(c)];
+        if (is_same && Plain(cell) == Plain(poses_.Cell(pose, p))) cell = poses_.Cell(pose, p);
+      }
+    }
   }
 
   std::string WithOwnDecimals(const std::string& cell) const {
@@ -289,34 +345,65 @@ class Joiner {
                    "a column of the poses' names, as in plan7 or plan7_M1; or as many rows in the same order");
 }
 
-TextTable Joined(const MeantTable& readings, const std::vector<MeantTable>& lists) {
-  Join best;
-  const MeantTable* of = &lists[0];
-  for (const MeantTable& poses : lists) {
-    const Join join = BestJoin(readings, poses);
-    if (join.IsBetterThan(best)) best = join, of = &poses;
-  }
+TextTable Joined(const MeantTable& readings, const MeantTable& poses) {
+  const Join join = BestJoin(readings, poses);
   const size_t rows = readings.table.rows.size();
-  if (2 * best.found >= rows && rows > 0) return Joiner(readings, *of).ByName(best);
-  if (lists.size() == 1 && rows == of->table.rows.size()) return Joiner(readings, *of).ByOrder();
-  FailToJoin(readings, *of);
+  if (2 * join.found >= rows && rows > 0) return Joiner(readings, poses).ByName(join);
+  if (rows == poses.table.rows.size()) return Joiner(readings, poses).ByOrder();
+  FailToJoin(readings, poses);
+}
+
+// Lists of the same columns as one. A name that stands in both has the same joint values: else nothing says which are
+// those that were driven to.
+MeantTable OneList(const std::vector<MeantTable>& lists) {
+  MeantTable all = lists[0];
+  for (size_t i = 1; i < lists.size(); ++i) {
+    const TextTable& next = lists[i].table;
+    if (next.header != all.table.header || next.decimal_comma != all.table.decimal_comma) {
+      throw InputError({next.path, next.header_line, ""},
+                       "this is a second list of poses, with other columns than " + lists[0].table.path,
+                       "give one list, or several with the same columns");
+    }
+    const MeantTable before = all;
+    all.table.rows.insert(all.table.rows.end(), next.rows.begin(), next.rows.end());
+    for (int c = 0; c < next.columns(); ++c) {
+      if (!NamesIn(before, c) || !NamesIn(lists[i], c) || NamesIn(all, c)) continue;
+      throw InputError({next.path, 0, next.header[c]},
+                       "poses of one name have other joint values here than in " + lists[0].table.path,
+                       "give the list of the commanded values or of the actual ones, not both");
+    }
+  }
+  return all;
+}
+
+// Nothing to join the lists with: the table that should have the points, and why it has none.
+[[noreturn]] void FailWithoutPoints(const MeantTable& other, const MeantTable& list) {
+  throw InputError({other.table.path, other.table.header_line, ""},
+                   "no column says that it holds measured points; the joint values are in " + list.table.path,
+                   "a header with X, Y, Z above the numbers, or rows of one name and three numbers");
 }
 
 }  // namespace
 
 std::vector<TextTable> JoinPosesByName(std::vector<TextTable> tables, const std::vector<Joint>& joints) {
-  std::vector<MeantTable> all, lists;
-  for (const TextTable& table : tables) all.push_back(Meant(table, joints));
-  const auto has_points_alone = [](const MeantTable& each) { return HoldsPoints(each) && !each.Has(Role::kJoint); };
-  for (const MeantTable& each : all) {
-    if (each.Has(Role::kJoint) && !HoldsPoints(each)) lists.push_back(each);
+  std::vector<MeantTable> lists, points, others, both;
+  for (const TextTable& table : tables) {
+    const MeantTable meant = Meant(table, joints);
+    const bool has_joints = meant.Has(Role::kJoint), has_points = HoldsPoints(meant);
+    (has_joints ? (has_points ? both : lists) : has_points ? points : others).push_back(meant);
   }
-  if (lists.empty() || std::none_of(all.begin(), all.end(), has_points_alone)) return tables;
+  if (lists.empty() && !points.empty()) lists.swap(both);  // what they say of points is not measured
+  if (lists.empty() || (points.empty() && others.empty())) return tables;
+  if (points.empty()) FailWithoutPoints(others[0], lists[0]);
+  const MeantTable poses = OneList(lists);
   std::vector<TextTable> joined;
-  for (const MeantTable& each : all) {
-    if (has_points_alone(each)) joined.push_back(Joined(each, lists));
-    if (HoldsPoints(each) && each.Has(Role::kJoint)) joined.push_back(each.table);
+  for (const MeantTable& each : points) {
+    joined.push_back(Joined(each, poses));
+    if (!HoldsPoints(poses)) continue;
+    joined.back().guesses.push_back("x, y, z of " + poses.table.path + " are not measured: the points are in " +
+                                    each.table.path);
   }
+  for (const MeantTable& each : both) joined.push_back(each.table);
   return joined;
 }
 

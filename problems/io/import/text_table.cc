@@ -102,10 +102,10 @@ size_t CountFilled(const std::vector<std::string>& cells) {
   return std::count_if(cells.begin(), cells.end(), [](const std::string& cell) { return !cell.empty(); });
 }
 
-// Half of what it holds are numbers at least.
+// Half of what it holds are numbers, or three are: a point, with the names of a collection, a group and its own.
 bool HoldsNumbers(const std::vector<std::string>& cells, size_t* numeric) {
   *numeric = std::count_if(cells.begin(), cells.end(), IsNumeric);
-  return *numeric > 0 && 2 * *numeric >= CountFilled(cells);
+  return *numeric >= 3 || (*numeric > 0 && 2 * *numeric >= CountFilled(cells));
 }
 
 struct Layout {
@@ -205,10 +205,22 @@ class Builder {
     return cells.size() == layout_.columns && HoldsNumbers(cells, &numeric);
   }
 
+  // Rows above it whose numbers are all lost hold no number, and no title.
   size_t FirstRow() const {
     size_t i = 0;
     while (!IsRow(lines_[i])) ++i;
+    const std::vector<std::string> cells = Cells(lines_[i]);
+    while (i > 0 && IsLostRow(lines_[i - 1], cells)) --i;
     return i;
+  }
+
+  bool IsLostRow(const TableLine& line, const std::vector<std::string>& row) const {
+    const std::vector<std::string> cells = Cells(line);
+    if (line.is_comment || cells.size() != row.size() || CountFilled(cells) == 0) return false;
+    for (size_t c = 0; c < row.size(); ++c) {
+      if (IsNumeric(row[c]) && !IsLostCell(cells[c])) return false;
+    }
+    return true;
   }
 
   bool IsTitle(const TableLine& line) const {
