@@ -263,6 +263,8 @@ CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double fa
   for (size_t i = 0; i < scaled.resolved_noise.size(); ++i) {
     scaled.resolved_noise[i] = factor * problem.SqrtCovariance(static_cast<int>(i));
   }
+  std::optional<double>& common = scaled.mutable_experiment()->noise.sigma;  // of rows that are predicted
+  if (common) *common *= factor;
   return scaled;
 }
 

@@ -352,6 +352,11 @@ TEST(Diagnosis, OpenSigmaFollowsWhatIsNamed) {
   EXPECT_EQ(diagnosis.effects[0].candidate.spec.Path(), "effect/joint_harmonic[order=2]/A3");
   // 105 rows less about 35 unknowns determine sigma to 8 % and predict with up to sqrt(1.5) of it.
   EXPECT_NEAR(diagnosis.final.estimate.noise_floor, 1.2 * kSigma, 0.4 * kSigma);
+  // What `predict` states of new readings, four standard deviations of it to either side: not the believed model's
+  // scatter.
+  const std::optional<double> of_predicted = diagnosis.final.problem->experiment().noise.sigma;
+  ASSERT_TRUE(of_predicted.has_value());
+  EXPECT_NEAR(*of_predicted, kSigma, 0.32 * kSigma);
 }
 
 // Asked for, too, it removes nothing from what has a name.
