@@ -18,6 +18,21 @@
 namespace sagitta {
 namespace {
 
+// Effects that carry on from shot to shot; "" where none does. A body that follows its thermometer late is assumed to
+// have followed it before the first row.
+std::string MemoryInWords(const KnownRobot& known) {
+  std::vector<std::string> names;
+  for (const EffectSpec& spec : known.robot.effects) {
+    const EffectDefinition* definition = FindEffect(known.robot, spec.effect);
+    const bool carries_on = definition->remember != nullptr && definition->driven_by != EffectDriver::kTemperature;
+    const bool acts = std::any_of(known.parameters.begin(), known.parameters.end(), [&spec](const auto& parameter) {
+      return parameter.first.rfind(spec.Path() + "/", 0) == 0 && parameter.second.value != 0.0;
+    });
+    if (carries_on && acts) names.push_back(spec.Path());
+  }
+  return names.empty() ? "" : BeginAtTheFirstRow(names);
+}
+
 // m: no instrument sees less; exact simulations have no noise compared with which anything is little.
 constexpr double kMatters = 1e-6;
 constexpr double kWorse = 1.05;  // of a hundred points an RMS is known to some 5 %
@@ -142,8 +157,8 @@ std::string LeftOpenInWords(const KnownRobot& known, const Measurements& rows, c
 
 std::vector<std::string> WarningsOf(const KnownRobot& known, const Measurements& rows, const Prediction& prediction) {
   std::vector<std::string> warnings;
-  for (const std::string& words :
-       {LeftOpenInWords(known, rows, prediction), OutsideMeasuredInWords(known, rows.configurations)}) {
+  for (const std::string& words : {LeftOpenInWords(known, rows, prediction),
+                                   OutsideMeasuredInWords(known, rows.configurations), MemoryInWords(known)}) {
     if (!words.empty()) warnings.push_back(words);
   }
   return warnings;
@@ -191,6 +206,8 @@ Validation Validate(const KnownRobot& known, const Measurements& rows) {
   validation.warnings = rows.warnings;
   const std::string outside = OutsideMeasuredInWords(known, rows.configurations);
   if (!outside.empty()) validation.warnings.push_back(outside);
+  const std::string memory = MemoryInWords(known);
+  if (!memory.empty()) validation.warnings.push_back(memory);
   JudgeErrors(known, rows, prediction, &validation);
   for (const MeasurementFile& file : rows.files) {
     const auto& seen = known.input_hashes;

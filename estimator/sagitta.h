@@ -114,7 +114,8 @@ double LargestDeviation(const Prediction& prediction, const Measurements& rows);
 // Where most of what is uncertain at these rows is what the calibration did not measure (held parameters): that in
 // words; else empty.
 std::string LeftOpenInWords(const KnownRobot& known, const Measurements& rows, const Prediction& prediction);
-// That, and rows outside the measured joint ranges: what to know before these predictions are used, in words.
+// That, rows outside the measured joint ranges, and effects with a memory: what to know before these predictions are
+// used, in words.
 std::vector<std::string> WarningsOf(const KnownRobot& known, const Measurements& rows, const Prediction& prediction);
 
 // Why the robot of an estimate, where it stands, cannot have made the readings; nothing: it can, or the rows have none.

@@ -69,6 +69,12 @@ std::string CalibrationLeftOpen(double held_rms, const std::vector<std::string>&
          " (RMS), and how far they are off says little of the robot; calibrate with poses like these among the others";
 }
 
+std::string BeginAtTheFirstRow(const std::vector<std::string>& effects) {
+  return Enumerate(effects) + (effects.size() == 1 ? " depends" : " depend") +
+         " on what was done before each row: give all rows of a campaign, in their order and with their times. The "
+         "first one given is predicted as if nothing had been before it, and no standard deviation allows for that";
+}
+
 std::string PValueInWords(double p_value) { return p_value < 1e-300 ? "p < 1e-300" : "p = " + Significant(p_value, 2); }
 
 std::string RowsRefuteTheEstimate(double rms, double excess, double p_value) {

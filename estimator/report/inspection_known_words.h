@@ -30,6 +30,8 @@ std::string RobotDidNotMakeThese(const std::string& reason);
 std::string RowsAreFarOff(size_t far, size_t all, double beyond, const std::string& first, double by);
 // Of poses at which held parameters leave points open by `held_rms` (m, RMS distance); held: their names.
 std::string CalibrationLeftOpen(double held_rms, const std::vector<std::string>& held);
+// Of effects with a memory: what rows that are given without those before them are predicted from.
+std::string BeginAtTheFirstRow(const std::vector<std::string>& effects);
 // "p = 0.03"; below what a number holds "p < 1e-300".
 std::string PValueInWords(double p_value);
 // rms: over coordinates, m; excess: of what was predicted.

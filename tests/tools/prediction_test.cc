@@ -57,6 +57,19 @@ TEST_F(PredictionTest, TimeAndTemperatureCountFromTheRowsOfTheEstimate) {
   ExpectSamePoints(whole, Cells(Read("predicted.csv")), first);
 }
 
+// Rows alone say nothing of what was driven to before them.
+TEST_F(PredictionTest, AnEffectWithAMemoryIsWarnedOf) {
+  const std::string effects = "effects:\n  - {effect: hysteresis, joint: A2, width_deg: 3, amplitude_urad: 200}\n";
+  const std::string arm = Write("arm.yaml", ReadAll(robot_) + effects);
+  for (const auto& [robot, warned] : {std::pair(arm, true), std::pair(robot_, false)}) {
+    ASSERT_EQ(Run({"calibrate", robot, data_, "--sigma_mm=0.1", "--out=" + Path("out")}).status, 0);
+    const Outcome outcome = Predict(data_);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const std::string words = "effect/hysteresis[width_deg=3]/A2 depends on what was done before each row";
+    EXPECT_EQ(outcome.out.find(words) != std::string::npos, warned) << outcome.out;
+  }
+}
+
 TEST_F(PredictionTest, TheColumnsThatAnEffectNeedsAreAskedFor) {
   const std::string all = Write("all.csv", Csv(WarmingUp()));
   ASSERT_EQ(Run({"calibrate", RobotThatDriftsAndGrows(), all, "--sigma_mm=0.1", "--out=" + Path("out")}).status, 0);
