@@ -44,12 +44,12 @@ void CheckDepth(const std::string& text, const std::string& file) {
   }
 }
 
-std::string Quoted(const std::string& name) { return "'" + Printable(name.substr(0, 60)) + "'"; }
+std::string QuotedName(const std::string& name) { return "'" + Printable(name.substr(0, 60)) + "'"; }
 
 std::string KindOfJson(const Json& json) {
   if (json.is_object()) return "a map";
   if (json.is_array()) return "a list of " + std::to_string(json.size());
-  if (json.is_string()) return "the text " + Quoted(json.get_ref<const std::string&>());
+  if (json.is_string()) return "the text " + QuotedName(json.get_ref<const std::string&>());
   return json.is_null() ? "null" : json.dump();
 }
 
@@ -115,7 +115,7 @@ std::vector<std::pair<std::string, JsonValue>> JsonValue::Entries() const {
   if (!json_->is_object()) Fail("a map is expected, this is " + KindOfJson(*json_));
   std::vector<std::pair<std::string, JsonValue>> entries;
   for (const auto& [key, value] : json_->items()) {
-    if (HasControlCharacter(key)) Fail("the name " + Quoted(key) + " holds a control character");
+    if (HasControlCharacter(key)) Fail("the name " + QuotedName(key) + " holds a control character");
     entries.emplace_back(key, JsonValue(value, file_, path_.empty() ? key : path_ + "." + key));
   }
   return entries;
@@ -132,7 +132,7 @@ std::vector<JsonValue> JsonValue::Items() const {
 std::string JsonValue::Text() const {
   if (!json_->is_string()) Fail("a text is expected, this is " + KindOfJson(*json_));
   const std::string& text = json_->get_ref<const std::string&>();
-  if (HasControlCharacter(text)) Fail(Quoted(text) + " holds a control character");
+  if (HasControlCharacter(text)) Fail(QuotedName(text) + " holds a control character");
   return text;
 }
 
@@ -141,7 +141,7 @@ std::vector<std::string> JsonValue::Names() const {
   std::set<std::string> seen;
   for (const JsonValue& item : Items()) {
     names.push_back(item.Text());
-    if (!seen.insert(names.back()).second) item.Fail(Quoted(names.back()) + " stands twice");
+    if (!seen.insert(names.back()).second) item.Fail(QuotedName(names.back()) + " stands twice");
   }
   return names;
 }

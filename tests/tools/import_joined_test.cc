@@ -235,6 +235,42 @@ TEST_F(ImportJoined, AFileWithoutPointsIsTheOneThatIsRefused) {
                 With(Poses()));
 }
 
+// Marker and load behind the pose's name, in any order; and where the list has no such row.
+TEST_F(ImportJoined, NamesHoldMarkerAndLoad) {
+  Table poses = Table(Readings()).Reordered({0, 1, 2, 3, 4, 5});
+  poses.Insert(0, "config", [](size_t row) { return std::to_string(row + 1); });
+  const std::vector<std::vector<std::string>> once = poses.rows;
+  for (int more = 0; more < 3; ++more) poses.rows.insert(poses.rows.end(), once.begin(), once.end());
+  poses.Insert(1, "marker", [&](size_t row) { return std::to_string(1 + row / once.size() % 2); });
+  poses.Insert(2, "load", [&](size_t row) { return std::string(row / once.size() < 2 ? "none" : "L50"); });
+  Table points = Points();
+  for (size_t r = 0; r < points.rows.size(); ++r) {
+    points.rows[r][0] = std::to_string(r + 1) + (r % 2 == 0 ? "_2_l50" : "_none_2");
+  }
+  ASSERT_EQ(ImportText(points.ToText(), With(poses.ToText())).status, 0);
+  const std::vector<std::string> markers = Column("marker"), loads = Column("load"), configs = Column("config");
+  for (size_t r = 0; r < markers.size(); ++r) {
+    EXPECT_EQ(markers[r], "2");
+    EXPECT_EQ(loads[r], r % 2 == 0 ? "L50" : "none");
+    EXPECT_EQ(configs[r], std::to_string(r + 1));
+  }
+  // Pose 1 was planned without a load alone.
+  poses.rows.erase(std::remove_if(poses.rows.begin(), poses.rows.end(),
+                                  [](const auto& row) { return row[0] == "1" && row[2] == "L50"; }),
+                   poses.rows.end());
+  ExpectRefused(points.ToText(), {"export.txt:2", "says 'L50', with which its pose does not stand"},
+                With(poses.ToText()));
+}
+
+TEST_F(ImportJoined, NamesThatDifferInLetterCaseAreTwo) {
+  Table poses = Table(Readings()).Reordered({0, 1, 2, 3, 4, 5}), points = Points();
+  const auto name = [](size_t row) { return std::string(row % 2 == 0 ? "a" : "A") + std::to_string(row / 2 + 1); };
+  poses.Insert(0, "config", name);
+  for (size_t r = 0; r < points.rows.size(); ++r) points.rows[r][0] = name(r);
+  ExpectRight(points.ToText(), Readings(), With(poses.ToText()));
+  EXPECT_EQ(Column("config")[3], "A2");
+}
+
 }  // namespace
 }  // namespace sagitta::import_joined_test
 

@@ -1,8 +1,8 @@
 #include "problems/io/import/joined_tables.h"
 
 #include <algorithm>
-#include <cctype>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <string>
@@ -12,6 +12,7 @@
 #include "problems/interruption.h"
 #include "problems/io/files.h"
 #include "problems/io/import/column_meaning.h"
+#include "problems/io/import/pose_names.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -19,45 +20,6 @@ namespace {
 
 constexpr size_t kNamesInWords = 3;
 constexpr const char* kMarkerColumn = "marker";
-
-bool SeparatesParts(unsigned char c) { return c < 0x80 && std::isalnum(c) == 0; }
-
-// Where in a cell the name of a pose stands: it is all of it, or else what is before one of its separators, or behind.
-enum class PoseNameAt { kWhole, kBefore, kBehind };
-
-// Small letters, and numbers without zeros in front: P007 is p7.
-std::string Plain(const std::string& name) {
-  std::string plain;
-  for (size_t i = 0; i < name.size(); ++i) {
-    const bool is_digit = std::isdigit(static_cast<unsigned char>(name[i])) != 0;
-    const bool goes_on = i > 0 && std::isdigit(static_cast<unsigned char>(name[i - 1])) != 0;
-    const bool is_last = i + 1 == name.size() || std::isdigit(static_cast<unsigned char>(name[i + 1])) == 0;
-    const bool is_leading = name[i] == '0' && !is_last && (!goes_on || plain.empty() || !std::isdigit(plain.back()));
-    if (!is_digit || !is_leading) plain += name[i];
-  }
-  return LowerCaseOf(plain);
-}
-
-// The longest first, as Plain has them: of P_07_SMR2 {p_7_smr2, p_7, p} or {p_7_smr2, 7_smr2, smr2}.
-std::vector<std::string> NamesIn(const std::string& cell, PoseNameAt at) {
-  const std::string name = Plain(cell);
-  std::vector<std::string> parts;
-  for (size_t i = 1; at != PoseNameAt::kWhole && i < name.size(); ++i) {
-    if (!SeparatesParts(static_cast<unsigned char>(name[i]))) continue;
-    parts.push_back(at == PoseNameAt::kBefore ? name.substr(0, i) : name.substr(i + 1));
-  }
-  if (at == PoseNameAt::kBefore) std::reverse(parts.begin(), parts.end());
-  parts.insert(parts.begin(), name);
-  return parts;
-}
-
-std::set<std::string> PartsOf(const std::string& cell) {
-  std::set<std::string> parts;
-  for (const PoseNameAt at : {PoseNameAt::kBefore, PoseNameAt::kBehind}) {
-    for (const std::string& part : NamesIn(cell, at)) parts.insert(part);
-  }
-  return parts;
-}
 
 bool MayName(const ColumnMeaning& meaning) {
   return meaning.role == Role::kText || (meaning.role == Role::kOther && meaning.unit.empty());
@@ -126,11 +88,11 @@ std::string JointsOf(const MeantTable& poses, size_t row) {
   return values;
 }
 
-std::optional<RowsOfName> NamesIn(const MeantTable& poses, int column) {
+std::optional<RowsOfName> RowsOfNames(const MeantTable& poses, int column, bool as_written = false) {
   if (!MayName(poses.meanings[column])) return std::nullopt;
   RowsOfName rows;
   for (size_t r = 0; r < poses.table.rows.size(); ++r) {
-    const std::string name = Plain(poses.Cell(r, column));
+    const std::string name = Plain(poses.Cell(r, column), as_written);
     if (name.empty()) return std::nullopt;
     std::vector<size_t>& own = rows[name];
     if (!own.empty() && JointsOf(poses, own[0]) != JointsOf(poses, r)) return std::nullopt;
@@ -144,6 +106,7 @@ struct Join {
   int column = -1;  // of the readings
   int pose_column = -1;
   PoseNameAt at = PoseNameAt::kWhole;
+  bool as_written = false;
   RowsOfName rows;
   size_t found = 0;  // readings that have a pose
   size_t poses = 0;  // that have a reading: a marker's number may be a pose's, too, but is that of few
@@ -153,10 +116,12 @@ struct Join {
   bool IsBetterThan(const Join& other) const {
     return std::tie(found, poses, is_text) > std::tie(other.found, other.poses, other.is_text);
   }
-  const std::vector<size_t>* Find(const std::string& cell) const {
-    for (const std::string& name : NamesIn(cell, at)) {
-      const auto known = rows.find(name);
-      if (known != rows.end()) return &known->second;
+  const std::vector<size_t>* Find(const std::string& cell, std::string* rest = nullptr) const {
+    for (const NameInCell& part : NamesIn(cell, at, as_written)) {
+      const auto known = rows.find(part.name);
+      if (known == rows.end()) continue;
+      if (rest != nullptr) *rest = part.rest;
+      return &known->second;
     }
     return nullptr;
   }
@@ -165,13 +130,15 @@ struct Join {
 Join BestJoin(const MeantTable& readings, const MeantTable& poses) {
   Join best;
   for (int p = 0; p < poses.table.columns(); ++p) {
-    const std::optional<RowsOfName> rows = NamesIn(poses, p);
+    std::optional<RowsOfName> rows = RowsOfNames(poses, p);
+    const bool as_written = !rows;  // a1 and A1 are two
+    if (as_written) rows = RowsOfNames(poses, p, true);
     if (!rows) continue;
     for (int c = 0; c < readings.table.columns(); ++c) {
       if (!MayName(readings.meanings[c])) continue;
       for (const PoseNameAt at : {PoseNameAt::kWhole, PoseNameAt::kBefore, PoseNameAt::kBehind}) {
         CheckInterruption();
-        Join join{c, p, at, *rows};
+        Join join{c, p, at, as_written, *rows};
         std::set<const std::vector<size_t>*> found;
         for (size_t r = 0; r < readings.table.rows.size(); ++r) {
           const std::vector<size_t>* pose = join.Find(readings.Cell(r, c));
@@ -198,8 +165,9 @@ class Joiner {
     std::vector<std::string> left_out;
     for (size_t r = 0; r < readings_.table.rows.size(); ++r) {
       const std::string& name = readings_.Cell(r, join.column);
-      const std::vector<size_t>* rows = join.Find(name);
-      if (rows) joined.rows.push_back(Joined(r, Rows(r, name, *rows)));
+      std::string rest;
+      const std::vector<size_t>* rows = join.Find(name, &rest);
+      if (rows) joined.rows.push_back(Joined(r, Rows(r, rest, join.pose_column, *rows)));
       if (!rows) left_out.push_back("'" + name + "'");
     }
     DropOpenMarkers(&joined);
@@ -258,17 +226,22 @@ class Joiner {
     }
   }
 
-  // Of the rows of one pose those that the reading can be of: what else it states, or what else its name holds.
-  std::vector<size_t> Rows(size_t reading, const std::string& name, std::vector<size_t> rows) const {
-    const std::set<std::string> parts = PartsOf(name);
+  // Of the rows of one pose those that the reading can be of: what else it states, or what else its name holds. What
+  // that names and no row of the pose has is another pose, or a slip.
+  std::vector<size_t> Rows(size_t reading, const std::string& rest, int pose_column, std::vector<size_t> rows) const {
+    const std::set<std::string> pieces = PiecesOf(rest);
     for (int c = 0; c < poses_.table.columns(); ++c) {
-      const ColumnMeaning& meaning = poses_.meanings[c];
-      if (meaning.role != Role::kText) continue;
-      std::vector<size_t> kept;
-      std::copy_if(rows.begin(), rows.end(), std::back_inserter(kept), [&](size_t row) {
+      if (poses_.meanings[c].role != Role::kText || c == pose_column) continue;
+      const std::string stated = Stated(reading, poses_.meanings[c]);
+      const auto is_said = [&](size_t row) {
         const std::string value = Plain(poses_.Cell(row, c));
-        return parts.count(value) > 0 || Stated(reading, meaning) == value;
-      });
+        return pieces.count(value) > 0 || stated == value;
+      };
+      std::vector<size_t> kept, all(poses_.table.rows.size());
+      std::copy_if(rows.begin(), rows.end(), std::back_inserter(kept), is_said);
+      std::iota(all.begin(), all.end(), size_t{0});
+      const auto other = std::find_if(all.begin(), all.end(), is_said);
+      if (kept.empty() && !rest.empty() && other != all.end()) FailOther(reading, c, poses_.Cell(*other, c));
       if (!kept.empty()) rows = kept;
     }
     return rows;
@@ -320,6 +293,13 @@ class Joiner {
     return text;
   }
 
+  [[noreturn]] void FailOther(size_t reading, int column, const std::string& said) const {
+    throw InputError(
+        {readings_.table.path, readings_.table.rows[reading].line, poses_.table.header[column]},
+        "the name of this reading says '" + said + "', with which its pose does not stand in " + poses_.table.path,
+        "correct the name, or the list");
+  }
+
   [[noreturn]] void FailSeveral(const TextTable::Row& row, int column, const std::string& one,
                                 const std::string& other) const {
     throw InputError(
@@ -336,7 +316,7 @@ class Joiner {
 [[noreturn]] void FailToJoin(const MeantTable& readings, const MeantTable& poses) {
   std::vector<std::string> names;
   for (int c = 0; c < poses.table.columns() && names.empty(); ++c) {
-    if (!NamesIn(poses, c)) continue;
+    if (!RowsOfNames(poses, c)) continue;
     for (const TextTable::Row& row : poses.table.rows) names.push_back("'" + row.cells[static_cast<size_t>(c)] + "'");
   }
   throw InputError({readings.table.path, readings.table.header_line, ""},
@@ -367,7 +347,7 @@ MeantTable OneList(const std::vector<MeantTable>& lists) {
     const MeantTable before = all;
     all.table.rows.insert(all.table.rows.end(), next.rows.begin(), next.rows.end());
     for (int c = 0; c < next.columns(); ++c) {
-      if (!NamesIn(before, c) || !NamesIn(lists[i], c) || NamesIn(all, c)) continue;
+      if (!RowsOfNames(before, c) || !RowsOfNames(lists[i], c) || RowsOfNames(all, c)) continue;
       throw InputError({next.path, 0, next.header[c]},
                        "poses of one name have other joint values here than in " + lists[0].table.path,
                        "give the list of the commanded values or of the actual ones, not both");

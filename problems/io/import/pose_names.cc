@@ -1,0 +1,51 @@
+#include "problems/io/import/pose_names.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+bool SeparatesParts(unsigned char c) { return c < 0x80 && std::isalnum(c) == 0; }
+
+}  // namespace
+
+std::string Plain(const std::string& name, bool as_written) {
+  if (as_written) return name;
+  std::string plain;
+  for (size_t i = 0; i < name.size(); ++i) {
+    const bool goes_on = !plain.empty() && std::isdigit(static_cast<unsigned char>(plain.back())) != 0;
+    const bool is_last = i + 1 == name.size() || std::isdigit(static_cast<unsigned char>(name[i + 1])) == 0;
+    if (name[i] != '0' || goes_on || is_last) plain += name[i];
+  }
+  return LowerCaseOf(plain);
+}
+
+std::vector<NameInCell> NamesIn(const std::string& cell, PoseNameAt at, bool as_written) {
+  const std::string name = Plain(cell, as_written);
+  std::vector<NameInCell> parts;
+  for (size_t i = 1; at != PoseNameAt::kWhole && i < name.size(); ++i) {
+    if (!SeparatesParts(static_cast<unsigned char>(name[i]))) continue;
+    const std::string before = name.substr(0, i), behind = name.substr(i + 1);
+    parts.push_back(at == PoseNameAt::kBefore ? NameInCell{before, behind} : NameInCell{behind, before});
+  }
+  if (at == PoseNameAt::kBefore) std::reverse(parts.begin(), parts.end());
+  parts.insert(parts.begin(), {name, ""});
+  return parts;
+}
+
+std::set<std::string> PiecesOf(const std::string& text) {
+  std::vector<size_t> ends;
+  for (size_t i = 0; i <= text.size(); ++i) {
+    if (i == text.size() || SeparatesParts(static_cast<unsigned char>(text[i]))) ends.push_back(i);
+  }
+  std::set<std::string> pieces;
+  for (size_t from = 0, first = 0; first < ends.size(); from = ends[first++] + 1) {
+    for (size_t last = first; last < ends.size(); ++last) pieces.insert(text.substr(from, ends[last] - from));
+  }
+  return pieces;
+}
+
+}  // namespace sagitta
