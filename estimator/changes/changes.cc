@@ -257,6 +257,11 @@ Changes FindChanges(const KnownRobot& old_estimate, const KnownRobot& new_estima
   }
   comparison.MoveTo(own);
   result.before_rms = comparison.Rms();
+  for (const KnownRobot* known : {&new_estimate, &old_estimate}) {
+    if (known->model_error > 1.0 && !result.changes.empty()) {
+      result.notes.push_back(LacksSomething(known->file, known->model_error));
+    }
+  }
   if (best->left_p < kUnexplained) result.notes.insert(result.notes.begin(), MoreIsLeft(result.after_rms));
   result.words = ChangesInWords(result);
   return result;

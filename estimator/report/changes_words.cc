@@ -95,6 +95,15 @@ std::string TooFarApart(const std::string& old_file, const std::string& new_file
          "too much of it changed";
 }
 
+std::string LacksSomething(const std::string& file, double factor) {
+  return file + " has model error (" + Significant(factor, 2) +
+         " times on its intervals): its robot does what the model lacks. Where only one of the two estimates has it, "
+         "as "
+         "after a new gear, it can be named as a change of geometry or base: 'sagitta diagnose' on those rows says "
+         "what "
+         "it is";
+}
+
 std::string MoreIsLeft(double rms) {
   return "more is left (" + Significant(1e3 * rms, 3) +
          " mm RMS) than both estimates leave open: something changed that is not named, or one of them claims to be "

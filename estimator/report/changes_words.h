@@ -31,6 +31,8 @@ std::string ZerosAreHidden(const std::vector<std::string>& joints, const Change&
 std::string TooFarApart(const std::string& old_file, const std::string& new_file);
 
 // More is left than both estimates leave open; rms in m.
+// Of an estimate whose parts disagree by more than noise allows; factor: by so much on intervals.
+std::string LacksSomething(const std::string& file, double factor);
 std::string MoreIsLeft(double rms);
 
 }  // namespace sagitta

@@ -211,6 +211,19 @@ TEST(ChangesTest, ColumnsAreTheDerivativesOfExactMoves) {
   }
 }
 
+// A gear that is off once per turn is no length that changed, and may be called one: said where an estimate's parts
+// disagree.
+TEST(ChangesTest, ModelErrorOfOneEstimateIsSaid) {
+  Kr270Truth after;
+  after.errors[7] += 0.4e-3;  // dq3
+  const KnownRobot old_estimate = Estimated({}, 1);
+  KnownRobot new_estimate = Estimated(after, 2);
+  const auto said = ::testing::Contains(HasSubstr("has model error (1.9 times on its intervals)"));
+  EXPECT_THAT(FindChanges(old_estimate, new_estimate).notes, ::testing::Not(said));
+  new_estimate.model_error = 1.9;
+  EXPECT_THAT(FindChanges(old_estimate, new_estimate).notes, said);
+}
+
 TEST(ChangesTest, OtherRobotsAreRefused) {
   const KnownRobot known = Estimated(Kr270Truth(), 9);
   EXPECT_THROW(FindChanges(known, Estimated(Kr270Truth(), 9, {}, "KR 210")), InputError);
