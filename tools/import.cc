@@ -295,6 +295,7 @@ Interpretation Interpret(const std::vector<TextTable>& tables, const RobotReadin
     progress->Say("interpreting the readings of " + labels[t]);
     const auto plans = PossiblePlans(tables[t], reading.robot.chain.joints, columns);
     Choice choice = ChoosePlan(reading.robot, tables[t], plans, true);
+    ConfirmOrder(reading.robot, tables[t], choice);
     RefuseComputedPoints(tables[t], choice, is_point_stated);
     DecideRotation(reading.robot, tables[t], rotation, &choice);
     for (const std::string& words : choice.plan.guesses) read.Guess(words);

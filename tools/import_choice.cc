@@ -24,6 +24,7 @@ namespace {
 
 constexpr double kSuspicious = 0.05;  // of the reach: as in calibrate, such a robot did not make the readings
 constexpr double kComputed = 2e-6;    // m: no instrument and no robot agree with a nominal table so well
+constexpr double kRounded = 0.6;      // of the last digit: rounding alone is half of it
 constexpr size_t kSampleRows = 60;
 
 // What loads weigh and where they hang stands in no table; they bend an arm by millimetres, much less than kSuspicious.
@@ -89,6 +90,12 @@ std::optional<Finding> WhyNot(const Robot& robot, const TextTable& table, const 
   const std::string words = "this robot cannot have made these readings: ";
   const std::optional<Finding> why = says_why ? WhyNot(robot, table, plan) : std::nullopt;
   if (why) throw InputError({table.path, table.header_line, ""}, words + why->words, why->remedy);
+  if (table.joined_in_order) {
+    throw InputError({table.path, table.header_line, ""},
+                     "no name joins the readings with the poses, and in the order of the rows " + words +
+                         "its nominal geometry misses them by " + InMillimetres(misfit) + " (RMS)",
+                     "call the readings as the poses are called: plan7, or plan7_M1");
+  }
   throw InputError({table.path, table.header_line, ""},
                    words + "at best its nominal geometry misses them by " + InMillimetres(misfit) + " (RMS)",
                    "check robot, units and which columns hold measured points; --map=… says it");
@@ -116,9 +123,46 @@ Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<
   return {plans[best], misfits[best]};  // of several readings one fits: that is evidence, and stays a guess
 }
 
-// Positions that the nominal robot reproduces were computed from its joints.
+void ConfirmOrder(const Robot& robot, const TextTable& table, const Choice& choice) {
+  if (!table.joined_in_order) return;
+  TextTable moved = table;  // each reading at the pose half the file away
+  for (size_t r = 0; r < table.rows.size(); ++r) {
+    const TextTable::Row& other = table.rows[(r + table.rows.size() / 2) % table.rows.size()];
+    for (const char* axis : {"x", "y", "z"}) {
+      const int column = choice.plan.Find(axis)->source;
+      moved.rows[r].cells[column] = other.cells[column];
+    }
+  }
+  const double misfit = MisfitOf(robot, moved, choice.plan);
+  if (misfit >= kBetter * choice.misfit) return;
+  throw InputError({table.path, table.header_line, ""},
+                   "nothing says that the readings are in the order of the poses: the nominal robot misses them by " +
+                       InMillimetres(choice.misfit) + ", and in another order by " + InMillimetres(misfit) + " (RMS)",
+                   "the names of the poses next to the readings");
+}
+
+namespace {
+
+// m: what the numbers of the points are rounded to, zeros behind that left out.
+double LastDigit(const TextTable& table, const ImportPlan& plan) {
+  size_t decimals = 0;
+  const PlannedColumn& x = *plan.Find("x");
+  for (const TextTable::Row& row : table.rows) {
+    const std::string& cell = row.cells[x.source];
+    const size_t sign = cell.rfind(table.decimal_comma ? ',' : '.');
+    const size_t last = cell.find_last_not_of('0');
+    if (sign != std::string::npos && last > sign) decimals = std::max(decimals, last - sign);
+  }
+  return UnitNamed(x.unit).ToSi(std::pow(10.0, -static_cast<double>(decimals)));
+}
+
+}  // namespace
+
+// Positions that the nominal robot reproduces were computed from its joints. Rounded to a step h they are off by h /
+// sqrt 12 along each axis, by h / 2 (RMS of distances) in all.
 void RefuseComputedPoints(const TextTable& table, const Choice& choice, bool is_mapped) {
-  if (choice.misfit > kComputed || is_mapped) return;
+  if (is_mapped || !std::isfinite(choice.misfit)) return;
+  if (choice.misfit > std::max(kComputed, kRounded * LastDigit(table, choice.plan))) return;
   throw InputError({table.path, table.header_line, ""},
                    "the points agree with the nominal robot to " + InMillimetres(choice.misfit) +
                        ": they were computed, not measured",

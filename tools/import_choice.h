@@ -33,6 +33,10 @@ std::set<std::string> LoadsOf(const Measurements& data);
 Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<ImportPlan>& plans,
                   bool says_why = false);
 
+// Readings that were joined with poses in their order alone: throws InputError where they would fit the robot in
+// another order about as well.
+void ConfirmOrder(const Robot& robot, const TextTable& table, const Choice& choice);
+
 // Adds the rotation's columns to the plan, or leaves them out with the reason. `stated`: what --rotation says.
 // Throws InputError where what the user said does not fit.
 void DecideRotation(const Robot& robot, const TextTable& table, const std::string& stated, Choice* choice);

@@ -238,25 +238,25 @@ TEST_F(ImportJoined, AFileWithoutPointsIsTheOneThatIsRefused) {
 // Marker and load behind the pose's name, in any order; and where the list has no such row.
 TEST_F(ImportJoined, NamesHoldMarkerAndLoad) {
   Table poses = Table(Readings()).Reordered({0, 1, 2, 3, 4, 5});
-  poses.Insert(0, "config", [](size_t row) { return std::to_string(row + 1); });
+  poses.Insert(0, "config", [](size_t row) { return "P" + std::to_string(row + 1); });
   const std::vector<std::vector<std::string>> once = poses.rows;
   for (int more = 0; more < 3; ++more) poses.rows.insert(poses.rows.end(), once.begin(), once.end());
-  poses.Insert(1, "marker", [&](size_t row) { return std::to_string(1 + row / once.size() % 2); });
+  poses.Insert(1, "marker", [&](size_t row) { return "M" + std::to_string(1 + row / once.size() % 2); });
   poses.Insert(2, "load", [&](size_t row) { return std::string(row / once.size() < 2 ? "none" : "L50"); });
   Table points = Points();
   for (size_t r = 0; r < points.rows.size(); ++r) {
-    points.rows[r][0] = std::to_string(r + 1) + (r % 2 == 0 ? "_2_l50" : "_none_2");
+    points.rows[r][0] = r % 2 == 0 ? "l50-p" + std::to_string(r + 1) + "-m2" : "P" + std::to_string(r + 1) + "_none_M2";
   }
   ASSERT_EQ(ImportText(points.ToText(), With(poses.ToText())).status, 0);
   const std::vector<std::string> markers = Column("marker"), loads = Column("load"), configs = Column("config");
   for (size_t r = 0; r < markers.size(); ++r) {
-    EXPECT_EQ(markers[r], "2");
+    EXPECT_EQ(markers[r], "M2");
     EXPECT_EQ(loads[r], r % 2 == 0 ? "L50" : "none");
-    EXPECT_EQ(configs[r], std::to_string(r + 1));
+    EXPECT_EQ(configs[r], "P" + std::to_string(r + 1));
   }
   // Pose 1 was planned without a load alone.
   poses.rows.erase(std::remove_if(poses.rows.begin(), poses.rows.end(),
-                                  [](const auto& row) { return row[0] == "1" && row[2] == "L50"; }),
+                                  [](const auto& row) { return row[0] == "P1" && row[2] == "L50"; }),
                    poses.rows.end());
   ExpectRefused(points.ToText(), {"export.txt:2", "says 'L50', with which its pose does not stand"},
                 With(poses.ToText()));
@@ -269,6 +269,83 @@ TEST_F(ImportJoined, NamesThatDifferInLetterCaseAreTwo) {
   for (size_t r = 0; r < points.rows.size(); ++r) points.rows[r][0] = name(r);
   ExpectRight(points.ToText(), Readings(), With(poses.ToText()));
   EXPECT_EQ(Column("config")[3], "A2");
+}
+
+// A point of reference has a number, too, and is no pose; a repeat has one behind the pose's.
+TEST_F(ImportJoined, NamesThatHoldMoreThanAPosesAmongSuchThatDoNot) {
+  Table points = Points(), poses = Table(Readings()).Reordered({0, 1, 2, 3, 4, 5});
+  poses.Insert(0, "config", [](size_t row) { return std::to_string(row + 1); });
+  for (size_t r = 0; r < points.rows.size(); ++r) points.rows[r][0] = std::to_string(r + 1);
+  for (const char* name : {"REF_1", "TB-3", "4_check"}) points.rows.push_back({name, "1.5", "2.5", "3.5"});
+  ExpectRight(points.ToText(), Readings(), With(poses.ToText()));
+  const test::Outcome outcome = ImportText(points.ToText(), With(poses.ToText()));
+  EXPECT_NE(outcome.out.find("3 readings, which are left out: 'REF_1', 'TB-3' and '4_check'"), std::string::npos)
+      << outcome.out;
+}
+
+// Both columns name poses and are numbers: that of the same header counts; without one they contradict each other.
+TEST_F(ImportJoined, TwoColumnsThatNamePoses) {
+  Table points = Points(), poses = Table(Readings()).Reordered({0, 1, 2, 3, 4, 5});
+  const auto number = [](size_t row) { return std::to_string(30 - row); };
+  poses.Insert(0, "Pose", number);
+  for (size_t r = 0; r < points.rows.size(); ++r) points.rows[r][0] = number(r);
+  points.Insert(0, "No", [](size_t row) { return std::to_string(row + 1); });
+  ExpectRefused(points.ToText(), {"export.txt:2", "names another pose of", "'No'"}, With(poses.ToText()));
+  points.header[1] = "Pose";
+  ExpectRight(points.ToText(), Readings(), With(poses.ToText()));
+}
+
+// In a small volume any order fits the robot within a twentieth of its reach.
+TEST_F(ImportJoined, TheRobotHasToConfirmTheOrder) {
+  std::vector<test::Reading> near;
+  for (const test::Reading& reading : Readings()) {
+    near.push_back(reading);
+    for (int i = 0; i < 3; ++i) near.back().xyz_mm[i] = 500.0 + 5.0 * std::sin(7.0 * near.size() + i);
+    for (double& q : near.back().q_deg) q = 30.0 + 0.01 * q;
+  }
+  Table points = Table(near).Reordered({6, 7, 8});
+  ExpectRefused(points.ToText(), {"export.txt", "nothing says that the readings are in the order of the poses"},
+                With(Table(near).Reordered({0, 1, 2, 3, 4, 5}).ToText()));
+}
+
+// Shots under two loads in mixed order: the columns are checked against the robot all the same.
+TEST_F(ImportJoined, PermutedNamesUnderTwoLoadsAreRefused) {
+  Table poses = Table(Readings()).Reordered({0, 1, 2, 3, 4, 5});
+  poses.Insert(0, "config", PoseName);
+  Table points = Table(Readings()).Reordered({6, 7, 8});
+  points.header = {"X", "Y", "Z"};
+  const std::vector<std::vector<std::string>> once = points.rows;
+  points.rows.clear();
+  for (size_t r = 0; r < 4 * once.size(); ++r) points.rows.push_back(once[(7 * r) % once.size()]);
+  points.Insert(0, "Load", [](size_t r) { return std::string(r % 3 == 0 ? "none" : "L50"); });
+  points.Insert(0, "Visit", [](size_t r) { return std::to_string(r / 30); });
+  points.Insert(0, "Point Name", [](size_t r) { return PoseName((11 * r) % 30); });
+  ExpectRefused(points.ToText(), {"this robot cannot have made these readings"}, With(poses.ToText()));
+}
+
+TEST_F(ImportJoined, ControllersPositionsAreComputedHoweverRounded) {
+  for (const double step : {0.01, 0.1}) {
+    std::vector<test::Reading> rounded = test::MakeReadings(true);
+    for (test::Reading& reading : rounded) {
+      for (double& x : reading.xyz_mm) x = step * std::round(x / step);
+    }
+    Table table{rounded};
+    for (auto& row : table.rows) {
+      for (size_t c = 6; c < 9; ++c) {
+        char text[32];
+        std::snprintf(text, sizeof text, "%.4f", std::stod(row[c]));
+        row[c] = text;
+      }
+    }
+    ExpectRefused(table.ToText(), {"they were computed, not measured"});
+  }
+}
+
+TEST_F(ImportJoined, NamesOfNoPoseAsManyAsPosesAreNotJoined) {
+  Table points = Points();
+  for (size_t r = 0; r < points.rows.size(); ++r) points.rows[r][0] = "Q" + std::to_string(r);
+  std::reverse(points.rows.begin() + 3, points.rows.end());
+  ExpectRefused(points.ToText(), {"no name joins the readings with the poses", "plan7_M1"}, With(Poses()));
 }
 
 }  // namespace

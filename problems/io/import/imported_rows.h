@@ -11,7 +11,7 @@ namespace sagitta {
 
 class ImportedRows {
  public:
-  // Reads rows by the plan, all or every `stride`-th. Lost readings (an empty, NaN or
+  // Reads rows by the plan, of all shots or of every `stride`-th. Lost readings (an empty, NaN or
   // -9999 cell among joints and points, or 0, 0, 0) are left out and counted; a cell that
   // is neither a number nor lost is an InputError with file and line.
   void Add(const TextTable& table, const ImportPlan& plan, const RowDefaults& defaults, size_t stride = 1);

@@ -1,6 +1,7 @@
 #include "problems/io/import/joined_tables.h"
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -43,8 +44,8 @@ struct MeantTable {
 
 // What a list of poses may say of points is no reading.
 bool IsOfPoint(Role role) {
-  return role == Role::kPoint || role == Role::kTarget || role == Role::kDifference || role == Role::kSigma ||
-         role == Role::kRotation || role == Role::kQuaternion || role == Role::kAngleSigma;
+  return role == Role::kPoint || role == Role::kTarget || role == Role::kDifference || role == Role::kRotation ||
+         role == Role::kQuaternion || role == Role::kAngleSigma;
 }
 
 // A table of a name and three numbers without header.
@@ -111,11 +112,11 @@ struct Join {
   size_t found = 0;  // readings that have a pose
   size_t poses = 0;  // that have a reading: a marker's number may be a pose's, too, but is that of few
 
+  bool is_same = false;  // both columns have one meaning or header
   bool is_text = false;  // a name says more than a number, which may only count rows
 
-  bool IsBetterThan(const Join& other) const {
-    return std::tie(found, poses, is_text) > std::tie(other.found, other.poses, other.is_text);
-  }
+  auto Rank() const { return std::tie(found, poses, is_text, is_same); }
+  bool IsBetterThan(const Join& other) const { return Rank() > other.Rank(); }
   const std::vector<size_t>* Find(const std::string& cell, std::string* rest = nullptr) const {
     for (const NameInCell& part : NamesIn(cell, at, as_written)) {
       const auto known = rows.find(part.name);
@@ -127,8 +128,28 @@ struct Join {
   }
 };
 
+bool AreSame(const MeantTable& readings, int column, const MeantTable& poses, int pose_column) {
+  const ColumnMeaning &a = readings.meanings[column], &b = poses.meanings[pose_column];
+  if (a.role == Role::kText && b.role == Role::kText) return a.name == b.name;
+  return Plain(readings.table.header[column]) == Plain(poses.table.header[pose_column]);
+}
+
+// Two columns that name poses as well, and not the same ones.
+void RefuseContradiction(const MeantTable& readings, const MeantTable& poses, const Join& one, const Join& other) {
+  for (size_t r = 0; r < readings.table.rows.size(); ++r) {
+    const std::vector<size_t>* a = one.Find(readings.Cell(r, one.column));
+    const std::vector<size_t>* b = other.Find(readings.Cell(r, other.column));
+    if (a == nullptr || b == nullptr || JointsOf(poses, a->front()) == JointsOf(poses, b->front())) continue;
+    throw InputError({readings.table.path, readings.table.rows[r].line, readings.table.header[other.column]},
+                     "this column names another pose of " + poses.table.path + " than '" +
+                         readings.table.header[one.column] + "' does",
+                     "leave out the one that counts rows");
+  }
+}
+
 Join BestJoin(const MeantTable& readings, const MeantTable& poses) {
   Join best;
+  std::vector<Join> rivals;
   for (int p = 0; p < poses.table.columns(); ++p) {
     std::optional<RowsOfName> rows = RowsOfNames(poses, p);
     const bool as_written = !rows;  // a1 and A1 are two
@@ -136,7 +157,7 @@ Join BestJoin(const MeantTable& readings, const MeantTable& poses) {
     if (!rows) continue;
     for (int c = 0; c < readings.table.columns(); ++c) {
       if (!MayName(readings.meanings[c])) continue;
-      for (const PoseNameAt at : {PoseNameAt::kWhole, PoseNameAt::kBefore, PoseNameAt::kBehind}) {
+      for (const PoseNameAt at : {PoseNameAt::kWhole, PoseNameAt::kBefore, PoseNameAt::kBehind, PoseNameAt::kWithin}) {
         CheckInterruption();
         Join join{c, p, at, as_written, *rows};
         std::set<const std::vector<size_t>*> found;
@@ -148,10 +169,13 @@ Join BestJoin(const MeantTable& readings, const MeantTable& poses) {
         }
         join.poses = found.size();
         join.is_text = !readings.table.Number(readings.Cell(0, c));
-        if (join.IsBetterThan(best)) best = join;
+        join.is_same = AreSame(readings, c, poses, p);
+        if (join.IsBetterThan(best)) rivals.clear(), best = join;
+        if (join.found > 0 && join.column != best.column && join.Rank() == best.Rank()) rivals.push_back(join);
       }
     }
   }
+  for (const Join& rival : rivals) RefuseContradiction(readings, poses, best, rival);
   return best;
 }
 
@@ -163,10 +187,12 @@ class Joiner {
   TextTable ByName(const Join& join) {
     TextTable joined = WithHeader(join.pose_column);
     std::vector<std::string> left_out;
+    const bool are_whole = AreWhole(join);
     for (size_t r = 0; r < readings_.table.rows.size(); ++r) {
       const std::string& name = readings_.Cell(r, join.column);
       std::string rest;
       const std::vector<size_t>* rows = join.Find(name, &rest);
+      if (are_whole && !rest.empty() && !IsKnown(rest)) rows = nullptr;  // REF_1 is not pose 1
       if (rows) joined.rows.push_back(Joined(r, Rows(r, rest, join.pose_column, *rows)));
       if (!rows) left_out.push_back("'" + name + "'");
     }
@@ -185,12 +211,38 @@ class Joiner {
     TextTable joined = WithHeader(-1);
     for (size_t r = 0; r < readings_.table.rows.size(); ++r) joined.rows.push_back(Joined(r, {r}));
     joined.joined_with = "joint values of " + poses_.table.path + ", row by row";
+    joined.joined_in_order = true;
     joined.guesses.push_back("no name joins the readings with " + poses_.table.path +
                              ": its rows are in the same order, as many as there are readings");
     return joined;
   }
 
  private:
+  // Whether most of the readings are called as poses are, and nothing else.
+  bool AreWhole(const Join& join) const {
+    size_t whole = 0;
+    for (size_t r = 0; r < readings_.table.rows.size(); ++r) {
+      std::string rest;
+      whole += join.Find(readings_.Cell(r, join.column), &rest) != nullptr && rest.empty();
+    }
+    return 2 * whole >= join.found;
+  }
+
+  // What a name may hold next to the pose's: the number of a repeat, or what the list states of a pose.
+  bool IsKnown(const std::string& rest) const {
+    const auto is_letter = [](unsigned char c) { return c >= 0x80 || std::isalpha(c) != 0; };
+    if (std::none_of(rest.begin(), rest.end(), is_letter)) return true;
+    for (const std::string& piece : PiecesOf(rest)) {
+      for (int c = 0; c < poses_.table.columns(); ++c) {
+        if (poses_.meanings[c].role != Role::kText) continue;
+        for (size_t row = 0; row < poses_.table.rows.size(); ++row) {
+          if (Plain(poses_.Cell(row, c)) == piece) return true;
+        }
+      }
+    }
+    return false;
+  }
+
   // Columns of the poses that are added; the name of the pose is the configuration's.
   TextTable WithHeader(int pose_name) {
     TextTable joined = readings_.table;

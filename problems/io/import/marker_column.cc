@@ -175,11 +175,20 @@ struct Found {
   NamePart part = NamePart::kWhole;
 };
 
+// Of 7 and 7_2 the first has no part that could be a marker's name.
+bool AllHaveParts(const TextTable& table, int column) {
+  return std::all_of(table.rows.begin(), table.rows.end(), [column](const TextTable::Row& row) {
+    const std::string& cell = row.cells[static_cast<size_t>(column)];
+    return PartOfName(cell, NamePart::kFirst) != cell;
+  });
+}
+
 std::optional<Found> Find(const TextTable& table, const Poses& poses, const std::vector<int>& columns) {
   const double apart = poses.Spread([](size_t) { return std::string(); });
   if (!(apart > kApart * poses.Extent())) return std::nullopt;
   for (const NamePart part : {NamePart::kWhole, NamePart::kLast, NamePart::kFirst}) {
     for (const int c : columns) {
+      if (part != NamePart::kWhole && !AllHaveParts(table, c)) continue;
       const Label label = [&table, c, part](size_t r) {
         return PartOfName(table.rows[r].cells[static_cast<size_t>(c)], part);
       };

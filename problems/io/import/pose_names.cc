@@ -10,6 +10,15 @@ namespace {
 
 bool SeparatesParts(unsigned char c) { return c < 0x80 && std::isalnum(c) == 0; }
 
+// Where separators are, and the end.
+std::vector<size_t> EndsOfParts(const std::string& text) {
+  std::vector<size_t> ends;
+  for (size_t i = 0; i <= text.size(); ++i) {
+    if (i == text.size() || SeparatesParts(static_cast<unsigned char>(text[i]))) ends.push_back(i);
+  }
+  return ends;
+}
+
 }  // namespace
 
 std::string Plain(const std::string& name, bool as_written) {
@@ -25,22 +34,25 @@ std::string Plain(const std::string& name, bool as_written) {
 
 std::vector<NameInCell> NamesIn(const std::string& cell, PoseNameAt at, bool as_written) {
   const std::string name = Plain(cell, as_written);
+  if (at == PoseNameAt::kWhole) return {{name, ""}};
+  const std::vector<size_t> ends = EndsOfParts(name);
   std::vector<NameInCell> parts;
-  for (size_t i = 1; at != PoseNameAt::kWhole && i < name.size(); ++i) {
-    if (!SeparatesParts(static_cast<unsigned char>(name[i]))) continue;
-    const std::string before = name.substr(0, i), behind = name.substr(i + 1);
-    parts.push_back(at == PoseNameAt::kBefore ? NameInCell{before, behind} : NameInCell{behind, before});
+  for (size_t from = 0, first = 0; first < ends.size(); from = ends[first++] + 1) {
+    for (size_t last = first; last < ends.size(); ++last) {
+      const bool begins = from == 0, ends_it = ends[last] == name.size();
+      if ((at == PoseNameAt::kBefore && !begins) || (at == PoseNameAt::kBehind && !ends_it)) continue;
+      const std::string before = begins ? "" : name.substr(0, from - 1),
+                        behind = ends_it ? "" : name.substr(ends[last] + 1);
+      parts.push_back({name.substr(from, ends[last] - from), before + (begins || ends_it ? "" : "_") + behind});
+    }
   }
-  if (at == PoseNameAt::kBefore) std::reverse(parts.begin(), parts.end());
-  parts.insert(parts.begin(), {name, ""});
+  std::stable_sort(parts.begin(), parts.end(),
+                   [](const NameInCell& a, const NameInCell& b) { return a.name.size() > b.name.size(); });
   return parts;
 }
 
 std::set<std::string> PiecesOf(const std::string& text) {
-  std::vector<size_t> ends;
-  for (size_t i = 0; i <= text.size(); ++i) {
-    if (i == text.size() || SeparatesParts(static_cast<unsigned char>(text[i]))) ends.push_back(i);
-  }
+  const std::vector<size_t> ends = EndsOfParts(text);
   std::set<std::string> pieces;
   for (size_t from = 0, first = 0; first < ends.size(); from = ends[first++] + 1) {
     for (size_t last = first; last < ends.size(); ++last) pieces.insert(text.substr(from, ends[last] - from));

@@ -7,8 +7,9 @@
 
 namespace sagitta {
 
-// Where in a cell the name of a pose stands: it is all of it, or else what is before one of its separators, or behind.
-enum class PoseNameAt { kWhole, kBefore, kBehind };
+// Where in a cell the name of a pose stands: it is all of it, or else what is before one of its separators, or
+// behind, or between two.
+enum class PoseNameAt { kWhole, kBefore, kBehind, kWithin };
 
 // As names are compared: in small letters, numbers without zeros in front, so that P007 is p7; or as they are written.
 std::string Plain(const std::string& name, bool as_written = false);

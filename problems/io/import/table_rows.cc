@@ -99,9 +99,10 @@ TableRows::TableRows(const TextTable& table, const ImportPlan& plan, const RowDe
 
 std::vector<ImportedRow> TableRows::Read(size_t stride) {
   std::vector<ImportedRow> rows;
-  for (size_t r = 0; r < table_.rows.size(); r += stride) {
+  std::map<std::string, size_t> shots;
+  for (const TextTable::Row& source : table_.rows) {
     CheckInterruption();
-    const TextTable::Row& source = table_.rows[r];
+    if (stride > 1 && shots.emplace(ShotOf(source), shots.size()).first->second % stride != 0) continue;
     ImportedRow row;
     const Found found = ReadRow(source, &row);
     if (found != Found::kReading) {
@@ -121,6 +122,18 @@ std::vector<ImportedRow> TableRows::Read(size_t stride) {
     rows.push_back(std::move(row));
   }
   return rows;
+}
+
+// What the markers of one shot have in common: of a sample with some of them a reader would say that the others lack a
+// load.
+std::string TableRows::ShotOf(const TextTable::Row& source) const {
+  std::string shot;
+  for (const PlannedColumn& column : plan_.columns) {
+    const bool is_of_shot = column.stem[0] == 'q' || column.stem == "load" || column.stem == "station" ||
+                            column.stem == "visit" || column.stem == "repeat";
+    if (is_of_shot) shot += source.cells[column.source] + ";";
+  }
+  return shot;
 }
 
 TableRows::Found TableRows::ReadRow(const TextTable::Row& source, ImportedRow* row) {

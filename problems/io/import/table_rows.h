@@ -30,7 +30,7 @@ class TableRows {
  public:
   TableRows(const TextTable& table, const ImportPlan& plan, const RowDefaults& defaults, ImportedNames* names);
 
-  // The readings, of all rows or of every `stride`-th; lost ones are left out and counted.
+  // The readings, of all shots or of every `stride`-th; lost ones are left out and counted.
   std::vector<ImportedRow> Read(size_t stride);
   // Of what was read last: columns that say nothing, lost readings.
   std::vector<std::string> Notes() const;
@@ -38,6 +38,7 @@ class TableRows {
  private:
   enum class Found { kReading, kLost, kZeros };
 
+  std::string ShotOf(const TextTable::Row& source) const;
   // The cells of points, joints, loads, times; whether these are a reading.
   Found ReadRow(const TextTable::Row& source, ImportedRow* row);
   std::string TextCell(const PlannedColumn& column, const std::string& cell);

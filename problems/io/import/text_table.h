@@ -29,6 +29,7 @@ struct TextTable {
   std::string separator;              // in words
   bool decimal_comma = false;
   std::string joined_with;           // in words: where columns of another file are from
+  bool joined_in_order = false;      // and not by names
   std::vector<std::string> guesses;  // what a reader could understand otherwise, in words
 
   bool has_header() const { return header_line > 0; }
