@@ -142,7 +142,7 @@ TEST_F(ImportJoined, RepeatsAndLeadingZeros) {
   const size_t count = points.rows.size();
   for (size_t r = 0; r < count; ++r) {
     points.rows.push_back(points.rows[r]);
-    points.rows.back()[0] += r % 2 == 0 ? "_2" : " (2)";
+    points.rows.back()[0] += r % 2 == 0 ? "_rep2" : " (2)";
     points.rows.back()[1] = test::Text(Readings()[r].xyz_mm[0] + 0.001, 17);
     points.rows[r][0] = "Plan" + std::string(r < 9 ? "00" : "0") + std::to_string(r + 1);
   }

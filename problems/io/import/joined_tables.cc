@@ -187,12 +187,14 @@ class Joiner {
   TextTable ByName(const Join& join) {
     TextTable joined = WithHeader(join.pose_column);
     std::vector<std::string> left_out;
-    const bool are_whole = AreWhole(join);
+    const std::map<std::string, size_t> rests = RestsOfNames(join);
+    const bool are_whole = rests.count("") > 0 && 2 * rests.at("") >= join.found;
     for (size_t r = 0; r < readings_.table.rows.size(); ++r) {
       const std::string& name = readings_.Cell(r, join.column);
       std::string rest;
       const std::vector<size_t>* rows = join.Find(name, &rest);
-      if (are_whole && !rest.empty() && !IsKnown(rest)) rows = nullptr;  // REF_1 is not pose 1
+      if (rows && are_whole && 2 * rests.at(rest) < join.poses && !IsKnown(rest))
+        rows = nullptr;  // REF_1 is not pose 1
       if (rows) joined.rows.push_back(Joined(r, Rows(r, rest, join.pose_column, *rows)));
       if (!rows) left_out.push_back("'" + name + "'");
     }
@@ -218,14 +220,14 @@ class Joiner {
   }
 
  private:
-  // Whether most of the readings are called as poses are, and nothing else.
-  bool AreWhole(const Join& join) const {
-    size_t whole = 0;
+  // What the names of readings hold next to a pose's, and how often.
+  std::map<std::string, size_t> RestsOfNames(const Join& join) const {
+    std::map<std::string, size_t> rests;
     for (size_t r = 0; r < readings_.table.rows.size(); ++r) {
       std::string rest;
-      whole += join.Find(readings_.Cell(r, join.column), &rest) != nullptr && rest.empty();
+      if (join.Find(readings_.Cell(r, join.column), &rest) != nullptr) ++rests[rest];
     }
-    return 2 * whole >= join.found;
+    return rests;
   }
 
   // What a name may hold next to the pose's: the number of a repeat, or what the list states of a pose.
@@ -380,7 +382,7 @@ class Joiner {
 TextTable Joined(const MeantTable& readings, const MeantTable& poses) {
   const Join join = BestJoin(readings, poses);
   const size_t rows = readings.table.rows.size();
-  if (2 * join.found >= rows && rows > 0) return Joiner(readings, poses).ByName(join);
+  if (3 * join.found >= 2 * rows && rows > 0) return Joiner(readings, poses).ByName(join);
   if (rows == poses.table.rows.size()) return Joiner(readings, poses).ByOrder();
   FailToJoin(readings, poses);
 }
