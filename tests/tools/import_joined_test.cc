@@ -3,6 +3,9 @@
 
 #ifdef SAGITTA_HAVE_KDL
 
+#include <numeric>
+#include <random>
+
 namespace sagitta::import_joined_test {
 namespace {
 
@@ -308,19 +311,32 @@ TEST_F(ImportJoined, TheRobotHasToConfirmTheOrder) {
                 With(Table(near).Reordered({0, 1, 2, 3, 4, 5}).ToText()));
 }
 
-// Shots under two loads in mixed order: the columns are checked against the robot all the same.
+// Three markers under two loads, all in mixed order: the columns are checked against the robot all the same.
 TEST_F(ImportJoined, PermutedNamesUnderTwoLoadsAreRefused) {
   Table poses = Table(Readings()).Reordered({0, 1, 2, 3, 4, 5});
   poses.Insert(0, "config", PoseName);
-  Table points = Table(Readings()).Reordered({6, 7, 8});
-  points.header = {"X", "Y", "Z"};
-  const std::vector<std::vector<std::string>> once = points.rows;
-  points.rows.clear();
-  for (size_t r = 0; r < 4 * once.size(); ++r) points.rows.push_back(once[(7 * r) % once.size()]);
-  points.Insert(0, "Load", [](size_t r) { return std::string(r % 3 == 0 ? "none" : "L50"); });
-  points.Insert(0, "Visit", [](size_t r) { return std::to_string(r / 30); });
-  points.Insert(0, "Point Name", [](size_t r) { return PoseName((11 * r) % 30); });
-  ExpectRefused(points.ToText(), {"this robot cannot have made these readings"}, With(poses.ToText()));
+  const std::vector<std::vector<test::Reading>> markers = {test::MakeReadings(false),
+                                                           test::MakeReadings(false, KDL::Vector(-0.04, 0.02, 0.08)),
+                                                           test::MakeReadings(false, KDL::Vector(0.03, -0.05, 0.06))};
+  std::vector<size_t> order(180);
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::mt19937 random(5);
+  for (size_t k = order.size() - 1; k > 0; --k) std::swap(order[k], order[random() % (k + 1)]);
+  for (const size_t off : {0u, 7u}) {  // names of the poses themselves, and of others
+    std::string text = "Point Name,Marker,Load,X,Y,Z\n";
+    for (const size_t row : order) {
+      const size_t pose = row % 30, marker = row / 30 % 3, load = row / 90;
+      text += PoseName((pose + off) % 30) + ",M" + std::to_string(marker + 1) + (load == 0 ? ",none" : ",L50");
+      for (const double x : markers[marker][pose].xyz_mm) text += "," + test::Text(x + 0.01 * load, 9);
+      text += "\n";
+    }
+    const test::Outcome outcome = ImportText(text, With(poses.ToText()));
+    EXPECT_EQ(outcome.status, off == 0 ? 0 : 2) << outcome.out;
+    const std::string& said = off == 0 ? outcome.out : outcome.err;
+    EXPECT_NE(said.find(off == 0 ? "the columns fit the robot" : "this robot cannot have made these readings"),
+              std::string::npos)
+        << said;
+  }
 }
 
 TEST_F(ImportJoined, ControllersPositionsAreComputedHoweverRounded) {
