@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "estimator/calibration/load_remedy.h"
+#include "estimator/diagnosis/diagnosed_model.h"
 #include "estimator/inspection/known_lint.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/report/inspection_known_words.h"
@@ -26,7 +27,7 @@ std::string MemoryInWords(const KnownRobot& known) {
     const EffectDefinition* definition = FindEffect(known.robot, spec.effect);
     const bool carries_on = definition->remember != nullptr && definition->driven_by != EffectDriver::kTemperature;
     const bool acts = std::any_of(known.parameters.begin(), known.parameters.end(), [&spec](const auto& parameter) {
-      return parameter.first.rfind(spec.Path() + "/", 0) == 0 && parameter.second.value != 0.0;
+      return IsParameterOf(spec, parameter.first) && parameter.second.value != 0.0;
     });
     if (carries_on && acts) names.push_back(spec.Path());
   }

@@ -253,10 +253,8 @@ Files ReadFiles(const std::vector<std::string>& paths) {
       files.tables.push_back(ReadTextTable(path));
     }
   }
-  if (!files.tables.empty()) {
-    files.tables = JoinPosesByName(std::move(files.tables), JointsOf(files.robots));
-    return files;
-  }
+  if (files.tables.size() > 1) files.tables = JoinPosesByName(std::move(files.tables), JointsOf(files.robots));
+  if (!files.tables.empty()) return files;
   throw InputError({paths[0], 0, ""}, "there are no measurements among the files",
                    "a robot alone is for 'sagitta convert'");
 }

@@ -98,15 +98,11 @@ PlanRequest RequestFromFlags(const Robot& robot) {
 // A robot alone: what a plan needs next to it, for this robot.
 void CheckRowsAreThere(const std::vector<std::string>& paths) {
   if (paths.size() > 1 || IsExperimentFile(paths[0]) || !LooksLikeRobot(paths[0])) return;
-  const Robot robot = ReadRobotFile(paths[0]);
-  std::string header = "config,marker,station", row = "a,M1,S1";
-  for (int j = 0; j < robot.num_joints(); ++j) {
-    const bool slides = robot.chain.joints[j].type == JointType::kPrismatic;
-    header += ",q" + std::to_string(j + 1) + (slides ? "_mm" : "_deg");
-    row += ",0";
-  }
+  const Chain chain = ReadRobotFile(paths[0]).chain;
+  std::string row = "a,M1,S1";
+  for (int j = 0; j < chain.num_joints(); ++j) row += ",0";
   throw InputError({paths[0], 0, ""}, "nothing says how a pose is measured",
-                   "rows.csv: '" + header + "', below it '" + row +
+                   "rows.csv: '" + PlanColumns(chain) + "', below it '" + row +
                        "', and so a row for every marker, station and load; plan.yaml: 'schema: sagitta/experiment/1', "
                        "'robot: " +
                        std::filesystem::path(paths[0]).filename().string() +

@@ -105,6 +105,14 @@ Json PlanToJson(const Plan& plan) {
   return json;
 }
 
+std::string PlanColumns(const Chain& chain) {
+  std::string columns = "config,marker,station";
+  for (int j = 0; j < chain.num_joints(); ++j) {
+    columns += ",q" + std::to_string(j + 1) + (chain.joints[j].type == JointType::kRevolute ? "_deg" : "_mm");
+  }
+  return columns;
+}
+
 std::string PlanToCsv(const Chain& chain, const Plan& plan) {
   const Measurements& data = plan.rows;
   const bool has_load = AnyShot(data, IsLoaded);
@@ -112,10 +120,7 @@ std::string PlanToCsv(const Chain& chain, const Plan& plan) {
   const bool has_sigma = std::any_of(data.observations.begin(), data.observations.end(),
                                      [](const Observation& row) { return row.sigma.maxCoeff() > 0.0; });
   const bool has_approach = AnyShot(data, [](const Shot& shot) { return !shot.approach.empty(); });
-  std::string csv = "config,marker,station";
-  for (int j = 0; j < chain.num_joints(); ++j) {
-    csv += ",q" + std::to_string(j + 1) + (chain.joints[j].type == JointType::kRevolute ? "_deg" : "_mm");
-  }
+  std::string csv = PlanColumns(chain);
   for (int j = 0; j < chain.num_joints() && has_approach; ++j) csv += ",approach" + std::to_string(j + 1);
   if (has_load) csv += ",load";
   if (has_wrench) csv += ",fx_N,fy_N,fz_N,mx_Nm,my_Nm,mz_Nm";

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
-#include <numeric>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -33,11 +33,12 @@ struct MeantTable {
   bool Has(Role role) const {
     return std::any_of(meanings.begin(), meanings.end(), [role](const auto& each) { return each.role == role; });
   }
-  // The same column of a table, by what it means.
-  bool Has(const ColumnMeaning& other) const {
-    return std::any_of(meanings.begin(), meanings.end(), [&](const ColumnMeaning& each) {
+  // The same column of a table, by what it means; -1: there is none.
+  int Find(const ColumnMeaning& other) const {
+    const auto same = std::find_if(meanings.begin(), meanings.end(), [&](const ColumnMeaning& each) {
       return each.role == other.role && each.index == other.index && each.name == other.name;
     });
+    return same == meanings.end() ? -1 : static_cast<int>(same - meanings.begin());
   }
   const std::string& Cell(size_t row, int column) const { return table.rows[row].cells[static_cast<size_t>(column)]; }
 };
@@ -108,7 +109,7 @@ struct Join {
   int pose_column = -1;
   PoseNameAt at = PoseNameAt::kWhole;
   bool as_written = false;
-  RowsOfName rows;
+  std::shared_ptr<const RowsOfName> rows;
   size_t found = 0;  // readings that have a pose
   size_t poses = 0;  // that have a reading: a marker's number may be a pose's, too, but is that of few
 
@@ -119,8 +120,8 @@ struct Join {
   bool IsBetterThan(const Join& other) const { return Rank() > other.Rank(); }
   const std::vector<size_t>* Find(const std::string& cell, std::string* rest = nullptr) const {
     for (const NameInCell& part : NamesIn(cell, at, as_written)) {
-      const auto known = rows.find(part.name);
-      if (known == rows.end()) continue;
+      const auto known = rows->find(part.name);
+      if (known == rows->end()) continue;
       if (rest != nullptr) *rest = part.rest;
       return &known->second;
     }
@@ -155,11 +156,12 @@ Join BestJoin(const MeantTable& readings, const MeantTable& poses) {
     const bool as_written = !rows;  // a1 and A1 are two
     if (as_written) rows = RowsOfNames(poses, p, true);
     if (!rows) continue;
+    const auto shared = std::make_shared<const RowsOfName>(std::move(*rows));
     for (int c = 0; c < readings.table.columns(); ++c) {
       if (!MayName(readings.meanings[c])) continue;
       for (const PoseNameAt at : {PoseNameAt::kWhole, PoseNameAt::kBefore, PoseNameAt::kBehind, PoseNameAt::kWithin}) {
         CheckInterruption();
-        Join join{c, p, at, as_written, *rows};
+        Join join{c, p, at, as_written, shared};
         std::set<const std::vector<size_t>*> found;
         for (size_t r = 0; r < readings.table.rows.size(); ++r) {
           const std::vector<size_t>* pose = join.Find(readings.Cell(r, c));
@@ -179,10 +181,27 @@ Join BestJoin(const MeantTable& readings, const MeantTable& poses) {
   return best;
 }
 
+// A column of texts of the list: as they are compared, by row, and the first row of each.
+struct Texts {
+  int column;
+  std::vector<std::string> plain;
+  std::map<std::string, size_t> first;
+};
+
 // The readings with the columns of the list of poses that they do not have.
 class Joiner {
  public:
-  Joiner(const MeantTable& readings, const MeantTable& poses) : readings_(readings), poses_(poses) {}
+  Joiner(const MeantTable& readings, const MeantTable& poses) : readings_(readings), poses_(poses) {
+    for (int c = 0; c < poses_.table.columns(); ++c) {
+      if (poses_.meanings[c].role != Role::kText) continue;
+      Texts texts{c, {}, {}};
+      for (size_t row = 0; row < poses_.table.rows.size(); ++row) {
+        texts.plain.push_back(Plain(poses_.Cell(row, c)));
+        texts.first.emplace(texts.plain.back(), row);
+      }
+      texts_.push_back(std::move(texts));
+    }
+  }
 
   TextTable ByName(const Join& join) {
     TextTable joined = WithHeader(join.pose_column);
@@ -235,11 +254,8 @@ class Joiner {
     const auto is_letter = [](unsigned char c) { return c >= 0x80 || std::isalpha(c) != 0; };
     if (std::none_of(rest.begin(), rest.end(), is_letter)) return true;
     for (const std::string& piece : PiecesOf(rest)) {
-      for (int c = 0; c < poses_.table.columns(); ++c) {
-        if (poses_.meanings[c].role != Role::kText) continue;
-        for (size_t row = 0; row < poses_.table.rows.size(); ++row) {
-          if (Plain(poses_.Cell(row, c)) == piece) return true;
-        }
+      for (const Texts& texts : texts_) {
+        if (texts.first.count(piece) > 0) return true;
       }
     }
     return false;
@@ -253,8 +269,9 @@ class Joiner {
     config.role = Role::kText, config.name = "config";
     for (int c = 0; c < poses_.table.columns(); ++c) {
       const ColumnMeaning& meaning = poses_.meanings[c];
-      const bool is_name = c == pose_name && meaning.role == Role::kOther && !readings_.Has(config);
-      if (!is_name && (meaning.role == Role::kOther || IsOfPoint(meaning.role) || readings_.Has(meaning))) continue;
+      const bool is_name = c == pose_name && meaning.role == Role::kOther && readings_.Find(config) < 0;
+      if (!is_name && (meaning.role == Role::kOther || IsOfPoint(meaning.role) || readings_.Find(meaning) >= 0))
+        continue;
       added_.push_back(c);
       joined.header.push_back(is_name ? config.name : poses_.table.header[c]);
     }
@@ -284,29 +301,18 @@ class Joiner {
   // that names and no row of the pose has is another pose, or a slip.
   std::vector<size_t> Rows(size_t reading, const std::string& rest, int pose_column, std::vector<size_t> rows) const {
     const std::set<std::string> pieces = PiecesOf(rest);
-    for (int c = 0; c < poses_.table.columns(); ++c) {
-      if (poses_.meanings[c].role != Role::kText || c == pose_column) continue;
-      const std::string stated = Stated(reading, poses_.meanings[c]);
-      const auto is_said = [&](size_t row) {
-        const std::string value = Plain(poses_.Cell(row, c));
-        return pieces.count(value) > 0 || stated == value;
-      };
-      std::vector<size_t> kept, all(poses_.table.rows.size());
-      std::copy_if(rows.begin(), rows.end(), std::back_inserter(kept), is_said);
-      std::iota(all.begin(), all.end(), size_t{0});
-      const auto other = std::find_if(all.begin(), all.end(), is_said);
-      if (kept.empty() && !rest.empty() && other != all.end()) FailOther(reading, c, poses_.Cell(*other, c));
+    for (const Texts& texts : texts_) {
+      if (texts.column == pose_column) continue;
+      const int own = readings_.Find(poses_.meanings[texts.column]);
+      std::set<std::string> said = pieces;
+      if (own >= 0) said.insert(Plain(readings_.Cell(reading, own)));
+      std::vector<size_t> kept;
+      std::copy_if(rows.begin(), rows.end(), std::back_inserter(kept),
+                   [&](size_t row) { return said.count(texts.plain[row]) > 0; });
+      if (kept.empty() && !rest.empty()) RefuseOther(reading, texts, said);
       if (!kept.empty()) rows = kept;
     }
     return rows;
-  }
-
-  std::string Stated(size_t reading, const ColumnMeaning& meaning) const {
-    for (int c = 0; c < static_cast<int>(readings_.meanings.size()); ++c) {
-      const ColumnMeaning& own = readings_.meanings[c];
-      if (own.role == meaning.role && own.name == meaning.name) return Plain(readings_.Cell(reading, c));
-    }
-    return "";
   }
 
   TextTable::Row Joined(size_t reading, const std::vector<size_t>& rows) const {
@@ -328,13 +334,11 @@ class Joiner {
 
   // Texts that both state are written as the list has them: PLAN7 is plan7, l50 L50.
   void Respell(size_t pose, TextTable::Row* row) const {
-    for (int p = 0; p < poses_.table.columns(); ++p) {
-      for (int c = 0; c < readings_.table.columns() && poses_.meanings[p].role == Role::kText; ++c) {
-        const ColumnMeaning& own = readings_.meanings[c];
-        const bool is_same = own.role == Role::kText && own.name == poses_.meanings[p].name;
-        std::string& cell = row->cells[static_cast<size_t>(c)];
-        if (is_same && Plain(cell) == Plain(poses_.Cell(pose, p))) cell = poses_.Cell(pose, p);
-      }
+    for (const Texts& texts : texts_) {
+      const int own = readings_.Find(poses_.meanings[texts.column]);
+      if (own < 0) continue;
+      std::string& cell = row->cells[static_cast<size_t>(own)];
+      if (Plain(cell) == texts.plain[pose]) cell = poses_.Cell(pose, texts.column);
     }
   }
 
@@ -347,11 +351,15 @@ class Joiner {
     return text;
   }
 
-  [[noreturn]] void FailOther(size_t reading, int column, const std::string& said) const {
-    throw InputError(
-        {readings_.table.path, readings_.table.rows[reading].line, poses_.table.header[column]},
-        "the name of this reading says '" + said + "', with which its pose does not stand in " + poses_.table.path,
-        "correct the name, or the list");
+  // What is said of a pose and is a value of the column, but of other poses.
+  void RefuseOther(size_t reading, const Texts& texts, const std::set<std::string>& said) const {
+    const auto known =
+        std::find_if(said.begin(), said.end(), [&](const auto& each) { return texts.first.count(each); });
+    if (known == said.end()) return;
+    throw InputError({readings_.table.path, readings_.table.rows[reading].line, poses_.table.header[texts.column]},
+                     "the name of this reading says '" + poses_.Cell(texts.first.at(*known), texts.column) +
+                         "', with which its pose does not stand in " + poses_.table.path,
+                     "correct the name, or the list");
   }
 
   [[noreturn]] void FailSeveral(const TextTable::Row& row, int column, const std::string& one,
@@ -364,6 +372,7 @@ class Joiner {
 
   const MeantTable& readings_;
   const MeantTable& poses_;
+  std::vector<Texts> texts_;
   std::vector<int> added_;
 };
 

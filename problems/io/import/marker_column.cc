@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -13,6 +12,7 @@
 #include "problems/interruption.h"
 #include "problems/io/import/column_meaning.h"
 #include "problems/io/import/header_words.h"
+#include "problems/io/import/pose_names.h"
 
 namespace sagitta {
 namespace {
@@ -51,14 +51,6 @@ double Median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
-}
-
-// What has to be equal for two rows to see the same: joints, and where and under what the arm stands.
-bool IsOfPose(const PlannedColumn& column) {
-  static const std::set<std::string> kTexts = {"station", "visit", "load"};
-  const std::string& stem = column.stem;
-  const bool is_wrench = stem.size() == 2 && (stem[0] == 'f' || stem[0] == 'm');
-  return stem[0] == 'q' || kTexts.count(stem) > 0 || is_wrench || stem.rfind("approach", 0) == 0;
 }
 
 class Poses {
@@ -239,11 +231,17 @@ bool NamesPoses(const TextTable& table, const ImportPlan& plan, const Found& fou
 
 }  // namespace
 
+bool IsOfPose(const PlannedColumn& column) {
+  static const std::set<std::string> kTexts = {"station", "visit", "load"};
+  const std::string& stem = column.stem;
+  const bool is_wrench = stem.size() == 2 && (stem[0] == 'f' || stem[0] == 'm');
+  return stem[0] == 'q' || kTexts.count(stem) > 0 || is_wrench || stem.rfind("approach", 0) == 0;
+}
+
 std::string PartOfName(const std::string& name, NamePart part) {
   if (part == NamePart::kWhole) return name;
-  const auto parts_names = [](unsigned char c) { return c < 0x80 && std::isalnum(c) == 0; };
-  if (part == NamePart::kFirst) return {name.begin(), std::find_if(name.begin(), name.end(), parts_names)};
-  const auto last = std::find_if(name.rbegin(), name.rend(), parts_names);
+  if (part == NamePart::kFirst) return {name.begin(), std::find_if(name.begin(), name.end(), SeparatesParts)};
+  const auto last = std::find_if(name.rbegin(), name.rend(), SeparatesParts);
   if (part == NamePart::kLast) return {last.base(), name.end()};
   return last == name.rend() ? name : std::string(name.begin(), last.base() - 1);
 }

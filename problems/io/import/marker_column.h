@@ -10,6 +10,9 @@
 
 namespace sagitta {
 
+// What has to be equal for two rows to see the same: joints, and where and under what the arm stands.
+bool IsOfPose(const PlannedColumn& column);
+
 // Adds the column to the plans of a table with a header: the whole of its cells, or a part that recurs from pose to
 // pose (SMR2 of P07_SMR2). `is_mapped`: the user names the column; then only its part is decided. A guess where the
 // header does not say it.

@@ -8,8 +8,6 @@
 namespace sagitta {
 namespace {
 
-bool SeparatesParts(unsigned char c) { return c < 0x80 && std::isalnum(c) == 0; }
-
 // Where separators are, and the end.
 std::vector<size_t> EndsOfParts(const std::string& text) {
   std::vector<size_t> ends;
@@ -20,6 +18,8 @@ std::vector<size_t> EndsOfParts(const std::string& text) {
 }
 
 }  // namespace
+
+bool SeparatesParts(unsigned char c) { return c < 0x80 && std::isalnum(c) == 0; }
 
 std::string Plain(const std::string& name, bool as_written) {
   if (as_written) return name;

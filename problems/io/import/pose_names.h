@@ -11,6 +11,9 @@ namespace sagitta {
 // behind, or between two.
 enum class PoseNameAt { kWhole, kBefore, kBehind, kWithin };
 
+// Parts of a name end at signs that are no letters or digits.
+bool SeparatesParts(unsigned char c);
+
 // As names are compared: in small letters, numbers without zeros in front, so that P007 is p7; or as they are written.
 std::string Plain(const std::string& name, bool as_written = false);
 

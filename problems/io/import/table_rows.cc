@@ -8,6 +8,7 @@
 #include "problems/interruption.h"
 #include "problems/io/files.h"
 #include "problems/io/import/header_words.h"
+#include "problems/io/import/marker_column.h"
 #include "problems/io/text_checks.h"
 #include "problems/io/units.h"
 #include "problems/limits.h"
@@ -129,9 +130,7 @@ std::vector<ImportedRow> TableRows::Read(size_t stride) {
 std::string TableRows::ShotOf(const TextTable::Row& source) const {
   std::string shot;
   for (const PlannedColumn& column : plan_.columns) {
-    const bool is_of_shot = column.stem[0] == 'q' || column.stem == "load" || column.stem == "station" ||
-                            column.stem == "visit" || column.stem == "repeat";
-    if (is_of_shot) shot += source.cells[column.source] + ";";
+    if (IsOfPose(column) || column.stem == "repeat") shot += source.cells[column.source] + ";";
   }
   return shot;
 }
