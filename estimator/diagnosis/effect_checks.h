@@ -45,6 +45,7 @@ struct HalfResult {
 
 // Do two halves of the poses say the same of an effect?
 constexpr double kHalvesContradict = 0.01;  // p below which their values do not
+constexpr double kHalvesDiffer = 0.05;      // and below which that they agree is not said
 struct Confirmation {
   std::vector<HalfResult> halves;
   double compatible_p = 1.0;  // of the halves' values being one; not a number where there is nothing to compare

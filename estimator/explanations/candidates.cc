@@ -217,6 +217,20 @@ Lack LackOf(const EffectDefinition& definition, const EffectSpec& spec) {
   return definition.PressedByOf(spec) == PressedBy::kApproach ? Lack::kApproach : Lack::kOther;
 }
 
+// Whether a setting of it that acts by what is remembered makes no difference on these shots.
+bool IsAsWithoutSetting(const CalibrationProblem& problem, const EffectDefinition& definition,
+                        const EffectSpec& variant) {
+  const auto memories = [&](const EffectSpec& spec) {
+    return MemoriesOf(problem.robot(), definition, spec, problem.shot_inputs());
+  };
+  for (const SettingDefinition& setting : definition.settings) {
+    EffectSpec without = variant;
+    if (!setting.is_of_memory || without.settings.erase(setting.name) == 0) continue;
+    if (memories(variant) == memories(without)) return true;
+  }
+  return false;
+}
+
 void AppendVariants(const CalibrationProblem& problem, const EffectDefinition& definition, const std::string& target,
                     const Knowledge& known, CandidateList* list) {
   const std::vector<EffectSpec> variants = Variants(problem, definition, target);
@@ -230,7 +244,8 @@ void AppendVariants(const CalibrationProblem& problem, const EffectDefinition& d
       lack = LackOf(definition, variant);
     }
     const bool needs_torque = definition.PressedByOf(variant) == PressedBy::kTorque && !known.loads;
-    if (column.empty() && !needs_torque && !Stands(problem, variant)) testable.push_back(variant);
+    if (!column.empty() || needs_torque || Stands(problem, variant)) continue;
+    if (!IsAsWithoutSetting(problem, definition, variant)) testable.push_back(variant);
   }
   const std::string unknown = testable.empty() || known.levelled ? "" : UnknownGravity(problem, testable[0]);
   if (!unknown.empty()) {

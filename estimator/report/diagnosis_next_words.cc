@@ -78,11 +78,13 @@ std::string WithOneAnother(const std::vector<std::string>& names) {
   return names[0] + " with " + Enumerate({names.begin() + 1, names.end()});
 }
 
-std::string NextInWords(const CalibrationProblem& problem, const NextPoses& next) {
+std::string NextInWords(const CalibrationProblem& problem, const NextPoses& next, bool is_consistent) {
   if (next.again) return AgainInWords(problem.data(), next);
   const std::string poses = std::to_string(next.poses.size()) + (next.poses.size() == 1 ? " pose" : " poses");
-  return "Measure the " + poses + " of " + kNextFile +
-         ": fill in that file and add it to the measurements. To decide between " +
+  return (is_consistent ? "Nothing has to be measured for this verdict. To exclude what is possible all the same, "
+                          "measure the "
+                        : "Measure the ") +
+         poses + " of " + kNextFile + ": fill in that file and add it to the measurements. To decide between " +
          RivalsInWords(problem.robot(), next.rivals) + ": whichever of these is right is expected to have " +
          Percent(next.decides) + " of what they have together (" + Percent(next.of_probability) + ") then; now " +
          Percent(next.decided) + "." + NeededInWords(next);

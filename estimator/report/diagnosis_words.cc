@@ -48,6 +48,7 @@ std::string GapInWords(const Diagnosis& d) {
   if (d.gap.before == 0.0) return "Gap on untouched configurations: none beyond the noise floor\n";
   const std::string words =
       "Gap on untouched configurations, beyond the noise floor: " + Significant(1e3 * d.gap.before, 3);
+  if (d.verdict == DiagnosisVerdict::kConsistent) return words + " mm, no more than noise gives by chance\n";
   if (d.effects.empty()) return words + " mm\n";
   return words + " -> " + Significant(1e3 * d.gap.after, 3) + " mm, " + ClosedInWords(d.gap) + "\n";
 }
@@ -309,10 +310,12 @@ std::string HalvesInWords(const Confirmation& confirmation) {
   std::string words =
       "On two disjoint halves of the poses, each by itself: " + Percent(confirmation.halves[0].probability) + " and " +
       Percent(confirmation.halves[1].probability);
-  if (std::isnan(confirmation.compatible_p)) return words + ".";
-  return words +
-         (confirmation.compatible_p < kHalvesContradict ? "; the values contradict each other" : "; the values agree") +
-         " (p " + Significant(confirmation.compatible_p, 3) + ").";
+  const double p = confirmation.compatible_p;
+  if (std::isnan(p)) return words + ".";
+  const std::string values = p < kHalvesContradict ? "contradict each other"
+                             : p < kHalvesDiffer   ? "differ more than noise usually has it"
+                                                   : "agree";
+  return words + "; the values " + values + " (p " + Significant(p, 3) + ").";
 }
 
 std::string FlipInWords(const Robot& robot, const ReportedFlip& flip) {
@@ -478,7 +481,8 @@ std::string DiagnosisToText(const Diagnosis& d) {
   text << "Noise: " << NoiseInWords(d.noise) << "\n";
   if (d.has_unexplained) text << "Unexplained: " << UnexplainedInWords(d) << "\n";
   if (d.learnt) text << "Learnt: " << LearntInWords(d) << "\n";
-  if (d.next) text << "Next: " << NextInWords(*d.final.problem, *d.next) << "\n";
+  if (d.next)
+    text << "Next: " << NextInWords(*d.final.problem, *d.next, d.verdict == DiagnosisVerdict::kConsistent) << "\n";
   const std::string not_tested = NotTestedInWords(d);
   if (!not_tested.empty()) text << not_tested << "\n";
   for (const ReportedFlip& flip : d.posterior.flips) text << "Prior: " << FlipInWords(robot, flip) << "\n";

@@ -275,7 +275,7 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
   json["groups"] = GroupsToJson(d);
   json["next"] = nullptr;
   if (d.next) {
-    json["next"] = {{"words", NextInWords(*d.baseline.problem, *d.next)},
+    json["next"] = {{"words", NextInWords(*d.baseline.problem, *d.next, d.verdict == DiagnosisVerdict::kConsistent)},
                     {"file", kNextFile},
                     {"decides", d.next->decides},
                     {"of_probability", Finite(d.next->of_probability)}};

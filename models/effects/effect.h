@@ -208,6 +208,9 @@ struct SettingDefinition {
   int least = 1;                                             // of kInteger
   std::string greater_than = {};                             // of kNumber: another setting, stated before it
   std::string only_with = {};  // "by=torque": means something only where that setting has that value
+  // It acts by what is remembered alone (EffectDefinition::remember): a choice that remembers what the fallback does is
+  // the same effect.
+  bool is_of_memory = false;
 
   bool MeansSomethingFor(const EffectSpec& spec) const;
   std::string FallbackFor(const Robot& robot) const { return fallback_of != nullptr ? fallback_of(robot) : fallback; }

@@ -1,6 +1,7 @@
 // Measured points move by (v + omega x p) exp(-t / tau) while the instrument and
 // its stand come to their temperature: t from the station's first row or from
-// the end of its last pause.
+// the end of its last pause. An instrument that stayed on in the pauses (`pauses:
+// go_on`) is one that none interrupted.
 #include <algorithm>
 #include <map>
 
@@ -11,6 +12,7 @@ namespace warm_up {
 
 // A gap that is this many times the usual (median) one from pose to pose is a pause.
 constexpr double kPausePerGap = 10.0;
+constexpr char kBeginAnew[] = "begin_anew", kGoOn[] = "go_on";
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"x", Quantity::kShift, 30e-6},       {"y", Quantity::kShift, 30e-6},
@@ -36,7 +38,7 @@ std::vector<double> Remember(const Robot&, const EffectSpec& spec, const std::ve
   for (const ShotConditions* shot : campaign) {
     if (shot->station == spec.target) own.push_back(shot);
   }
-  const double pause = kPausePerGap * MedianGap(own);
+  const double pause = spec.TextSetting("pauses", kBeginAnew) == kBeginAnew ? kPausePerGap * MedianGap(own) : 0.0;
   double begun = 0.0, last = 0.0;
   bool any = false;
   std::vector<double> since;
@@ -76,8 +78,12 @@ const EffectDefinition& WarmUp() {
                             warm_up::Parameters,
                             warm_up::Apply};
     // Columns of neighbouring time constants correlate above 0.95.
-    effect.settings = {{"tau_s", SettingDefinition::Kind::kNumber, "", {"300", "600", "1200", "2400", "4800"}}};
+    effect.settings = {
+        {"tau_s", SettingDefinition::Kind::kNumber, "", {"300", "600", "1200", "2400", "4800"}},
+        {"pauses", SettingDefinition::Kind::kChoice, warm_up::kBeginAnew, {warm_up::kBeginAnew, warm_up::kGoOn}}};
     effect.settings[0].above = 0.0;
+    effect.settings[1].silent = true;
+    effect.settings[1].is_of_memory = true;
     effect.driven_by = EffectDriver::kTime;
     effect.separate_by = "the first poses repeated after an hour, and again at the end";
     effect.sizes =

@@ -131,25 +131,43 @@ NextPoses BetweenTwo(const std::string& other) {
 TEST(DiagnosisWords, WhatIsExpectedIsAShareOfWhatTheNamedRivalsHave) {
   const Diagnosis d = Large();
   NextPoses next = BetweenTwo("encoder_gain");
-  const std::string words = NextInWords(*d.final.problem, next);
+  const std::string words = NextInWords(*d.final.problem, next, false);
   EXPECT_THAT(words,
               AllOf(StartsWith("Measure the 6 poses of next.csv: fill in that file and add it to the measurements. To "
                                "decide between periodic joint error (joint_harmonic, A2, order 1) (51 %) and "),
                     EndsWith("(encoder_gain, A2) (5 %): whichever of these is right is expected to have 98 % of what "
                              "they have together (56 %) then; now 85 %.")));
   for (NamedSet& rival : next.rivals) rival.specs.push_back({"link_gravity", "A3", {}, {}});
-  EXPECT_THAT(NextInWords(*d.final.problem, next),
+  EXPECT_THAT(NextInWords(*d.final.problem, next, false),
               AllOf(Not(HasSubstr("link_gravity")), HasSubstr(", given what all of them hold: whichever")));
+}
+
+TEST(DiagnosisWords, WhereNothingIsMissingNothingHasToBeMeasured) {
+  const Diagnosis d = Large();
+  const NextPoses next = BetweenTwo("encoder_gain");
+  EXPECT_THAT(NextInWords(*d.final.problem, next, true), StartsWith("Nothing has to be measured for this verdict. "));
+}
+
+TEST(DiagnosisWords, HalvesThatHardlyAgreeAreNotSaidToAgree) {
+  Confirmation halves;
+  halves.halves.resize(2);
+  const auto said = [&halves](double p) {
+    halves.compatible_p = p;
+    return HalvesInWords(halves);
+  };
+  EXPECT_THAT(said(0.3), HasSubstr("the values agree (p 0.3)"));
+  EXPECT_THAT(said(0.034), HasSubstr("the values differ more than noise usually has it (p 0.034)"));
+  EXPECT_THAT(said(0.004), HasSubstr("the values contradict each other (p 0.004)"));
 }
 
 TEST(DiagnosisWords, OfManyRivalsTwoAreSaid) {
   const Diagnosis d = Large();
   NextPoses next = BetweenTwo("encoder_gain");
   next.rivals.push_back({0.04, {{"joint_coupling", "A5", {}, {}}}, {}});
-  EXPECT_THAT(NextInWords(*d.final.problem, next), HasSubstr("joint_coupling"));  // "1 other" says no less
+  EXPECT_THAT(NextInWords(*d.final.problem, next, false), HasSubstr("joint_coupling"));  // "1 other" says no less
   next.rivals.push_back({0.03, {{"station_scale", "S1", {}, {}}}, {}});
   EXPECT_THAT(
-      NextInWords(*d.final.problem, next),
+      NextInWords(*d.final.problem, next, false),
       AllOf(Not(HasSubstr("joint_coupling")), HasSubstr("(encoder_gain, A2) (5 %) and 2 others (7 %): whichever")));
 }
 
@@ -157,10 +175,10 @@ TEST(DiagnosisWords, AnotherDayIsProposedWhereTimeOrTemperatureDrives) {
   const Diagnosis d = Large();
   NextPoses next = BetweenTwo("encoder_gain");
   next.needed = 0;
-  EXPECT_THAT(NextInWords(*d.final.problem, next), EndsWith("another station is more informative."));
+  EXPECT_THAT(NextInWords(*d.final.problem, next, false), EndsWith("another station is more informative."));
   next.depends_on_when = true;
   EXPECT_THAT(
-      NextInWords(*d.final.problem, next),
+      NextInWords(*d.final.problem, next, false),
       EndsWith("would not reach 90 %: the same poses on another day, or with the arm some kelvin warmer, are more "
                "informative."));
 }

@@ -65,27 +65,45 @@ TEST(ScannedSettings, AWidthBetweenThoseListedIsFound) {
   EXPECT_NEAR(spec.NumberSetting("width_deg", 0.0), kWidth, 2.0);
 }
 
-// The instrument's stand shifts by exp(-t / 850 s), 850 between 600 and 1200 of the list, a pose a minute. What such
-// rows hardly determine of the effect (how it turns) keeps its prior under the new number, too.
-TEST(ScannedSettings, WhatIsDeterminedPoorlyGoesWithTheEffect) {
+// 60 poses, one a minute, and a stop of `stop` seconds after the 30th: the instrument's stand shifts by exp(-t / 850
+// s), stop or not.
+CalibrationProblem WarmingUpThrough(double stop) {
   Measurements data = test::DesignMeasurements(test::CampaignOf(60, 1, kSigma, 1));
   test::MeasureKr270(test::Kr270Truth(), kSigma, 5, &data);
   for (Shot& shot : data.shots) {
     shot.has_time = true;
-    shot.time = 60.0 * shot.configuration;
+    shot.time = 60.0 * shot.configuration + (shot.configuration < 30 ? 0.0 : stop);
   }
   for (Observation& row : data.observations)
     row.point_in_station += std::exp(-data.shots[row.shot].time / 850.0) * Vector3<double>(6e-4, -4.5e-4, 3e-4);
-  const CalibrationProblem problem =
-      MakeCalibrationProblem(test::Kr270ProblemOf(data, Experiment()).robot(), data, Experiment());
+  return MakeCalibrationProblem(test::Kr270ProblemOf(data, Experiment()).robot(), data, Experiment());
+}
+
+// 850 s is between 600 and 1200 of the list. What such rows hardly determine of the effect (how it turns) keeps its
+// prior under the new number, too.
+TEST(ScannedSettings, WhatIsDeterminedPoorlyGoesWithTheEffect) {
+  const CalibrationProblem problem = WarmingUpThrough(0.0);
   const DiagnosedModel baseline = FitFully(problem, JointOptions());
   const LeadingSet found = FindIn(problem, baseline);
   ASSERT_TRUE(found.is_named);
   ASSERT_EQ(found.refitted.effects.size(), 1u);
   const Candidate& candidate = found.refitted.effects[0].candidate;
   EXPECT_EQ(candidate.spec.effect, "warm_up");
+  EXPECT_EQ(candidate.spec.settings.count("pauses"), 0u);  // there are none
   EXPECT_NEAR(candidate.spec.NumberSetting("tau_s", 0.0), 850.0, 100.0);
   for (const std::string& name : candidate.loose) EXPECT_TRUE(IsParameterOf(candidate.spec, name)) << name;
+}
+
+// A change of load that lasts 15 minutes interrupts no warming up of an instrument that stays on.
+TEST(ScannedSettings, AnInstrumentThatStaysOnWarmsUpThroughAPause) {
+  const CalibrationProblem problem = WarmingUpThrough(900.0);
+  const LeadingSet found = FindIn(problem, FitFully(problem, JointOptions()));
+  ASSERT_TRUE(found.is_named);
+  ASSERT_EQ(found.refitted.effects.size(), 1u);
+  const EffectSpec& spec = found.refitted.effects[0].candidate.spec;
+  EXPECT_EQ(spec.effect, "warm_up");
+  EXPECT_EQ(spec.TextSetting("pauses", "begin_anew"), "go_on");
+  EXPECT_NEAR(spec.NumberSetting("tau_s", 0.0), 850.0, 150.0);
 }
 
 struct Amplitude {

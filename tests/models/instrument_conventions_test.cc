@@ -248,6 +248,9 @@ TEST(InstrumentConventions, WarmUp) {
   }
   ExpectPoint(scene.Seen(), 0.8869204367171575 * (20e-6 - 34e-6), 3.4, 0.5, 1e-8);
   EXPECT_NEAR(scene.Seen().x(), 0.8869204367171575 * (20e-6 - 34e-6), 1e-12);
+  // An instrument that stayed on goes on: exp(-3.9) = 0.0202419114 is left.
+  scene.robot.effects[0].settings["pauses"] = "go_on";
+  EXPECT_NEAR(scene.Seen().x(), 0.020241911445804391 * (20e-6 - 34e-6), 1e-12);
 }
 
 // Instrument at (0, 0.4, 0.5): the flange is seen 3 m along y, azimuth 90 deg, elevation 0. az_sin = 10 urad: the
