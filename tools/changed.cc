@@ -38,6 +38,8 @@ interval and probability, and "nothing", the probability that none is needed.
 
 Instruments and tools may stand and hang anywhere the second time. A station that both name may have moved by metres;
 where no name is shared, nothing is said of where the instrument stands, and likewise of the tool.
+A covariance that was found from few configurations (covariance: sandwich) is refused: calibrate with that of the
+model for this, and with repeatability_urad: estimate where the joints scatter.
 
 Examples
   sagitta changed before/estimate.json after/estimate.json --out=changed

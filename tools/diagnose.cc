@@ -182,10 +182,11 @@ Diagnosis DiagnoseWithProgress(const CalibrationProblem& problem, bool quiet, Di
   return diagnosis;
 }
 
-void SayWhereResultsAre(const Diagnosis& diagnosis, const std::string& folder) {
+void SayWhereResultsAre(const Diagnosis& diagnosis, const std::string& folder, bool against_columns) {
   std::cout << "\n"
             << ResultsIn(folder,
                          {"diagnosis.json", "robot.extended.yaml", "estimate.json", "residuals.csv", "report.html"});
+  if (!diagnosis.effects.empty() && !against_columns) std::cout << HowToGoOnWithEffects();
   const std::vector<std::string> older = OlderFiles(diagnosis, folder);
   if (!older.empty()) std::cout << OlderFilesIn(folder, older);
 }
@@ -221,7 +222,7 @@ int RunDiagnose(const CommandLine& line) {
     const Provenance provenance{line.text, "joint", inputs.files, against_columns ? "columns" : ""};
     WriteResults(provenance, Extended(diagnosis, FLAGS_seed, against_columns), baseline, diagnosis, json, *out);
     RemoveOlderProposal(diagnosis, FLAGS_out);
-    SayWhereResultsAre(diagnosis, FLAGS_out);
+    SayWhereResultsAre(diagnosis, FLAGS_out, against_columns);
   }
   return EndWith(unmet);
 }

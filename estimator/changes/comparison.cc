@@ -12,6 +12,7 @@
 #include "models/dense_algebra.h"
 #include "models/matrix_functions.h"
 #include "problems/input_error.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -20,6 +21,8 @@ constexpr double kFloor = 2e-6;  // m: less is no change of any robot, and keeps
 // Standard deviations by which the largest change within the design's sizes (the widest of kChangeScales) has to differ
 // from what other explanations can do: less is not seen.
 constexpr double kStandsOut = 1.0;
+// Of a covariance found from configurations: beyond, the heavy tails of so small a sample are no correction any more.
+constexpr double kMostOfClusters = 1.5;
 
 bool Has(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -123,6 +126,7 @@ EstimateComparison::EstimateComparison(const KnownRobot& old_estimate, const Kno
   groups_ = ListChangeGroups(problems_[0], old_, new_, own_);
   for (const ChangeGroup& group : groups_) applied_.push_back(Eigen::VectorXd::Zero(group.size()));
   CheckKnown();
+  AllowForClusters();
   NoteWhatOneAssumed();
   FactorCovariance();
 }
@@ -151,6 +155,23 @@ void EstimateComparison::CheckKnown() const {
       throw InputError({known->file, 0, "sigma"}, "this estimate does not say how well anything is known",
                        "state the noise of the measurements, or measure more than there are unknowns");
     }
+  }
+}
+
+// A covariance of p parameters that was found from n configurations has an inverse that is too large, by
+// (n - 1) / (n - p - 2) in the mean (Wishart): a difference of nothing looks like many standard deviations.
+void EstimateComparison::AllowForClusters() {
+  for (KnownRobot* known : {&old_, &new_}) {
+    const double n = known->clusters, p = static_cast<double>(known->uncertainty.estimated.size());
+    if (n == 0.0) continue;
+    const double factor = n > p + 2.0 ? (n - 1.0) / (n - p - 2.0) : kInfinity;
+    if (factor > kMostOfClusters) {
+      throw InputError({known->file, 0, "intervals"},
+                       "the covariance was found from " + Significant(n, 6) + " configurations, too few for that of " +
+                           Significant(p, 6) + " parameters together: chance would look like changes",
+                       "calibrate with covariance: model, and repeatability_urad: estimate where the joints scatter");
+    }
+    known->uncertainty.covariance *= factor;
   }
 }
 

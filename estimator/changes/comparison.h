@@ -58,6 +58,7 @@ class EstimateComparison {
   void NoteWhatOneAssumed();
   void AssumeAlike(int which, const KnownRobot& other);
   void CheckKnown() const;
+  void AllowForClusters();
   Eigen::VectorXd Difference() const;
   Eigen::Matrix3Xd MovedPoints() const;  // of the old estimate, where it has been moved to
   // m: what a change of all lengths by 1 moves the points by; those of the arm, and its distance to the instrument.

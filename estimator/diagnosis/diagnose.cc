@@ -167,7 +167,9 @@ class Session {
     d_.has_unexplained |= posterior_.MoreThan(selected_.size()) > NamingGate();
     aside_.FromHeldOut(!named_, &d_.baseline, &d_.final);
     FindRest();
-    d_.has_unexplained |= Misfits() || (MayFollowThePose() && selected_.empty());
+    // The most probable set may be noise alone, and those that hold a cause more probable together.
+    const bool is_hardly_noise = d_.noise.is_finding && posterior_.Something() > kEvenOdds;
+    d_.has_unexplained |= Misfits() || (selected_.empty() && (MayFollowThePose() || is_hardly_noise));
     if (!selected_.empty()) AllowForRivals();
     // The noise that goes with a cause without a name is no better model.
     if (selected_.empty() && d_.has_unexplained) d_.final = d_.baseline;
@@ -385,9 +387,7 @@ class Session {
     effect.corrected_p =
         CorrectedP(chosen.fit.reduction, chosen.fit.parameters, unit * after.chi2 / std::max(1, after.dof), after.dof,
                    evidence_->IsSigmaStated(), d_.screened);
-    for (const ParameterEstimate& row : after.table) {
-      if (row.free && IsParameterOf(chosen.candidate.spec, row.name)) effect.parameters.push_back(row);
-    }
+    effect.parameters = ParameterRowsOf(chosen.candidate.spec, after);
     effect.bounds = PhysicalBoundsOf(d_.final, chosen.candidate.spec, effect.parameters);
     effect.lag = AllowForSetting(d_.final, chosen.candidate.spec, &effect.parameters);
   }

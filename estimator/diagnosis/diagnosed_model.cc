@@ -101,6 +101,18 @@ bool IsParameterOf(const EffectSpec& spec, const std::string& name) {
   return name.rfind(home + "/", 0) == 0;
 }
 
+std::vector<ParameterEstimate> ParameterRowsOf(const EffectSpec& spec, const Estimate& estimate) {
+  std::vector<ParameterEstimate> rows;
+  for (const ParameterEstimate& row : estimate.table) {
+    if (!row.free || !IsParameterOf(spec, row.name)) continue;
+    rows.push_back(row);
+    if (!row.conditional) continue;
+    rows.back().sigma = row.unconditional_sigma;
+    rows.back().ci95 = row.unconditional_ci95;
+  }
+  return rows;
+}
+
 DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>& added, const JointOptions& options) {
   if (added.empty()) return model;
   DiagnosedModel extended;

@@ -37,6 +37,10 @@ QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& s
 // Whether a coordinate of this name is a parameter of the effect.
 bool IsParameterOf(const EffectSpec& spec, const std::string& name);
 
+// Its estimated parameters in the table of an estimate. Their intervals allow for what is held, as those that people
+// read of a calibration do: the believed model holds what its data do not determine, whatever the effect makes of it.
+std::vector<ParameterEstimate> ParameterRowsOf(const EffectSpec& spec, const Estimate& estimate);
+
 // Refitted from the model's own optimum, what the data determine poorly of these effects (Candidate::loose) with its
 // widest prior: parameters, chi-square and degrees of freedom, by Gauss-Newton where that converges and nothing becomes
 // so uncertain that it has to be held. What is reported comes from JudgeFully.

@@ -10,6 +10,7 @@
 #include "estimator/diagnosis/scanned_settings.h"
 #include "estimator/explanations/compensator_shapes.h"
 #include "estimator/explanations/moments.h"
+#include "estimator/least_squares/held_influence.h"
 #include "estimator/report/explanations_words.h"
 
 namespace sagitta {
@@ -64,6 +65,17 @@ RefittedSet WithoutFunctions(const SearchInput& input, const LeadingSet& found) 
   return RefitSet(*found.evidence, model, input.working, input.baseline, input.joint);
 }
 
+// What the believed model's data do not determine is held, and the effects may show it: of a last axis that stands
+// upright, the height of a marker on it, which only a foot that tilts needs. Held or not is decided again with them,
+// and what is held rests where the rows have it then (held_rest.h).
+void DecideHeldAnew(const SearchInput& input, RefittedSet* effects) {
+  DiagnosedModel& with = effects->with_effects;
+  if (!effects->IsUsable() || HeldCoordinates(input.baseline.estimate.parameters).empty()) return;
+  const ParameterSet aligned = AlignedWith(effects->effects, with.problem->parameters, input.baseline.estimate.aligned);
+  const DiagnosedModel judged = JudgeFully(with.problem, with.estimate.parameters, aligned, input.joint);
+  if (IsUsable(judged.estimate.status)) with = judged;
+}
+
 // What the functions without a name of a set add to its log likelihood.
 double GainOfFunctions(const Evidence& evidence, const WeightedSet& all, const WeightedModel& without) {
   if (all.members.size() == without.set.members.size()) return 0.0;
@@ -110,6 +122,7 @@ LeadingSet FindLeading(const SearchInput& input, const Evidence* before) {
   for (int again = 0; found.is_named; ++again) {
     RefittedSet effects = WithoutFunctions(input, found);
     if (effects.effects.empty() || !effects.IsUsable()) break;
+    DecideHeldAnew(input, &effects);
     const double error = std::abs(LogFullOverLinear(*found.evidence, effects));
     const double gain = TuneSettings(*found.evidence, input.joint, &effects);
     VLOG(1) << "diagnosis: the linear model is off by " << error << " of the leading effects' log evidence";

@@ -21,7 +21,8 @@ struct FunctionPoint {
 
 // A function of the data that no effect of the catalogue is.
 struct LearntFunction {
-  UnnamedFunction what;  // acts on nothing: no cause stands out
+  UnnamedFunction what;      // acts on nothing: no cause stands out
+  double probability = 0.0;  // of what is called so
   std::string unit;      // of the table, which is empty where there is more than one driver
   std::vector<FunctionPoint> table;
   std::string driver;  // q3: the joint by its number; else the driver's name

@@ -43,6 +43,7 @@ void FindRepeatability(const Evidence& evidence, const WeightedModel& model, con
     if (off / arm < kOnePercent) return;
   }
   const NoiseView& view = evidence.ViewOf(model);
+  noise->stated_repeatability = stated_size;
   noise->repeatability = fit.sigma > 0.0 ? fit.sigma : AppliedFactor(evidence, model) * view.sigma;
   noise->repeatability_low = fit.low;
   noise->repeatability_high = fit.high;

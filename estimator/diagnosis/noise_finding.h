@@ -21,6 +21,7 @@ struct NoiseFinding {
   bool repeatability_is_overstated = false;  // the joints deviate less than stated
   bool is_distinguished_from_pose = true;    // poses were visited again: what follows the pose is no repeatability
   double repeatability = 0.0, repeatability_low = 0.0, repeatability_high = 0.0;  // rad; 0: as stated
+  double stated_repeatability = 0.0;                                              // rad, mean of the joints
   std::vector<std::string> outliers;                                              // file:line
   int outliers_held_out = 0;                                                      // of them
   bool is_finding = false;

@@ -27,7 +27,8 @@ constexpr double kLeastPivot = 1e-300;
 constexpr double kDecided = 0.95;        // of the leading answer: nothing is left to decide
 constexpr double kWorthDeciding = 0.02;  // of an answer
 constexpr size_t kMostAnswers = 5;
-constexpr size_t kMostShapes = 3;  // of an answer, such as those of a compensator
+constexpr size_t kFirstAnswers = 2;  // the most probable ones, which are named to people
+constexpr size_t kMostShapes = 3;    // of an answer, such as those of a compensator
 
 // The least and the largest value of each joint: its limits, or the range of the data where none are stated.
 Eigen::Matrix2Xd LimitsOf(const CalibrationProblem& problem) {
@@ -272,6 +273,7 @@ std::vector<Rival> RivalsOf(const Evidence& evidence, NextPoses* next) {
     next->rivals.push_back(evidence.list().ByName(members, answer.probability));
     next->of_probability += answer.probability;
     next->depends_on_when |=
+        next->rivals.size() <= kFirstAnswers &&
         std::any_of(members.begin(), members.end(), [&](int m) { return DependsOnWhen(evidence, m); });
   }
   std::vector<Rival> rivals;

@@ -92,6 +92,12 @@ class PlaceFunctions : public UnnamedList {
     turn.settings.merge(VectorSettings("about_", 1e3 * parameters_.BaseInStation(owner).translation, "_mm"));
     const std::vector<Source> turns = Axes(Source::Kind::kStationTurn, owner);
     add(WithJumps(functions, turns), BaseTurnsInStation(station), turns, turn);
+    // A tripod that was knocked, or set anew in a pause: it moves as a body, at once.
+    std::vector<Source> body = axes;
+    body.insert(body.end(), turns.begin(), turns.end());
+    AddFunctions(WithJumps({}, body),
+                 UnnamedFunction(station, {"time"}, StationMovesAsABody(station), body, {motion("point"), turn}, time),
+                 "station in time");
     add(WithJumps(of_scale, scale), StationGrows(station), scale, motion("scale"));
     for (const Source& axis : axes) {
       const char name = "xyz"[axis.axis];

@@ -110,6 +110,20 @@ Eigen::MatrixXd PlanNumbers::ByNoiseAlone(const Eigen::MatrixXd& covariance) con
   return alone;
 }
 
+Eigen::MatrixXd PlanNumbers::OfPlainFit(const Eigen::MatrixXd& covariance) const {
+  if (!has_field()) return covariance;
+  std::vector<int> rest, field;
+  for (size_t i = 0; i < columns.size(); ++i) (of_field[i] ? field : rest).push_back(static_cast<int>(i));
+  const Eigen::MatrixXd cross = covariance(rest, field);
+  const Eigen::LLT<Eigen::MatrixXd> own(covariance(field, field).eval());
+  Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(covariance.rows(), static_cast<long>(field.size()));
+  moved(rest, Eigen::all) = own.solve(cross.transpose()).transpose();
+  for (size_t f = 0; f < field.size(); ++f) moved(field[f], static_cast<long>(f)) = 1.0;
+  const Eigen::ArrayXd sigma = field_amplitude / scale(field).array();
+  moved.array().rowwise() *= sigma.transpose();
+  return ByNoiseAlone(covariance) + moved * moved.transpose();
+}
+
 int PlanNumbers::LeastPoses() const {
   int most = 1;
   for (int i = 0; i < set.size(); ++i) most = std::max(most, set.count(i));

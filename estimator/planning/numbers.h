@@ -29,6 +29,10 @@ struct PlanNumbers {
   int unknowns() const;
   // C of everything else where the field is known to be 0: what noise alone leaves.
   Eigen::MatrixXd ByNoiseAlone(const Eigen::MatrixXd& covariance) const;
+  // C of a calibration that knows nothing of the field, as people make it: the field f stays in what it predicts, and
+  // what it moves the others r by, G f with G = C_rf C_ff^-1. With the field's prior a^2 that is
+  //   C_noise + [G; 1] a^2 [G; 1]'.
+  Eigen::MatrixXd OfPlainFit(const Eigen::MatrixXd& covariance) const;
   // The least number of poses that has as many equations as unknowns.
   int LeastPoses() const;
 };

@@ -102,7 +102,7 @@ PlanSearch::PlanSearch(PlanScene* scene, PlanNumbers* numbers, const Criterion& 
 }
 
 double PlanSearch::Rms(const Eigen::MatrixXd& covariance) const {
-  return std::sqrt(criterion_.weight.cwiseProduct(covariance).sum());
+  return std::sqrt(criterion_.weight.cwiseProduct(numbers_->OfPlainFit(covariance)).sum());
 }
 
 void PlanSearch::CheckSupply(int poses) const {

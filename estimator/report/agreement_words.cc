@@ -50,7 +50,16 @@ void DescribeRepeats(const CalibrationProblem& problem, AgreementReport* report)
   report->words.push_back(words);
 }
 
-void DescribeSandwich(AgreementReport* report) {
+// Rows of one arrival share what the joints scatter by: a model of that is right for everything that is computed from
+// the estimate, a sandwich for intervals of single parameters.
+std::string Advised(const CalibrationProblem& problem) {
+  if (!problem.latent.empty()) return "covariance: sandwich is recommended.";
+  return "Recommended: repeatability_urad: estimate, for joints that scatter from arrival to arrival; where the "
+         "intervals stay too short with it, covariance: sandwich, for single parameters ('sagitta changed' needs "
+         "the model's covariance).";
+}
+
+void DescribeSandwich(const CalibrationProblem& problem, AgreementReport* report) {
   if (!report->sandwich_advised) return;
   std::string words =
       "The intervals assume that the rows are independent and alike. Judged by whole configurations "
@@ -61,7 +70,7 @@ void DescribeSandwich(AgreementReport* report) {
              WholePercent(report->random_share_model) + ", with the sandwich " +
              WholePercent(report->random_share_sandwich);
   }
-  report->words.push_back(words + ". covariance: sandwich is recommended.");
+  report->words.push_back(words + ". " + Advised(problem));
 }
 
 }  // namespace
@@ -71,7 +80,7 @@ std::string PartsContradict() { return "parts of the data contradict each other;
 void DescribeAgreement(const CalibrationProblem& problem, AgreementReport* report) {
   report->words.clear();
   DescribeRepeats(problem, report);
-  DescribeSandwich(report);
+  DescribeSandwich(problem, report);
   if (report->kinds.empty()) {
     report->words.push_back("Too few configurations to compare one part of them with another.");
     return;

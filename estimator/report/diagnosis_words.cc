@@ -9,6 +9,7 @@
 #include "estimator/explanations/compensator_shapes.h"
 #include "estimator/report/diagnosis_caution_words.h"
 #include "estimator/report/diagnosis_next_words.h"
+#include "estimator/report/diagnosis_noise_words.h"
 #include "estimator/report/explanations_words.h"
 #include "estimator/report/inspection_words.h"
 #include "models/effects/catalogue.h"
@@ -77,30 +78,6 @@ std::string LagInWords(const ThermalLag& lag) {
          " min late, best " + minutes(lag.best) +
          (lag.is_timed ? "" : ", if the rows stand in the order of measuring, one shot a minute") +
          "; the interval allows for that, the value does not.";
-}
-
-std::string RepeatabilityInWords(const NoiseFinding& noise) {
-  return "Joint repeatability of about " + Significant(1e6 * noise.repeatability, 3) +
-         " urad (95 %: " + Significant(1e6 * noise.repeatability_low, 3) + " to " +
-         Significant(1e6 * noise.repeatability_high, 3) +
-         (noise.asks_repeatability            ? ") is found, as asked. "
-          : noise.repeatability_is_overstated ? ") is found; more is stated. "
-          : noise.is_distinguished_from_pose
-              ? ") was not declared. "
-              : ") would explain what is left, and so would any error that follows the pose: no "
-                "pose was visited again. "
-                "Visit ten poses a second time to distinguish them. ");
-}
-
-// Of the verdict `noise`: what is wrong with it.
-std::string WrongNoiseInWords(const NoiseFinding& noise) {
-  std::vector<std::string> wrong;
-  if (noise.scale_differs || noise.repeatability_is_overstated) wrong.push_back("the stated noise is wrong");
-  if (noise.HasUndeclaredRepeatability() && !noise.repeatability_is_overstated) {
-    wrong.push_back("joint repeatability was not declared");
-  }
-  if (!noise.outliers.empty()) wrong.push_back("readings are outliers");
-  return Enumerate(wrong);
 }
 
 // Of the squared gap on untouched rows: those of the groups add up to what is closed of it.
@@ -202,7 +179,8 @@ std::string UnknownInWords(const Diagnosis& d) {
     return there_is + ", most probably noise other than stated (" + Percent(d.posterior.noise) +
            "; see below), next a cause without a name (" + Percent(d.posterior.unnamed) + ").";
   }
-  if (likely.empty() || d.posterior.unnamed > kEvenOdds) return there_is + NoEffectInWords(d);
+  const bool is_said_alone = likely.empty() && d.posterior.noise < kWorthSaying;
+  if (is_said_alone || d.posterior.unnamed > kEvenOdds) return there_is + NoEffectInWords(d);
   likely.push_back("what has no name " + Percent(d.posterior.unnamed));
   if (d.posterior.noise >= kWorthSaying) likely.push_back("noise other than stated " + Percent(d.posterior.noise));
   return there_is + ", and these data do not decide what it is: " + Joined(likely, ", ") + ".";
@@ -318,9 +296,23 @@ std::string HalvesInWords(const Confirmation& confirmation) {
   return words + "; the values " + values + " (p " + Significant(p, 3) + ").";
 }
 
+// Without what is scanned or tuned: the list's value need not be the one that was found.
+NamedSet WithoutNumbers(const Robot& robot, NamedSet set) {
+  for (EffectSpec& spec : set.specs) {
+    const EffectDefinition* definition = FindEffect(robot, spec.effect);
+    if (definition == nullptr) continue;
+    for (const SettingDefinition& setting : definition->settings) {
+      const bool is_number =
+          setting.kind == SettingDefinition::Kind::kNumber || setting.kind == SettingDefinition::Kind::kMoment;
+      if (is_number) spec.settings.erase(setting.name);
+    }
+  }
+  return set;
+}
+
 std::string FlipInWords(const Robot& robot, const ReportedFlip& flip) {
   const auto listed = [&](const NamedSet& set) {
-    const std::vector<std::string> names = NamesOf(robot, set);
+    const std::vector<std::string> names = NamesOf(robot, WithoutNumbers(robot, set));
     return names.empty() ? "" : Enumerate(names, kMostNames);
   };
   const std::string more = listed(flip.more), fewer = listed(flip.fewer);
@@ -347,8 +339,10 @@ std::string GroupInWords(const Diagnosis& d, const EffectGroup& group) {
 
 std::string UnexplainedInWords(const Diagnosis& d) {
   const LearntFunction& learnt = d.unexplained;
-  if (learnt.what.acts_on.empty()) return "no driving variable stands out";
-  std::string words = learnt.what.words + (learnt.words.empty() ? "" : ": " + learnt.words);
+  if (learnt.what.acts_on.empty() || learnt.probability < kWorthSaying) return "no driving variable stands out";
+  std::string words = (learnt.probability > kEvenOdds ? "" : "perhaps ") + learnt.what.words;
+  if (!IsNearlyCertain(learnt.probability)) words += " (" + Percent(learnt.probability) + ")";
+  if (!learnt.words.empty()) words += ": " + learnt.words;
   for (const EffectSpec& piece : learnt.pieces) {  // settings of one effect read alike
     const std::string like = "; " + PartlyLike(piece.effect, piece.target);
     if ((words + ";").find(like + ";") == std::string::npos) words += like;
@@ -362,27 +356,6 @@ std::string LearntInWords(const Diagnosis& d) {
          " learnt from the rows (" + kLearntFile + "): " + HoldoutInWords(d.learnt->model.estimate) + "; " +
          ClosedInWords(d.learnt->gap) +
          ". They describe and name no cause, and say nothing beyond the measured ranges.";
-}
-
-std::string NoiseInWords(const NoiseFinding& noise) {
-  std::string words;
-  if (noise.scale_differs) {
-    words += "The instrument's noise is " + Significant(noise.scale, 3) +
-             " times what is stated (95 %: " + Significant(noise.low, 3) + " to " + Significant(noise.high, 3) + "). ";
-  }
-  if (noise.repeatability > 0.0) {
-    words += RepeatabilityInWords(noise);
-  }
-  if (!noise.outliers.empty()) {
-    words +=
-        std::to_string(noise.outliers.size()) + (noise.outliers.size() == 1 ? " outlier" : " outliers") + " left out";
-    if (noise.outliers_held_out > 0) words += ", " + std::to_string(noise.outliers_held_out) + " of them held out";
-    words += ". ";
-  }
-  if (!words.empty()) return words.substr(0, words.size() - 1);  // without the blank before another sentence
-  if (!noise.is_stated) return "None is stated: it is the scatter about the extended model.";
-  if (std::isnan(noise.high)) return "The noise is assumed to be as stated: nothing is left over to estimate it from.";
-  return noise.is_bound ? "The noise is assumed to be as stated." : "The noise is as stated.";
 }
 
 std::string ShareInWords(const WhereShare& share) {
@@ -472,8 +445,8 @@ std::string DiagnosisToText(const Diagnosis& d) {
   }
   if (d.effects.size() > kMostEffects)
     text << d.effects.size() - kMostEffects << " more effects: in report.html and diagnosis.json\n";
-  text << "Final: reduced chi-square " << Significant(after.chi2 / std::max(1, after.dof), 3) << ", "
-       << HoldoutInWords(after);
+  text << "Final: reduced chi-square " << Significant(after.chi2 / std::max(1, after.dof), 3)
+       << (d.noise.scale_differs ? " with the noise that is found, " : ", ") << HoldoutInWords(after);
   const bool is_held_out = after.validation.observations > 0;
   if (is_held_out && !std::isnan(d.gap.floor)) text << ", noise floor " << Significant(1e3 * d.gap.floor, 3) << " mm";
   text << "\n";

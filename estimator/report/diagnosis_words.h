@@ -30,7 +30,6 @@ std::string AlternativeInWords(const Robot& robot, const Alternative& alternativ
 // Poses, loads or columns that would distinguish this effect from another.
 std::string SeparateBy(const Robot& robot, const Alternative& alternative);
 std::string HalvesInWords(const Confirmation& confirmation);
-std::string NoiseInWords(const NoiseFinding& noise);
 // What a rest without a name depends on.
 std::string UnexplainedInWords(const Diagnosis& d);
 // What the learnt functions do; only where there are any.

@@ -42,6 +42,10 @@ std::string ForcePulls() { return "a force pulls at the flange"; }
 
 std::string StationMoves(const std::string& station) { return "station " + station + " moves with time"; }
 
+std::string StationMovesAsABody(const std::string& station) {
+  return "station " + station + " moves and turns at once";
+}
+
 std::string BaseTurnsInStation(const std::string& station) {
   return "the base turns in station " + station + " with time";
 }

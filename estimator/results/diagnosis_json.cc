@@ -6,6 +6,7 @@
 
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/report/diagnosis_next_words.h"
+#include "estimator/report/diagnosis_noise_words.h"
 #include "estimator/report/diagnosis_words.h"
 #include "estimator/results/json_numbers.h"
 #include "models/constants.h"

@@ -49,8 +49,9 @@ struct KnownRobot {
   ParameterUncertainty uncertainty;
   PredictionNoise noise;
   double model_error =
-      1.0;            // factor on standard deviations away from the calibrated configurations (agreement.inflation)
-  double rest = 0.0;  // m, RMS distance: what is left on points that were not fitted beyond noise and parameters
+      1.0;                // factor on standard deviations away from the calibrated configurations (agreement.inflation)
+  double rest = 0.0;      // m, RMS distance: what is left on points that were not fitted beyond noise and parameters
+  double clusters = 0.0;  // configurations that the covariance was found from (sandwich, bootstrap); 0: by the model
   struct Parameter {
     double value = 0.0, nominal = 0.0;  // SI
   };

@@ -59,6 +59,8 @@ class EstimateReader {
       known_.noise = ReadPredictionNoise(*noise, &known_.loading);
       known_.noise.freedom = NoiseFreedom();
     }
+    const auto intervals = root_.Find("intervals"), clusters = intervals ? intervals->Find("clusters") : std::nullopt;
+    if (clusters) known_.clusters = clusters->NotNegativeNumber();
     return known_;
   }
 

@@ -54,6 +54,24 @@ TEST(ChangesTest, ASlippedJointIsNamed) {
   EXPECT_LT(changes.after_rms, changes.before_rms);
 }
 
+// Their sandwich cannot have the inverse that a comparison needs: 24 clusters, more parameters.
+TEST(ChangesTest, ACovarianceOfFewConfigurationsIsRefused) {
+  const Kr270Truth truth;
+  KnownRobot old_estimate = Estimated(truth, 20);
+  const KnownRobot new_estimate = Estimated(truth, 21);
+  old_estimate.clusters = 24;
+  try {
+    FindChanges(old_estimate, new_estimate);
+    FAIL() << "compared";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("found from 24 configurations, too few"));
+  }
+  // Of very many nothing is to be allowed for.
+  const double before = FindChanges(Estimated(truth, 20), new_estimate).before_rms;
+  old_estimate.clusters = 1e9;
+  EXPECT_DOUBLE_EQ(FindChanges(old_estimate, new_estimate).before_rms, before);
+}
+
 TEST(ChangesTest, AKnockedToolIsOneRigidMotion) {
   const Kr270Truth before;
   Kr270Truth after = before;

@@ -8,6 +8,7 @@
 
 #include "estimator/diagnosis/cautions.h"
 #include "estimator/report/diagnosis_next_words.h"
+#include "estimator/report/diagnosis_noise_words.h"
 #include "tests/support/kr270_experiment.h"
 #include "tests/support/loaded_kr270.h"
 #include "tests/support/moved_kr270.h"
@@ -158,6 +159,40 @@ TEST(DiagnosisWords, HalvesThatHardlyAgreeAreNotSaidToAgree) {
   EXPECT_THAT(said(0.3), HasSubstr("the values agree (p 0.3)"));
   EXPECT_THAT(said(0.034), HasSubstr("the values differ more than noise usually has it (p 0.034)"));
   EXPECT_THAT(said(0.004), HasSubstr("the values contradict each other (p 0.004)"));
+}
+
+TEST(DiagnosisWords, JointsThatDeviateMoreThanStatedAreNotCalledUndeclared) {
+  NoiseFinding noise;
+  noise.repeatability = 13.8e-6;
+  noise.is_finding = true;
+  EXPECT_THAT(NoiseInWords(noise), HasSubstr("was not declared"));
+  noise.stated_repeatability = 3e-6;
+  EXPECT_THAT(NoiseInWords(noise), HasSubstr("is found; 3 urad are stated."));
+  EXPECT_EQ(WrongNoiseInWords(noise), "the joints deviate more than is stated");
+  noise.is_distinguished_from_pose = false;
+  EXPECT_THAT(NoiseInWords(noise), HasSubstr("and so would any error that follows the pose"));
+}
+
+// The list's value is not the one that was found.
+TEST(DiagnosisWords, WhatAnotherPriorNamesIsSaidWithoutScannedNumbers) {
+  const Diagnosis d = Large();
+  ReportedFlip flip;
+  flip.mass = "catalogue";
+  flip.is_something = true;
+  flip.fewer.specs = {{"warm_up", "S1", {{"tau_s", "300"}}, {}}, {"joint_harmonic", "A2", {{"order", "2"}}, {}}};
+  EXPECT_THAT(FlipInWords(d.final.problem->robot(), flip), AllOf(Not(HasSubstr("300")), HasSubstr("order 2")));
+}
+
+TEST(DiagnosisWords, AFunctionThatIsOneOfSeveralIsNoFact) {
+  Diagnosis d = Large();
+  d.unexplained.what.acts_on = "S1";
+  d.unexplained.what.words = "station S1 moves with time";
+  d.unexplained.probability = 0.9999;
+  EXPECT_EQ(UnexplainedInWords(d), "station S1 moves with time");
+  d.unexplained.probability = 0.34;
+  EXPECT_EQ(UnexplainedInWords(d), "perhaps station S1 moves with time (34 %)");
+  d.unexplained.probability = 0.01;
+  EXPECT_EQ(UnexplainedInWords(d), "no driving variable stands out");
 }
 
 TEST(DiagnosisWords, OfManyRivalsTwoAreSaid) {

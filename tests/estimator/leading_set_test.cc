@@ -62,5 +62,36 @@ TEST(LeadingSet, SaysWhereTheLinearModelStaysWrong) {
   EXPECT_TRUE(found.is_refuted);
 }
 
+// 30 poses, one a minute, 45 minutes of lunch, 30 more, in which the tripod stands elsewhere than before. A drift and a
+// warming up that begins anew fit that too, with twelve numbers whose slopes cancel.
+TEST(LeadingSet, ATripodThatWasKnockedInAPauseNeitherDriftsNorWarmsUp) {
+  const test::Kr270Design design = test::CampaignOf(60, 1, 5e-5, 12);
+  Measurements data = test::DesignMeasurements(design);
+  test::MeasureKr270(test::Kr270Truth(), design.sigma, 413, &data);
+  for (Shot& shot : data.shots) {
+    shot.has_time = true;
+    shot.time = 60.0 * shot.configuration + (shot.configuration < 30 ? 0.0 : 2700.0);
+  }
+  const Vector3<double> moved(-58e-6, -22e-6, -34e-6), turned(59e-6, 30e-6, 16e-6);
+  for (Observation& row : data.observations) {
+    if (data.shots[row.shot].configuration < 30) continue;
+    row.point_in_station += moved + turned.cross(row.point_in_station);
+  }
+  const CalibrationProblem problem = MakeCalibrationProblem(test::Kr270Robot(), data, Experiment());
+  const DiagnosedModel baseline = FitFully(problem, JointOptions());
+  const PriorMasses prior;
+  const JointOptions joint;
+  const LeadingSet found = FindLeading({problem, baseline, prior, kInfinity, 0.9, joint, nullptr}, nullptr);
+  ASSERT_TRUE(found.is_named);
+  EXPECT_TRUE(found.refitted.effects.empty());
+  ASSERT_EQ(found.refitted.model.set.members.size(), 1u);
+  const int member = found.refitted.model.set.members[0];
+  ASSERT_TRUE(found.evidence->list().IsUnnamed(member));
+  const UnnamedFunction& function = found.evidence->list().functions[found.evidence->list().unnamed[member]];
+  EXPECT_EQ(function.acts_on, "S1");
+  EXPECT_EQ(function.sources.size(), 6u);
+  EXPECT_EQ(function.kind, "step");
+}
+
 }  // namespace
 }  // namespace sagitta::leading_set_test

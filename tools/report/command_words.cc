@@ -28,6 +28,11 @@ std::string OlderFilesIn(const std::string& folder, const std::vector<std::strin
   return "Of an earlier run are in " + folder + ": " + Joined(files) + "; this one has nothing to write there.\n";
 }
 
+std::string HowToGoOnWithEffects() {
+  return "Go on with what was found: sagitta validate, predict and compensate read estimate.json, which has it; "
+         "robot.extended.yaml is the robot file for the next measurements.\n";
+}
+
 std::string ComparisonInWords(const Changes& changes) {
   std::string words = "Predictions are " + Significant(1e3 * changes.before_rms, 3) + " mm apart (RMS), " +
                       Significant(1e3 * changes.after_rms, 3) + " mm with that removed\n";

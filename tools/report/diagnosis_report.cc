@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 
+#include "estimator/report/diagnosis_noise_words.h"
 #include "estimator/report/diagnosis_words.h"
 #include "estimator/report/inspection_words.h"
 #include "estimator/statistics/median.h"

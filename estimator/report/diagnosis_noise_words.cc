@@ -1,0 +1,60 @@
+#include "estimator/report/diagnosis_noise_words.h"
+
+#include <cmath>
+#include <vector>
+
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+std::string RepeatabilityInWords(const NoiseFinding& noise) {
+  return "Joint repeatability of about " + Significant(1e6 * noise.repeatability, 3) +
+         " urad (95 %: " + Significant(1e6 * noise.repeatability_low, 3) + " to " +
+         Significant(1e6 * noise.repeatability_high, 3) +
+         (noise.asks_repeatability            ? ") is found, as asked. "
+          : noise.repeatability_is_overstated ? ") is found; more is stated. "
+          : !noise.is_distinguished_from_pose
+              ? ") would explain what is left, and so would any error that follows the pose: no "
+                "pose was visited again. "
+                "Visit ten poses a second time to distinguish them. "
+          : noise.stated_repeatability > 0.0
+              ? ") is found; " + Significant(1e6 * noise.stated_repeatability, 3) + " urad are stated. "
+              : ") was not declared. ");
+}
+
+}  // namespace
+
+std::string WrongNoiseInWords(const NoiseFinding& noise) {
+  std::vector<std::string> wrong;
+  if (noise.scale_differs || noise.repeatability_is_overstated) wrong.push_back("the stated noise is wrong");
+  if (noise.HasUndeclaredRepeatability() && !noise.repeatability_is_overstated) {
+    wrong.push_back(noise.stated_repeatability > 0.0 ? "the joints deviate more than is stated"
+                                                     : "joint repeatability was not declared");
+  }
+  if (!noise.outliers.empty()) wrong.push_back("readings are outliers");
+  return Enumerate(wrong);
+}
+
+std::string NoiseInWords(const NoiseFinding& noise) {
+  std::string words;
+  if (noise.scale_differs) {
+    words += "The instrument's noise is " + Significant(noise.scale, 3) +
+             " times what is stated (95 %: " + Significant(noise.low, 3) + " to " + Significant(noise.high, 3) + "). ";
+  }
+  if (noise.repeatability > 0.0) {
+    words += RepeatabilityInWords(noise);
+  }
+  if (!noise.outliers.empty()) {
+    words +=
+        std::to_string(noise.outliers.size()) + (noise.outliers.size() == 1 ? " outlier" : " outliers") + " left out";
+    if (noise.outliers_held_out > 0) words += ", " + std::to_string(noise.outliers_held_out) + " of them held out";
+    words += ". ";
+  }
+  if (!words.empty()) return words.substr(0, words.size() - 1);  // without the blank before another sentence
+  if (!noise.is_stated) return "None is stated: it is the scatter about the extended model.";
+  if (std::isnan(noise.high)) return "The noise is assumed to be as stated: nothing is left over to estimate it from.";
+  return noise.is_bound ? "The noise is assumed to be as stated." : "The noise is as stated.";
+}
+
+}  // namespace sagitta
