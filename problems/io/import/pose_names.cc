@@ -8,6 +8,9 @@
 namespace sagitta {
 namespace {
 
+// What has more is a remark: its parts are kept as pairs of ends, by the square of their number.
+constexpr size_t kMostParts = 32;
+
 // Where separators are, and the end.
 std::vector<size_t> EndsOfParts(const std::string& text) {
   std::vector<size_t> ends;
@@ -36,6 +39,7 @@ std::vector<NameInCell> NamesIn(const std::string& cell, PoseNameAt at, bool as_
   const std::string name = Plain(cell, as_written);
   if (at == PoseNameAt::kWhole) return {{name, ""}};
   const std::vector<size_t> ends = EndsOfParts(name);
+  if (ends.size() > kMostParts) return {{name, ""}};
   std::vector<NameInCell> parts;
   for (size_t from = 0, first = 0; first < ends.size(); from = ends[first++] + 1) {
     for (size_t last = first; last < ends.size(); ++last) {

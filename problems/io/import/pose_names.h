@@ -22,7 +22,7 @@ struct NameInCell {
   std::string name, rest;
 };
 
-// The longest first: of P_07_SMR2 {p_7_smr2, p_7, p} or {p_7_smr2, 7_smr2, smr2}.
+// The longest first: of P_07_SMR2 {p_7_smr2, p_7, p} or {p_7_smr2, 7_smr2, smr2}. A remark of many parts is whole.
 std::vector<NameInCell> NamesIn(const std::string& cell, PoseNameAt at, bool as_written);
 
 // Whatever stands between two separators: of m1_l20 {m1, m1_l20, l20}.
