@@ -1,11 +1,13 @@
 // What the fuzzers feed: one function per reader. Each may throw InputError and nothing else.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "problems/input_error.h"
 #include "problems/io/csv_table.h"
@@ -15,6 +17,7 @@
 #include "problems/io/import/expressions.h"
 #include "problems/io/import/import_plan.h"
 #include "problems/io/import/imported_rows.h"
+#include "problems/io/import/joined_tables.h"
 #include "problems/io/import/robot_reading.h"
 #include "problems/io/json_reader.h"
 #include "problems/io/measurement_file.h"
@@ -60,12 +63,29 @@ inline void ReadExperiment(const std::string& text) { ReadExperimentText(text, "
 
 inline void ReadForeignRobot(const std::string& text) { RobotToYaml(ReadAnyRobotText(text, "robot.csv").robot); }
 
-inline void ReadForeignTable(const std::string& text) {
-  const TextTable table = ParseTextTable(text, "table.txt");
+inline void ImportTable(const TextTable& table) {
   for (const ImportPlan& plan : PossiblePlans(table, TwoJoints().chain.joints, {})) {
     ImportedRows rows;
     rows.Add(table, plan, {});
     rows.ToCsv(2);
+  }
+}
+
+inline void ReadForeignTable(const std::string& text) { ImportTable(ParseTextTable(text, "table.txt")); }
+
+// Several files with a form feed between them: points, and lists of the poses.
+inline void ReadJoinedTables(const std::string& text) {
+  std::vector<TextTable> tables;
+  for (size_t at = 0; at <= text.size();) {
+    const size_t end = std::min(text.find('\f', at), text.size());
+    tables.push_back(ParseTextTable(text.substr(at, end - at), std::to_string(tables.size()) + ".txt"));
+    at = end + 1;
+  }
+  for (const TextTable& joined : JoinPosesByName(tables, TwoJoints().chain.joints)) {
+    for (const TextTable::Row& row : joined.rows) {
+      Require(row.cells.size() == joined.header.size(), "a joined row of another length than the header");
+    }
+    ImportTable(joined);
   }
 }
 

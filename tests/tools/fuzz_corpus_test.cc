@@ -17,6 +17,7 @@ TEST(FuzzCorpusTest, EverySeedIsReadOrRefused) {
       {"experiment", fuzz::ReadExperiment},
       {"foreign_robot", fuzz::ReadForeignRobot},
       {"foreign_table", fuzz::ReadForeignTable},
+      {"joined_tables", fuzz::ReadJoinedTables},
       {"number", fuzz::ReadNumber},
       {"expression", fuzz::ReadExpression},
       {"csv", fuzz::ReadCsv},
