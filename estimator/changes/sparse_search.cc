@@ -198,7 +198,7 @@ SparsePosterior Search::Summarise() {
 // Which groups, the scales decide; how much, the data: at the widest scale nothing is drawn towards 0, and intervals
 // hold.
 void Search::AddMembers(GroupSet set, SparsePosterior* posterior) const {
-  for (auto& [group, scale] : set) scale = std::max(scale, kNumChangeScales - 1);
+  for (auto& member : set) member.second = std::max(member.second, kNumChangeScales - 1);
   const Solved solved = Solve(set);
   const Eigen::VectorXd mean = solved.scale.cwiseProduct(solved.factor.solve(solved.scaled_gradient));
   const Eigen::MatrixXd inverse = solved.factor.solve(Eigen::MatrixXd::Identity(mean.size(), mean.size()).eval());
