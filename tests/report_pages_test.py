@@ -26,8 +26,8 @@ COMMANDS = {
     'inspect': ['inspect', EXPERIMENT],
     'few': ['calibrate', EXPERIMENT, '--holdout=0.1', '--seed=1'],
 }
-ROWS = 10008       # of the page whose loading is timed
-MOST_SECONDS = 2.0  # of one core, from the address to the last picture on the screen, in a browser just started
+ROWS = 10008      # of the page whose loading is timed
+MOST_TIMES = 2.0  # as long as a page of 54 rows, by the processor's time, both in a browser just started
 PROGRAM = ''
 CHROMIUM = shutil.which('chromium')
 
@@ -294,17 +294,20 @@ class ReportPages(unittest.TestCase):
             self.assertEqual(len(seen), 3)
 
     def test_ten_thousand_rows_load_quickly(self):
-        page = ten_thousand_rows(pathlib.Path(self.folder.name))
-        self.assertLess(page.stat().st_size, 4 << 20)
-        loads = []
+        many = ten_thousand_rows(pathlib.Path(self.folder.name))
+        self.assertLess(many.stat().st_size, 4 << 20)
+        pages = {'54 rows': many.parents[1] / 'truth/report.html', '%d rows' % ROWS: many}
+        loads = {name: [] for name in pages}
         for _ in range(2):
-            with self.browser(1100) as browser:
-                loads.append(browser.load(page))
-                self.assertGreater(int(browser.value(DRAWN)), 0)
-        print('%.1f MB, %d rows: %s' % (page.stat().st_size / 1e6, ROWS, ', '.join(
-            '%.2f s of the processor, %.2f s by the clock' % load for load in loads)))
-        # Not by the clock: other work on the machine is no matter of the page.
-        self.assertLess(min(processor for processor, _ in loads), MOST_SECONDS)
+            for name, page in pages.items():
+                with self.browser(1100) as browser:
+                    loads[name].append(browser.load(page))
+                    self.assertGreater(int(browser.value(DRAWN)), 0)
+        print('; '.join('%s: %s' % (name, ', '.join('%.2f s of the processor, %.2f s by the clock' % load for load in own))
+                        for name, own in loads.items()))
+        # Not by the clock, nor in seconds: other work on the machine, or its age, is no matter of the page.
+        few, all_rows = (min(processor for processor, _ in own) for own in loads.values())
+        self.assertLess(all_rows, MOST_TIMES * few)
 
     def test_every_picture_is_drawn_and_nothing_is_complained_of_or_asked_for(self):
         for name, path in self.pages.items():

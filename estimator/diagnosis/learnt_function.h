@@ -23,7 +23,7 @@ struct FunctionPoint {
 struct LearntFunction {
   UnnamedFunction what;      // acts on nothing: no cause stands out
   double probability = 0.0;  // of what is called so
-  std::string unit;      // of the table, which is empty where there is more than one driver
+  std::string unit;          // of the table, which is empty where there is more than one driver
   std::vector<FunctionPoint> table;
   std::string driver;  // q3: the joint by its number; else the driver's name
   // That the table is nearest to, of the driver in its unit: 75.8·cos(10·q3) + 8.93·sin(10·q3) + 1.2

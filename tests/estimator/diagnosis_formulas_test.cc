@@ -454,7 +454,9 @@ TEST(DiagnosisFormulas, MassesAreSharedLevelByLevel) {
     const std::string effect = effects.at(0).effect;
     double expected = share_listed.count(effect) > 0 ? share_listed.at(effect) : 1.0;
     if (effects[0].IntegerSetting("knots", 0) == 1) {  // so many jumps in time: one of n - 1 over k
-      for (size_t i = 0; i < effects.size(); ++i) {
+      std::set<std::string> jumps;                     // of a body that moves and turns two effects each
+      for (const EffectSpec& jump : effects) jumps.insert(jump.TextSetting("from", ""));
+      for (size_t i = 0; i < jumps.size(); ++i) {
         expected *= (static_cast<double>(i) + 1.0) / (n - 1.0 - static_cast<double>(i));
       }
     }

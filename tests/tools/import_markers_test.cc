@@ -70,6 +70,20 @@ TEST_F(ImportMarkers, APartOfANameThatRecurs) {
   ExpectReflectors(ImportText(named, {"--strict", "--map=marker=Point Name"}));
 }
 
+// P10_SMR1 without and with a load is one name at one pose: it is the pose's, and its last part the marker's.
+TEST_F(ImportMarkers, ANameThatRecursWithAnotherLoadAloneIsOfAPose) {
+  Table table = ThreeMarkers();
+  const std::vector<std::vector<std::string>> unloaded = table.rows;
+  table.rows.insert(table.rows.end(), unloaded.begin(), unloaded.end());
+  table.Insert(0, "Load", [](size_t r) { return std::string(r < 90 ? "none" : "V80"); });
+  const std::string text = table.Insert(0, "Punkt", [](size_t r) { return NameOfRow(r % 90); }).ToText();
+  const test::Outcome outcome = ImportText(text);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::vector<std::string> markers = ColumnOf("marker");
+  ASSERT_EQ(markers.size(), 180U);
+  for (size_t r = 0; r < markers.size(); ++r) EXPECT_EQ(markers[r], Reflector(r % 90));
+}
+
 TEST_F(ImportMarkers, RowsApartThatNoColumnPartsAreRefused) {
   Table table = ThreeMarkers();
   table.Insert(0, "Operator", [](size_t r) { return std::string(r % 2 == 0 ? "Ada" : "Karl"); });

@@ -55,12 +55,15 @@ double Median(std::vector<double> values) {
 
 class Poses {
  public:
-  Poses(const TextTable& table, const ImportPlan& plan) : table_(table), points_(table.rows.size()) {
+  Poses(const TextTable& table, const ImportPlan& plan)
+      : table_(table), points_(table.rows.size()), arm_(table.rows.size()) {
+    std::map<std::string, int> arms;
     for (size_t r = 0; r < table.rows.size(); ++r) {
       CheckInterruption();
       Point point{};
-      std::string key;
-      if (!Read(plan, table.rows[r], &point, &key)) continue;
+      std::string key, joints;
+      if (!Read(plan, table.rows[r], &point, &key, &joints)) continue;
+      arm_[r] = arms.emplace(joints, static_cast<int>(arms.size())).first->second;
       points_[r] = point;
       read_.push_back(r);
       all_.Add(point);
@@ -88,19 +91,25 @@ class Poses {
     return largest;
   }
 
-  // A marker is seen at more than one pose.
+  // A marker is seen at more than one pose: a name that recurs with another load alone is that of a pose.
   bool Recurs(const Label& label) const {
     std::set<std::string> labels;
-    for (const size_t r : read_) labels.insert(label(r));
-    return read_.size() >= 2 * labels.size();
+    std::set<std::pair<std::string, int>> seen;
+    for (const size_t r : read_) {
+      labels.insert(label(r));
+      seen.emplace(label(r), arm_[r]);
+    }
+    return seen.size() >= 2 * labels.size();
   }
 
  private:
   // False: a reading that is lost.
-  bool Read(const ImportPlan& plan, const TextTable::Row& row, Point* point, std::string* key) const {
+  bool Read(const ImportPlan& plan, const TextTable::Row& row, Point* point, std::string* key,
+            std::string* joints) const {
     for (const PlannedColumn& column : plan.columns) {
       const std::string& cell = row.cells[static_cast<size_t>(column.source)];
       if (IsOfPose(column)) *key += column.stem + "=" + cell + ";";
+      if (column.stem[0] == 'q') *joints += cell + ";";
       if (column.stem.size() != 1) continue;
       const std::optional<double> number = table_.Number(cell);
       const std::optional<double> second =
@@ -113,6 +122,7 @@ class Poses {
 
   const TextTable& table_;
   std::vector<Point> points_;  // by row
+  std::vector<int> arm_;       // the same where the joint values are
   std::vector<size_t> read_;   // rows that are no lost reading
   std::map<std::string, std::vector<size_t>> rows_of_;
   Box all_;
