@@ -433,7 +433,7 @@ class Session {
     d_.noise.outliers_held_out = aside_.held_out();
     d_.baseline_p = LackOfFit(problem_, d_.baseline, {});
     if (d_.has_unexplained) {
-      d_.unexplained = LearnFunction(*evidence_, leading_, *lacking_.problem);
+      d_.unexplained = LearnFunction(*evidence_, posterior_, leading_, *lacking_.problem);
       Say("learning what has no name");
       auto learnt =
           LearnModel(*evidence_, leading_, Groups(), d_.baseline, selected_.empty() ? lacking_ : d_.final, joint_);

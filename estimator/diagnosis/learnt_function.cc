@@ -239,27 +239,17 @@ class FunctionOfAxes {
   Eigen::RowVectorXd mean_;
 };
 
-// That anything of this name is in the right set.
-double ProbabilityOfName(const Evidence& evidence, const std::string& name) {
-  double sum = 0.0;
-  for (const WeightedModel& model : evidence.models()) {
-    const std::vector<int>& members = model.set.members;
-    const auto is_it = [&](int member) { return evidence.list().name[member] == name; };
-    if (std::any_of(members.begin(), members.end(), is_it)) sum += model.probability;
-  }
-  return sum;
-}
-
 }  // namespace
 
-LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& problem) {
+LearntFunction LearnFunction(const Evidence& evidence, const Posterior& posterior, const WeightedModel& model,
+                             const CalibrationProblem& problem) {
   LearntFunction learnt;
   learnt.what.kind = "other";
   WeightedModel with;
   const int member = StrongestFunction(evidence, model, &with);
   if (member < 0) return learnt;
   learnt.what = evidence.list().functions[evidence.list().unnamed[member]];
-  learnt.probability = ProbabilityOfName(evidence, evidence.list().name[member]);
+  learnt.probability = posterior.Of(evidence.list().name[member]);
   for (const int m : model.pieces) learnt.pieces.push_back(evidence.list().SpecOf(m));
   const Driver& driver = learnt.what.driver;
   if (driver.of_shot.size() == 0) return learnt;

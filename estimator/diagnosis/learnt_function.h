@@ -32,7 +32,9 @@ struct LearntFunction {
   std::vector<EffectSpec> pieces;  // of the same cause, each like an effect of the catalogue
 };
 
-// The strongest unnamed function of a model, the others of its set given; none where it has none.
-LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& problem);
+// The strongest unnamed function of a model, the others of its set given; none where it has none. posterior: of the
+// evidence's models.
+LearntFunction LearnFunction(const Evidence& evidence, const Posterior& posterior, const WeightedModel& model,
+                             const CalibrationProblem& problem);
 
 }  // namespace sagitta

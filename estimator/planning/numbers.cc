@@ -98,30 +98,33 @@ int PlanNumbers::unknowns() const {
   return count;
 }
 
-Eigen::MatrixXd PlanNumbers::ByNoiseAlone(const Eigen::MatrixXd& covariance) const {
-  if (!has_field()) return covariance;
-  std::vector<int> rest, field;
-  for (size_t i = 0; i < columns.size(); ++i) (of_field[i] ? field : rest).push_back(static_cast<int>(i));
-  // With the field known C_rr - C_rf C_ff^-1 C_fr is left: what noise alone does.
-  const Eigen::MatrixXd cross = covariance(rest, field);
+PlanNumbers::FieldSplit PlanNumbers::SplitByField(const Eigen::MatrixXd& covariance) const {
+  FieldSplit split;
+  for (size_t i = 0; i < columns.size(); ++i) (of_field[i] ? split.field : split.rest).push_back(static_cast<int>(i));
+  const Eigen::LLT<Eigen::MatrixXd> own(covariance(split.field, split.field).eval());
+  split.moved = own.solve(Eigen::MatrixXd(covariance(split.field, split.rest))).transpose();
+  return split;
+}
+
+Eigen::MatrixXd PlanNumbers::ByNoiseAlone(const FieldSplit& split, const Eigen::MatrixXd& covariance) {
   Eigen::MatrixXd alone = Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols());
-  alone(rest, rest) =
-      covariance(rest, rest) - cross * covariance(field, field).eval().llt().solve(Eigen::MatrixXd(cross.transpose()));
+  alone(split.rest, split.rest) =
+      covariance(split.rest, split.rest) - split.moved * covariance(split.field, split.rest);
   return alone;
+}
+
+Eigen::MatrixXd PlanNumbers::ByNoiseAlone(const Eigen::MatrixXd& covariance) const {
+  return has_field() ? ByNoiseAlone(SplitByField(covariance), covariance) : covariance;
 }
 
 Eigen::MatrixXd PlanNumbers::OfPlainFit(const Eigen::MatrixXd& covariance) const {
   if (!has_field()) return covariance;
-  std::vector<int> rest, field;
-  for (size_t i = 0; i < columns.size(); ++i) (of_field[i] ? field : rest).push_back(static_cast<int>(i));
-  const Eigen::MatrixXd cross = covariance(rest, field);
-  const Eigen::LLT<Eigen::MatrixXd> own(covariance(field, field).eval());
-  Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(covariance.rows(), static_cast<long>(field.size()));
-  moved(rest, Eigen::all) = own.solve(cross.transpose()).transpose();
-  for (size_t f = 0; f < field.size(); ++f) moved(field[f], static_cast<long>(f)) = 1.0;
-  const Eigen::ArrayXd sigma = field_amplitude / scale(field).array();
-  moved.array().rowwise() *= sigma.transpose();
-  return ByNoiseAlone(covariance) + moved * moved.transpose();
+  const FieldSplit split = SplitByField(covariance);
+  Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(covariance.rows(), static_cast<long>(split.field.size()));
+  moved(split.rest, Eigen::all) = split.moved;
+  moved(split.field, Eigen::all).setIdentity();
+  moved.array().rowwise() *= (field_amplitude / scale(split.field).array()).transpose();
+  return ByNoiseAlone(split, covariance) + moved * moved.transpose();
 }
 
 int PlanNumbers::LeastPoses() const {

@@ -27,7 +27,7 @@ struct PlanNumbers {
   bool has_field() const { return std::count(of_field.begin(), of_field.end(), true) > 0; }
   // Those that the plan has to determine.
   int unknowns() const;
-  // C of everything else where the field is known to be 0: what noise alone leaves.
+  // C of everything else where the field is known to be 0: what noise alone leaves, C_rr - G C_fr.
   Eigen::MatrixXd ByNoiseAlone(const Eigen::MatrixXd& covariance) const;
   // C of a calibration that knows nothing of the field, as people make it: the field f stays in what it predicts, and
   // what it moves the others r by, G f with G = C_rf C_ff^-1. With the field's prior a^2 that is
@@ -35,6 +35,15 @@ struct PlanNumbers {
   Eigen::MatrixXd OfPlainFit(const Eigen::MatrixXd& covariance) const;
   // The least number of poses that has as many equations as unknowns.
   int LeastPoses() const;
+
+ private:
+  // Columns that are the field's and the others, and by how much these move with it: G.
+  struct FieldSplit {
+    std::vector<int> rest, field;
+    Eigen::MatrixXd moved;
+  };
+  FieldSplit SplitByField(const Eigen::MatrixXd& covariance) const;
+  static Eigen::MatrixXd ByNoiseAlone(const FieldSplit& split, const Eigen::MatrixXd& covariance);
 };
 
 // What is left of rows after the marked columns were fitted to them; those become 0.

@@ -53,6 +53,15 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
+// Joint values as the row states them.
+std::string JointsOf(const ImportPlan& plan, const TextTable::Row& row) {
+  std::string joints;
+  for (const PlannedColumn& column : plan.columns) {
+    if (column.stem[0] == 'q') joints += row.cells[static_cast<size_t>(column.source)] + ";";
+  }
+  return joints;
+}
+
 class Poses {
  public:
   Poses(const TextTable& table, const ImportPlan& plan)
@@ -61,9 +70,9 @@ class Poses {
     for (size_t r = 0; r < table.rows.size(); ++r) {
       CheckInterruption();
       Point point{};
-      std::string key, joints;
-      if (!Read(plan, table.rows[r], &point, &key, &joints)) continue;
-      arm_[r] = arms.emplace(joints, static_cast<int>(arms.size())).first->second;
+      std::string key;
+      if (!Read(plan, table.rows[r], &point, &key)) continue;
+      arm_[r] = arms.emplace(JointsOf(plan, table.rows[r]), static_cast<int>(arms.size())).first->second;
       points_[r] = point;
       read_.push_back(r);
       all_.Add(point);
@@ -104,12 +113,10 @@ class Poses {
 
  private:
   // False: a reading that is lost.
-  bool Read(const ImportPlan& plan, const TextTable::Row& row, Point* point, std::string* key,
-            std::string* joints) const {
+  bool Read(const ImportPlan& plan, const TextTable::Row& row, Point* point, std::string* key) const {
     for (const PlannedColumn& column : plan.columns) {
       const std::string& cell = row.cells[static_cast<size_t>(column.source)];
       if (IsOfPose(column)) *key += column.stem + "=" + cell + ";";
-      if (column.stem[0] == 'q') *joints += cell + ";";
       if (column.stem.size() != 1) continue;
       const std::optional<double> number = table_.Number(cell);
       const std::optional<double> second =
@@ -228,10 +235,7 @@ bool NamesPoses(const TextTable& table, const ImportPlan& plan, const Found& fou
   std::map<std::string, std::string> joints_of, name_of;
   for (const TextTable::Row& row : table.rows) {
     CheckInterruption();
-    std::string joints;
-    for (const PlannedColumn& column : plan.columns) {
-      if (column.stem[0] == 'q') joints += row.cells[static_cast<size_t>(column.source)] + ";";
-    }
+    const std::string joints = JointsOf(plan, row);
     const std::string name = PartOfName(row.cells[static_cast<size_t>(found.column)], found.part);
     if (name.empty() || joints_of.emplace(name, joints).first->second != joints) return false;
     if (name_of.emplace(joints, name).first->second != name) return false;
