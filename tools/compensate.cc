@@ -178,7 +178,8 @@ Every row comes back with
                                equilibrium_diverged, not_converged
   q1_cmd_deg … (_mm)           corrected joint values: with them the estimated robot, loads included, is on target
   x_cmd_mm … rz_cmd_mrad       the pose to send where the controller keeps its nominal model
-  u95_mm, u95_mrad             95 % uncertainty of where the flange then is, from the estimate; repeatability not in it.
+  u95_mm, u95_mrad             95 % of where the flange then is lie within this of the target: what is left and the
+                               uncertainty of the estimate; repeatability not in it.
                                The flange is where the markers have it: for tools measured through the same markers
   left_mm, left_mrad           what is left by the estimated model (below 1e-6 where the status is ok)
   before_mm, before_mrad       how far off the uncompensated robot is

@@ -125,6 +125,7 @@ EstimateComparison::EstimateComparison(const KnownRobot& old_estimate, const Kno
   std::iota(rows_.begin(), rows_.end(), 0);
   groups_ = ListChangeGroups(problems_[0], old_, new_, own_);
   for (const ChangeGroup& group : groups_) applied_.push_back(Eigen::VectorXd::Zero(group.size()));
+  AllowForHalves();
   CheckKnown();
   AllowForClusters();
   NoteWhatOneAssumed();
@@ -155,6 +156,16 @@ void EstimateComparison::CheckKnown() const {
       throw InputError({known->file, 0, "sigma"}, "this estimate does not say how well anything is known",
                        "state the noise of the measurements, or measure more than there are unknowns");
     }
+  }
+}
+
+// What joints scatter by, and gear waves, differ between two campaigns as between random halves of one. Intervals of
+// single parameters are wide enough where parts contradict each other (between_parts.h); combinations that few of the
+// parts determine are not.
+void EstimateComparison::AllowForHalves() {
+  for (KnownRobot* known : {&old_, &new_}) {
+    known->uncertainty.covariance = known->campaign_covariance;
+    if (known->halves > 1.0) notes_.push_back(HalvesDiffer(known->file, known->halves));
   }
 }
 

@@ -58,6 +58,7 @@ class EstimateComparison {
   void NoteWhatOneAssumed();
   void AssumeAlike(int which, const KnownRobot& other);
   void CheckKnown() const;
+  void AllowForHalves();
   void AllowForClusters();
   Eigen::VectorXd Difference() const;
   Eigen::Matrix3Xd MovedPoints() const;  // of the old estimate, where it has been moved to

@@ -62,7 +62,7 @@ class Compensator {
     const Matrix3<double> base = input_.problem.parameters.BaseInStation(station).rotation;
     return loaded_.At(q, input_.problem.shot_inputs()[shot], base, parameters, state);
   }
-  void AddUncertainty(int shot, CompensatedTarget* result) const;
+  void AddUncertainty(int shot, const Pose<double>& goal, CompensatedTarget* result) const;
   std::string Words(const Target& target, const CompensatedTarget& result) const;
   std::string JointNames(const std::vector<int>& joints) const;
 
@@ -119,14 +119,14 @@ CompensatedTarget Compensator::Compensate(int shot, const Target& target, const 
     FlangeState at;
     NominalAt(result.solution.q, &at);
     result.commanded = at.flange_in_base;
-    AddUncertainty(shot, &result);
+    AddUncertainty(shot, goal, &result);
   }
   result.words = Words(target, result);
   return result;
 }
 
 // J C J' + (J_h + J G) S (J_h + J G)' (prediction.h), the model error in C.
-void Compensator::AddUncertainty(int shot, CompensatedTarget* result) const {
+void Compensator::AddUncertainty(int shot, const Pose<double>& goal, CompensatedTarget* result) const {
   FlangeState state;
   if (!LoadedAt(shot, result->solution.q, active_.model, &state)) return;
   const ParameterUncertainty& known = input_.uncertainty;
@@ -139,8 +139,9 @@ void Compensator::AddUncertainty(int shot, CompensatedTarget* result) const {
     covariance += held * known.second_moment * held.transpose();
   }
   const Matrix3<double> position = covariance.topLeftCorner<3, 3>();
-  result->u95_position = Radius95(position + AddedByRest(position, input_.rest), input_.noise_dof);
-  result->u95_rotation = Radius95(covariance.bottomRightCorner<3, 3>(), input_.noise_dof);
+  const Eigen::Matrix<double, 6, 1> off = PoseDifference(goal, state.flange_in_base);
+  result->u95_position = Radius95(position + AddedByRest(position, input_.rest), off.head<3>(), input_.noise_dof);
+  result->u95_rotation = Radius95(covariance.bottomRightCorner<3, 3>(), off.tail<3>(), input_.noise_dof);
 }
 
 std::string Compensator::JointNames(const std::vector<int>& joints) const {
@@ -174,13 +175,18 @@ std::string Compensator::Words(const Target& target, const CompensatedTarget& re
 
 }  // namespace
 
-double Radius95(const Matrix3<double>& covariance, double noise_dof) {
+double Radius95(const Matrix3<double>& covariance, const Vector3<double>& mean, double noise_dof) {
   const double trace = covariance.trace(), of_square = (covariance * covariance).trace();
   if (!std::isfinite(trace)) return std::numeric_limits<double>::quiet_NaN();
-  if (!(trace > 0.0)) return 0.0;
-  // |x|^2 of a Gaussian vector with covariance C is c chi2_nu in mean and variance, c = tr C^2 / tr C, nu = (tr C)^2 /
-  // tr C^2 (Satterthwaite 1946): c nu = tr C.
-  return std::sqrt(trace * FQuantile(0.95, trace * trace / of_square, noise_dof > 0.0 ? noise_dof : kInfinity));
+  if (!(trace > 0.0)) return mean.norm();
+  double wider = 1.0;  // of the variances, for a noise that was found
+  if (noise_dof > 0.0) {
+    const double centred = trace * trace / of_square;
+    wider = FQuantile(0.95, centred, noise_dof) / FQuantile(0.95, centred, kInfinity);
+  }
+  const double expected = wider * trace + mean.squaredNorm();
+  const double variance = 2.0 * wider * wider * of_square + 4.0 * wider * mean.dot(covariance * mean);
+  return std::sqrt(expected * FQuantile(0.95, 2.0 * expected * expected / variance, kInfinity));
 }
 
 std::vector<CompensatedTarget> Compensate(const CompensationInput& input, const std::vector<Target>& targets,

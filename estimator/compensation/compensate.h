@@ -32,7 +32,8 @@ struct CompensatedTarget {
   Pose<double> commanded;        // flange_in_base of the nominal model at solution.q
   double before_position = 0.0;  // m: off target at q_nominal, without compensation
   double before_rotation = 0.0;  // rad
-  // 95 % of the flange's distance from where it is said to be, from the covariance of the estimate; NaN: not known.
+  // The flange's distance from the target in 95 % of cases: what is left, and the covariance of the estimate; NaN: not
+  // known.
   double u95_position = 0.0;  // m
   double u95_rotation = 0.0;  // rad
   std::string words;          // what there is to say of it; "" where all is well
@@ -43,9 +44,11 @@ struct CompensatedTarget {
 std::vector<CompensatedTarget> Compensate(const CompensationInput& input, const std::vector<Target>& targets,
                                           int threads, const std::function<void(size_t done)>& progress = {});
 
-// Radius of the sphere that holds 95 % of a normal vector of this covariance: |x|^2 is approximated by g chi^2_h with
-// the same mean and variance, g = tr C^2 / tr C, h = (tr C)^2 / tr C^2 (Satterthwaite 1946; Box 1954). Where C was
-// found from residuals with n = noise_dof degrees of freedom, by g h F_{h,n}; 0: it is known.
-double Radius95(const Matrix3<double>& covariance, double noise_dof = 0.0);
+// 95 % of a normal vector of this mean and covariance are no longer than that: |x|^2 is approximated by g chi^2_h with
+// its mean and variance, g h = tr C + m'm, 2 g^2 h = 2 tr C^2 + 4 m'C m (Satterthwaite 1946; Box 1954). Where C was
+// found from residuals with n = noise_dof degrees of freedom, C is multiplied by F_{k,n} / F_{k,inf} with
+// k = (tr C)^2 / tr C^2: without a mean that is tr C F_{k,n}. 0: it is known.
+double Radius95(const Matrix3<double>& covariance, const Vector3<double>& mean = Vector3<double>::Zero(),
+                double noise_dof = 0.0);
 
 }  // namespace sagitta

@@ -104,6 +104,13 @@ std::string LacksSomething(const std::string& file, double factor) {
          "it is";
 }
 
+std::string HalvesDiffer(const std::string& file, double factor) {
+  return "random halves of " + file + " differ by " + Significant(factor, 2) +
+         " times what noise makes them: so does another campaign, and its covariance is that much wider here. Where it "
+         "is "
+         "joints that scatter, 'repeatability_urad: estimate' in both calibrations shows smaller changes";
+}
+
 std::string MoreIsLeft(double rms) {
   return "more is left (" + Significant(1e3 * rms, 3) +
          " mm RMS) than both estimates leave open: something changed that is not named, or one of them claims to be "

@@ -30,9 +30,11 @@ std::string ZerosAreHidden(const std::vector<std::string>& joints, const Change&
 // No set of changes leads from one estimate to the other.
 std::string TooFarApart(const std::string& old_file, const std::string& new_file);
 
-// More is left than both estimates leave open; rms in m.
 // Of an estimate whose parts disagree by more than noise allows; factor: by so much on intervals.
 std::string LacksSomething(const std::string& file, double factor);
+// factor: by which random halves of its configurations differ beyond noise.
+std::string HalvesDiffer(const std::string& file, double factor);
+// More is left than both estimates leave open; rms in m.
 std::string MoreIsLeft(double rms);
 
 }  // namespace sagitta

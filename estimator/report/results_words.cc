@@ -47,8 +47,8 @@ std::string PointsAreCorrected(const std::string& dialect, int corrected, size_t
   std::string words =
       dialect + ": " + std::to_string(corrected) + " of " + std::to_string(points) + " points corrected";
   if (corrected == 0) return words;
-  return words + "; off target before by at most " + InMillimetres(before) +
-         "; 95 % uncertainty of the estimate at most " + InMillimetres(u95);
+  return words + "; off target before by at most " + InMillimetres(before) + ", after by at most " +
+         InMillimetres(u95) + " (95 %, by the uncertainty of the estimate)";
 }
 
 std::string MotionsAreCorrected(int corrected, size_t motions) {

@@ -47,6 +47,10 @@ struct KnownRobot {
   std::map<std::string, MarkerSpec> markers;  // points are set, rotations where poses were read
   Experiment loading;                         // loads, tool, gravity, noise; nothing else of it
   ParameterUncertainty uncertainty;
+  // In place of uncertainty.covariance between this campaign and another one, which differ in every combination of the
+  // parameters by no less than random halves of this one do.
+  Eigen::MatrixXd campaign_covariance;
+  double halves = 1.0;  // factor by which random halves differ beyond noise, where that is no chance
   PredictionNoise noise;
   double model_error =
       1.0;                // factor on standard deviations away from the calibrated configurations (agreement.inflation)

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "estimator/estimate/agreement_report.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/report/inspection_known_words.h"
 #include "estimator/results/estimate_json.h"
@@ -173,10 +174,26 @@ class EstimateReader {
       if (std::find(names.begin(), names.end(), name) != names.end()) continue;
       correlation.Get("names").Fail("the free parameter '" + name + "' is missing");
     }
-    known_.uncertainty.covariance = deviations.asDiagonal() *
-                                    WithModelError(correlation.Get("matrix").Correlation(n, false)) *
-                                    deviations.asDiagonal();
+    const Eigen::MatrixXd noise = correlation.Get("matrix").Correlation(n, false);
+    const auto in_units = [&](double least) -> Eigen::MatrixXd {
+      return deviations.asDiagonal() * WithModelError(noise, least) * deviations.asDiagonal();
+    };
+    known_.uncertainty.covariance = in_units(1.0);
     if (HasNoNoise()) known_.uncertainty.covariance.setConstant(std::nan(""));
+    known_.halves = HowHalvesDiffer();
+    known_.campaign_covariance = known_.halves > 1.0 ? in_units(known_.halves) : known_.uncertainty.covariance;
+  }
+
+  // The inflation of random halves, where chance makes it more seldom than the agreement's level allows.
+  double HowHalvesDiffer() const {
+    const auto agreement = root_.Find("agreement");
+    if (!agreement || agreement->IsNull()) return 1.0;
+    const double chance = 1.0 - agreement->Get("level").PositiveNumber();
+    for (const JsonValue& kind : agreement->Get("kinds").Items()) {
+      if (kind.Get("by").Text() != WordOf(SplitBy::kRandom)) continue;
+      if (kind.Get("p_value").NotNegativeNumber() < chance) return std::max(1.0, kind.Get("inflation").Number());
+    }
+    return 1.0;
   }
 
   static double FactorOf(const JsonValue& json) {
@@ -187,14 +204,14 @@ class EstimateReader {
 
   // The covariance of noise alone, in units of its deviations, and model error (between_parts.h): with R = L L' and
   // L^-1 T L'^-1 = U diag(t) U', t as far as it is above 0 and the excess of points that were not fitted:
-  //   L U diag(max(excess^2, 1 + t)) U' L'
-  Eigen::MatrixXd WithModelError(const Eigen::MatrixXd& correlation) {
+  //   L U diag(max(excess^2, least^2, 1 + t)) U' L'
+  Eigen::MatrixXd WithModelError(const Eigen::MatrixXd& correlation, double least) {
     const auto json = root_.Find("model_error");
-    if (!json || correlation.size() == 0) return correlation;
+    if (!json || correlation.size() == 0) return least * least * correlation;
     known_.model_error = FactorOf(json->Get("factor"));
     if (const auto rest = json->Find("rest_mm")) known_.rest = 1e-3 * rest->NotNegativeNumber();
     const auto excess = json->Find("excess");
-    const double square = std::pow(excess ? FactorOf(*excess) : known_.model_error, 2);
+    const double square = std::pow(std::max(least, excess ? FactorOf(*excess) : known_.model_error), 2);
     const auto between = json->Find("between_parts");
     if (!between || between->IsNull()) return square * correlation;
     const Eigen::MatrixXd ratios = between->Matrix(correlation.rows(), correlation.cols(), false);

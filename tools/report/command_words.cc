@@ -60,7 +60,7 @@ std::vector<std::string> CoverageLegend(int outside, size_t rows) {
 std::string CompensationInWords(double before, double after, double u95) {
   return "Off target without compensation at most " + Significant(1e3 * before, 3) +
          " mm; with it, as far as the model is true, " + Significant(1e3 * after, 2) +
-         " mm; 95 % uncertainty of the estimate at most " + Significant(1e3 * u95, 3) + " mm\n";
+         " mm, and with the uncertainty of the estimate (95 %) at most " + Significant(1e3 * u95, 3) + " mm\n";
 }
 
 std::string FlangeOfTheMarkers() {
