@@ -78,6 +78,8 @@ class CalibrationProblem {
   // Noise that is found, not stated (from repeats, or by the estimator): one root
   // per observation, in place of what is stated. Empty: as stated.
   NoiseRoots resolved_noise;
+  // By which the noise is another than stated, of whatever row, as far as that was found; in resolved_noise too.
+  double stated_noise_factor = 1.0;
   // Roots the fit weighs with in place of the noise's (estimator/noise/weighting.h): the
   // noise then says what the estimate is worth, not how it is made. Empty: the noise's.
   NoiseRoots weight_roots;

@@ -161,10 +161,12 @@ void CheckLoadStates(Measurements* data) {
       }
     }
     if (overlap || !elsewhere_together) continue;
-    FailAt(*data, shot, "load",
-           "load '" + shot.load + "' is on some markers of the shot only: the others of configuration '" +
-               data->configurations[shot.configuration].id + "' are unloaded",
-           "every marker of a shot bears the same load; give all its rows the same load and wrench");
+    FailAt(
+        *data, shot, "load",
+        "load '" + shot.load + "' is on some markers of the shot only: the others of configuration '" +
+            data->configurations[shot.configuration].id + "' are unloaded",
+        "every marker of a shot bears the same load: give all its rows the same load and wrench, or, where the others "
+        "were not seen under this load, another visit");
   }
   if (states == kLoaded) {
     data->warnings.push_back(

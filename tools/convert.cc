@@ -234,6 +234,15 @@ std::string EndsOf(const std::string& in, const UrdfEnds& asked) {
   return ChainRuns(chain.ends.base_link, chain.ends.tip_link, chain.other_tips);
 }
 
+// What a URDF says by <mimic>, a line each.
+std::string MimicsOf(const Chain& chain) {
+  std::string lines;
+  for (const Coupling& coupling : chain.couplings) {
+    lines += "  " + MimicIsACoupling(chain.joints[coupling.joint].name, chain.joints[coupling.driver].name) + "\n";
+  }
+  return lines;
+}
+
 int RunConvert(const CommandLine& line) {
   ExpectArguments(line, ConvertCommand(), FLAGS_out.empty() ? 2 : 1, 2);
   if (line.arguments.size() == 2 && !FLAGS_out.empty()) {
@@ -255,7 +264,7 @@ int RunConvert(const CommandLine& line) {
   file.Write(written.text);
   std::cout << in << ": " << reading.format << ", " << reading.robot.num_joints() << " joints\n";
   const std::string ends = EndsOf(in, options.read.ends);
-  if (!ends.empty()) std::cout << "  " << ends << "\n";
+  if (!ends.empty()) std::cout << "  " << ends << "\n" << MimicsOf(reading.robot.chain);
   for (const std::string& note : reading.notes) std::cout << "  " << note << "\n";
   for (const std::string& guess : reading.guesses) std::cout << "  guessed: " << guess << "\n";
   std::cout << out << ": written\n";

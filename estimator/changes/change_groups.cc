@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "models/geometry.h"
+#include "models/steel.h"
 
 namespace sagitta {
 namespace {

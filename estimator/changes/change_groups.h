@@ -11,8 +11,6 @@
 
 namespace sagitta {
 
-constexpr double kSteelPerKelvin = 11.5e-6;  // of a length, as in the sizes of thermal_growth
-
 // What can have changed between two estimates.
 enum class ChangeKind {
   kJointZero,

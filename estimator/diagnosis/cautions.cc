@@ -21,6 +21,7 @@
 #include "estimator/validation/suspects.h"
 #include "models/constants.h"
 #include "models/effects/catalogue.h"
+#include "models/steel.h"
 #include "problems/split.h"
 
 namespace sagitta {
@@ -212,6 +213,33 @@ bool IsCompliance(const EffectSpec& spec) {
          definition == &BaseCompliance();
 }
 
+// An arm that is warmer is longer by one share of its place in the base, a reading of the station by one share of that
+// in the station: the base is moved by the difference, and that is estimated.
+void CautionOfTemperature(const CalibrationProblem& problem, const std::vector<FoundEffect>& effects,
+                          std::vector<std::string>* cautions) {
+  const std::vector<ShotInput>& shots = problem.shot_inputs();
+  const auto is_known = [](const ShotInput& shot) { return shot.conditions.has_temperature; };
+  if (std::any_of(shots.begin(), shots.end(), is_known)) return;
+  for (const FoundEffect& effect : effects) {
+    if (effect.candidate.spec.effect != StationScale().name || effect.parameters.empty()) continue;
+    cautions->push_back(ScaleMayBeWarmth(effect.candidate.spec, effect.parameters[0].value / kSteelPerKelvin));
+  }
+}
+
+void CautionOfOneLoad(const CalibrationProblem& problem, const std::vector<FoundEffect>& effects,
+                      std::vector<std::string>* cautions) {
+  if (problem.experiment().torques_measured) return;  // those of the links are in them
+  std::set<std::string> loads;
+  for (const int i : problem.CalibrationObservations()) {
+    loads.insert(problem.data().shots[problem.data().observations[i].shot].load);
+  }
+  std::vector<EffectSpec> bent;
+  for (const FoundEffect& effect : effects) {
+    if (IsCompliance(effect.candidate.spec)) bent.push_back(effect.candidate.spec);
+  }
+  if (loads.size() == 1 && !bent.empty()) cautions->push_back(LinksBendToo(bent));
+}
+
 }  // namespace
 
 std::vector<std::string> CautionsOfReadings(const CalibrationProblem& problem) {
@@ -267,18 +295,10 @@ void CautionOfHalves(const std::vector<FoundEffect>& effects, std::vector<std::s
   if (!contradicted.empty()) cautions->push_back(HalvesContradict(contradicted));
 }
 
-void CautionOfOneLoad(const CalibrationProblem& problem, const std::vector<FoundEffect>& effects,
-                      std::vector<std::string>* cautions) {
-  if (problem.experiment().torques_measured) return;  // those of the links are in them
-  std::set<std::string> loads;
-  for (const int i : problem.CalibrationObservations()) {
-    loads.insert(problem.data().shots[problem.data().observations[i].shot].load);
-  }
-  std::vector<EffectSpec> bent;
-  for (const FoundEffect& effect : effects) {
-    if (IsCompliance(effect.candidate.spec)) bent.push_back(effect.candidate.spec);
-  }
-  if (loads.size() == 1 && !bent.empty()) cautions->push_back(LinksBendToo(bent));
+void CautionOfLookAlikes(const CalibrationProblem& problem, const std::vector<FoundEffect>& effects,
+                         std::vector<std::string>* cautions) {
+  CautionOfOneLoad(problem, effects, cautions);
+  CautionOfTemperature(problem, effects, cautions);
 }
 
 void CautionOfNotNamed(const std::vector<std::pair<EffectSpec, double>>& unconfirmed, Diagnosis* diagnosis) {

@@ -24,9 +24,10 @@ void CautionOfHalves(const std::vector<FoundEffect>& effects, std::vector<std::s
 void CautionOfStatedEffects(const DiagnosedModel& lacking, const JointOptions& options,
                             std::vector<FoundEffect>* effects, std::vector<std::string>* cautions);
 
-// Of compliances that were found where every fitted row carries the same load: links bend the arm, too.
-void CautionOfOneLoad(const CalibrationProblem& problem, const std::vector<FoundEffect>& effects,
-                      std::vector<std::string>* cautions);
+// Of what something else would move alike: compliances that were found where every fitted row carries the same load,
+// for links bend the arm, too; the scale of a station where no row states how warm the arm was.
+void CautionOfLookAlikes(const CalibrationProblem& problem, const std::vector<FoundEffect>& effects,
+                         std::vector<std::string>* cautions);
 
 // Of effects that are probable by themselves and not named, but for those that untouched rows did not confirm.
 void CautionOfNotNamed(const std::vector<std::pair<EffectSpec, double>>& unconfirmed, Diagnosis* diagnosis);

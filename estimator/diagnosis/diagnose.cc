@@ -312,7 +312,7 @@ class Session {
       before = effect.holdout_after;
     }
     CautionOfHalves(d_.effects, &d_.cautions);
-    CautionOfOneLoad(problem_, d_.effects, &d_.cautions);
+    CautionOfLookAlikes(problem_, d_.effects, &d_.cautions);
     CautionOfStatedEffects(lacking_, joint_, &d_.effects, &d_.cautions);
     if (is_refuted_) d_.cautions.push_back(ProbabilitiesAreRough());
     d_.next = ProposeMeasuring();

@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numeric>
 #include <set>
@@ -21,7 +22,13 @@ constexpr double kOfTheWorst = 0.05;
 constexpr double kAlone = 4.0;           // times the other markers of the shot
 constexpr double kSingleMarker = 3.0;    // times the limit, where no other marker decides
 constexpr double kHeldOutScatter = 1.5;  // the parameters' own uncertainty adds to the noise
+// What the arm or the instrument does and no model has moves more than a tenth of the rows, and these by a fifth and
+// more of what it moves one by: a square beyond 5^2 times what a tenth exceed is one reading's own.
+constexpr double kShareOfACause = 0.1;
+constexpr double kBeyondOthers = 25.0;
 constexpr double kMostOutliers = 0.06;
+constexpr size_t kFewOutliers = 2;  // of whatever number of rows
+constexpr size_t kFewestRows = 8;   // whose median says what they scatter by
 constexpr int kFewestDof = 20;      // that determine a scale: to a sixth
 constexpr size_t kSharedRows = 10;  // beyond one per visit
 
@@ -216,25 +223,31 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
       entries.push_back({shot.observations[i], squares[i], others, least, dof > 0 ? rigid : 0.0});
     }
   }
-  if (entries.size() < 20) return {};
+  if (entries.size() < kFewestRows) return {};
   const double own_limit = ChiSquareQuantile(1.0 - significance / static_cast<double>(entries.size()), 3.0);
   const double limit = held_out ? kHeldOutScatter * own_limit : own_limit;
   // The worst first: they pull the fit, and the others with it.
   double worst = 0.0;
   for (const Entry& entry : entries) worst = std::max(worst, entry.squared);
   const double floor = std::max(limit, kOfTheWorst * worst);
+  std::vector<double> squares;
+  for (const Entry& entry : entries) squares.push_back(entry.squared);
+  std::sort(squares.begin(), squares.end(), std::greater<>());
+  const auto beyond = std::max(kFewOutliers, static_cast<size_t>(kShareOfACause * static_cast<double>(squares.size())));
+  const double beyond_others = kBeyondOthers * squares[beyond];
   std::vector<int> outliers;
   for (const Entry& entry : entries) {
     const bool alone =
         entry.others > 0.0 ? entry.squared > kAlone * entry.others : entry.squared > kSingleMarker * limit;
     // Two in one shot hide each other, but not that the body does not move like this.
     const bool not_rigid = entry.squared > kAlone * entry.least && entry.rigid > limit;
-    const bool is_far = !held_out || entry.rigid > limit;
+    const bool is_far = !held_out || entry.rigid > limit || entry.squared > beyond_others;
     if (entry.squared > floor && (alone || not_rigid) && is_far) outliers.push_back(entry.observation);
   }
   // What happens to many points is no outlier but something to explain.
   const auto all = static_cast<double>(outliers.size() + removed);
-  if (all > kMostOutliers * static_cast<double>(entries.size() + removed)) return {};
+  const double most = kMostOutliers * static_cast<double>(entries.size() + removed);
+  if (all > std::max<double>(kFewOutliers, most)) return {};
   return outliers;
 }
 

@@ -25,8 +25,8 @@ std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem
 
 // Those of `observations` far outside the robust scatter (median) and alone so among the markers of their shot and
 // body, the worst first: indices into Measurements::observations. None where so many points are off, those `removed`
-// before counted, that it is something to explain. held_out: the model has not seen these rows; what no rigid body
-// gives away could as well be the model's error, and is no outlier.
+// before counted, that it is something to explain. held_out: the model has not seen these rows; what neither a rigid
+// body nor all the other rows give away could as well be the model's error, and is no outlier.
 std::vector<int> FindOutliers(const CalibrationProblem& problem, const ParameterSet& parameters,
                               const std::vector<int>& observations, double significance, bool held_out, size_t removed);
 

@@ -73,6 +73,7 @@ CalibrationProblem WithNoiseOf(const Evidence& evidence, const WeightedModel& mo
     with = WithRepeatability(with, factor * std::hypot(view.sigma, MeanStated(problem)));
   }
   if (factor != 1.0) with = WithScaledSigmas(with, factor);
+  if (evidence.IsSigmaStated()) with.stated_noise_factor = factor;  // and that of rows to come
   return with;
 }
 

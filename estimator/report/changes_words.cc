@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/steel.h"
 #include "problems/text.h"
 
 namespace sagitta {

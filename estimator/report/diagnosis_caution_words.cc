@@ -1,5 +1,7 @@
 #include "estimator/report/diagnosis_caution_words.h"
 
+#include <cmath>
+
 #include "estimator/diagnosis/diagnose.h"
 #include "estimator/report/diagnosis_words.h"
 #include "problems/text.h"
@@ -186,6 +188,14 @@ std::string LinksBendToo(const std::vector<EffectSpec>& effects) {
          "model: the values of " +
          Enumerate(names, kNamesListed) +
          " hold for this load and may be too large for another. Measure some poses with another load or with none.";
+}
+
+std::string ScaleMayBeWarmth(const EffectSpec& scale, double kelvin) {
+  return NameOnTarget(scale) + ": an arm of steel that was " + Significant(std::abs(kelvin), 2) + " K " +
+         (kelvin > 0.0 ? "warmer" : "colder") +
+         " while this station measured moves the points alike, and no row states a temperature. Whether corrected "
+         "targets "
+         "are right depends on which of the two it was: state temperature_degC.";
 }
 
 std::string NotConfirmed(const std::vector<std::pair<EffectSpec, double>>& effects) {

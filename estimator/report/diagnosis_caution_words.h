@@ -60,6 +60,8 @@ std::string IsOneOfSeveral(const std::vector<std::vector<EffectSpec>>& instead);
 std::string ProbabilitiesAreRough();
 std::string HalvesContradict(const std::vector<EffectSpec>& effects);
 std::string LinksBendToo(const std::vector<EffectSpec>& effects);
+// kelvin: by which the arm, of steel, was warmer if it was the arm.
+std::string ScaleMayBeWarmth(const EffectSpec& scale, double kelvin);
 std::string NotConfirmed(const std::vector<std::pair<EffectSpec, double>>& effects);
 // Probable, and not in the most probable set; in it, and refused by the full model.
 std::string NotInLeading(const std::vector<std::pair<EffectSpec, double>>& effects);

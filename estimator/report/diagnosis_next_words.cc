@@ -32,8 +32,10 @@ std::string RivalsInWords(const Robot& robot, const std::vector<NamedSet>& rival
     }
     is_shared = is_shared || own.size() < names[k].size();
     const std::string nothing = names[k].empty() ? "no effect" : "nothing more";
+    const std::string alone = names[k].size() == 1 && own.size() == 1 ? " alone" : "";
     if (k < said)
-      words.push_back((own.empty() ? nothing : WithOneAnother(own)) + " (" + Percent(rivals[k].probability) + ")");
+      words.push_back((own.empty() ? nothing : WithOneAnother(own) + alone) + " (" + Percent(rivals[k].probability) +
+                      ")");
   }
   if (said < rivals.size()) {
     words.push_back(std::to_string(rivals.size() - said) + " others (" + Percent(others) + ")");

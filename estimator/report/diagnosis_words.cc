@@ -409,6 +409,7 @@ std::string NotTestedInWords(const Diagnosis& d) {
   add(Lack::kCompliance, true,
       "for neither robot file nor loaded rows show the joint's compliance (state it, or measure with a load)");
   add(Lack::kTime, false, "for want of times");
+  add(Lack::kTemperature, false, "for want of temperatures");
   add(Lack::kApproach, true, "for want of approach directions");
   return parts.empty() ? "" : "Not tested: " + Joined(parts, "; ") + ".";
 }

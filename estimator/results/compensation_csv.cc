@@ -1,10 +1,14 @@
 #include "estimator/results/compensation_csv.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "estimator/explanations/moments.h"
 #include "estimator/results/known_loads.h"
 #include "estimator/results/residuals_csv.h"
 #include "models/constants.h"
+#include "models/effects/catalogue.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/loads.h"
@@ -53,6 +57,41 @@ const std::string& StationOfTargets(const KnownRobot& known) {
   return known.base_in_station.begin()->first;
 }
 
+namespace {
+
+// What an instrument reads and where markers sit moves no flange.
+Robot WithEffectsOfTheArm(const KnownRobot& known) {
+  Robot robot = known.robot;
+  const auto is_of_the_arm = [&](const EffectSpec& spec) {
+    const EffectTarget target = FindEffect(known.robot, spec.effect)->target;
+    return target != EffectTarget::kStation && target != EffectTarget::kMarker;
+  };
+  const auto others = std::stable_partition(robot.effects.begin(), robot.effects.end(), is_of_the_arm);
+  robot.effects.erase(others, robot.effects.end());
+  return robot;
+}
+
+// Targets are gone to after all that was measured: of those that state no time, what happened at a moment has happened.
+// An effect that goes on with time still needs it.
+void SetAfterMoments(CalibrationProblem* problem) {
+  std::optional<double> last;
+  for (const EffectSpec& spec : problem->robot().effects) {
+    if (FindEffect(problem->robot(), spec.effect)->driven_by != EffectDriver::kTime) continue;
+    const std::string setting = MomentOf(problem->robot(), spec);
+    if (setting.empty()) return;
+    last = std::max(last.value_or(0.0), spec.NumberSetting(setting, 0.0));
+  }
+  if (!last) return;
+  for (ShotInput& shot : *problem->mutable_shot_inputs()) {
+    if (shot.conditions.has_time) continue;
+    shot.conditions.time = std::nextafter(*last, kInfinity);
+    shot.conditions.has_time = true;
+  }
+  problem->model().Prepare(problem->mutable_shot_inputs());
+}
+
+}  // namespace
+
 CompensationInput MakeCompensationInput(const KnownRobot& known, const Targets& targets) {
   for (const std::string& name : targets.shots.stations) {
     if (known.base_in_station.count(name) > 0) continue;
@@ -62,8 +101,10 @@ CompensationInput MakeCompensationInput(const KnownRobot& known, const Targets& 
                      SpellingHint(name, names));
   }
   CheckLoadsAreKnown(known, targets.shots);
-  CompensationInput input{MakeKnownProblem(known.robot, targets.shots, known.loading, {known.base_in_station, {}}),
-                          NominalChain(known), known.uncertainty, known.rest, known.noise.freedom};
+  CompensationInput input{
+      MakeKnownProblem(WithEffectsOfTheArm(known), targets.shots, known.loading, {known.base_in_station, {}}),
+      NominalChain(known), known.uncertainty, known.rest, known.noise.freedom};
+  SetAfterMoments(&input.problem);
   CheckEffectColumns(input.problem);
   return input;
 }

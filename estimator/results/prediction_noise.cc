@@ -64,7 +64,7 @@ Json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& es
   const SigmaReport& sigma = estimate.sigma;
   const bool by_instrument = problem.experiment().noise.from == From::kInstrument;
   Json json = Json::object();
-  const double common = SigmaOfAllCoordinates(problem, estimate);
+  const double common = SigmaOfAllCoordinates(problem, estimate) / problem.stated_noise_factor;
   json["sigma_mm"] = !by_instrument && common > 0.0 && std::isfinite(common) ? Json(1e3 * common) : Json(nullptr);
   if (by_instrument) json["instrument"] = InstrumentToJson(problem.experiment().noise);
   if (const auto axes = SigmaPerAxis(problem, estimate)) {
@@ -75,7 +75,7 @@ Json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& es
   }
   const VarianceComponent* instrument = InstrumentComponent(estimate);
   const bool is_factor = instrument != nullptr && estimate.noise_report.instrument_is_factor;
-  json["instrument_factor"] = is_factor ? instrument->value : 1.0;
+  json["instrument_factor"] = is_factor ? instrument->value : problem.stated_noise_factor;
   const double scatter = ScatterBeyondStated(problem, estimate);
   json["scale"] = sigma.stated && sigma.scaled && scatter == 0.0 ? sigma.a_posteriori : 1.0;
   if (scatter > 0.0) json["scatter_mm"] = 1e3 * scatter;

@@ -14,7 +14,7 @@ namespace sagitta {
 struct PredictionNoise {
   double scale = 1.0;              // of stated sigmas and repeatability
   double scatter = 0.0;            // m, of every coordinate in addition to what is stated (noise/robot_scatter.h)
-  double instrument_factor = 1.0;  // of the instrument alone, rows' sigmas included: found by variance components
+  double instrument_factor = 1.0;  // of the instrument alone, rows' sigmas included: by which it is not as stated
   // m, where neither row, instrument nor one sigma says it: spread of repeats, of residuals
   std::optional<Vector3<double>> sigma_axis;
   double freedom = 0.0;         // degrees of freedom that it was estimated with; 0: it was stated

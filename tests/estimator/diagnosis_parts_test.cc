@@ -164,7 +164,7 @@ TEST(DiagnosisOutliers, TwoInOneShotDoNotHideEachOther) {
   EXPECT_EQ(Outliers(model, false), spoilt);
 }
 
-TEST(DiagnosisOutliers, HeldOutRowsAreJudgedByTheirBodyAlone) {
+TEST(DiagnosisOutliers, HeldOutRowsAreJudgedByTheirBody) {
   DiagnosedModel model = Healthy(1);
   const std::vector<int> held_out = model.problem->ValidationObservations();
   Spoil(&model, {held_out[4]});
@@ -176,6 +176,28 @@ TEST(DiagnosisOutliers, HeldOutRowsAreJudgedByTheirBodyAlone) {
   for (const int i : shot.observations) problem.mutable_data()->observations[i].point_in_station.x() += 40 * kSigma;
   moved.problem = std::make_shared<CalibrationProblem>(problem);
   EXPECT_TRUE(Outliers(moved, true).empty());
+}
+
+// One marker, ten poses that were not fitted: a reading that is off by far more than all but two others is its own
+// mistake. What three of them do could be the robot.
+TEST(DiagnosisOutliers, OneHeldOutReadingOfOneMarkerIsFound) {
+  const auto of_one_marker = [](const std::vector<size_t>& spoilt) {
+    DiagnosedModel model = Healthy(1);
+    CalibrationProblem problem = *model.problem;
+    for (size_t i = 0; i < problem.data().observations.size(); ++i) {
+      if (problem.data().observations[i].marker > 0) problem.mutable_data()->ExcludeRow(static_cast<int>(i));
+    }
+    model.problem = std::make_shared<CalibrationProblem>(problem);
+    const std::vector<int> held_out = problem.ValidationObservations();
+    EXPECT_EQ(held_out.size(), 10u);
+    std::vector<int> rows;
+    for (const size_t k : spoilt) rows.push_back(held_out[k]);
+    Spoil(&model, rows);
+    return std::pair(Outliers(model, true), rows);
+  };
+  const auto [one, its_row] = of_one_marker({6});
+  EXPECT_EQ(one, its_row);
+  EXPECT_TRUE(of_one_marker({2, 6, 8}).first.empty());
 }
 
 // Markers of one shot on two bodies: that one moves against the other is no noise. Two markers keep one distance, so of

@@ -246,6 +246,10 @@ TEST(Diagnosis, WrongStatedNoiseIsAFindingAndNoEffect) {
   EXPECT_TRUE(diagnosis.effects.empty());
   EXPECT_LT(diagnosis.noise.low, 2.0);
   EXPECT_GT(diagnosis.noise.high, 2.0);
+  // Rows to come that state their noise as wrongly have the factor, too.
+  const KnownRobot known = KnownFrom(ExtendedCalibration(diagnosis));
+  EXPECT_GT(known.noise.instrument_factor * known.noise.scale, diagnosis.noise.low);
+  EXPECT_LT(known.noise.instrument_factor * known.noise.scale, diagnosis.noise.high);
 }
 
 // Joints that come to rest 40 urad (standard deviation) away from where they should, and nobody said so. Of 20

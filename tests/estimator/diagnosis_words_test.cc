@@ -76,16 +76,34 @@ TEST(DiagnosisWords, ACompliancesOneLoadIsACaution) {
   CalibrationProblem problem = MakeCalibrationProblem(setup.robot, data, setup.experiment);
   const std::vector<FoundEffect> effects = {Found("encoder_gain", "A4", 0.99), Found("joint_compliance", "A2", 0.99)};
   std::vector<std::string> cautions;
-  CautionOfOneLoad(problem, effects, &cautions);
+  CautionOfLookAlikes(problem, effects, &cautions);
   EXPECT_TRUE(cautions.empty());
   for (Observation& row : problem.mutable_data()->observations) {
     row.excluded = !IsLoaded(problem.data().shots[row.shot]);
   }
-  CautionOfOneLoad(problem, {effects[0]}, &cautions);
+  CautionOfLookAlikes(problem, {effects[0]}, &cautions);
   EXPECT_TRUE(cautions.empty());
-  CautionOfOneLoad(problem, effects, &cautions);
+  CautionOfLookAlikes(problem, effects, &cautions);
   ASSERT_EQ(cautions.size(), 1u);
   EXPECT_THAT(cautions[0], AllOf(HasSubstr("joint_compliance on A2"), Not(HasSubstr("A4"))));
+}
+
+// 34.5 ppm are 3 K of steel at 11.5 ppm/K; where a row states the temperature, the growth of the arm is a candidate.
+TEST(DiagnosisWords, AScaleMayBeTheArmsTemperature) {
+  CalibrationProblem problem = test::Kr270Problem(test::CampaignOf(20, 1, 3e-5, 1), test::Kr270Truth(), 2);
+  std::vector<FoundEffect> effects = {Found("encoder_gain", "A4", 0.99), Found("station_scale", "S1", 0.99)};
+  for (FoundEffect& effect : effects) {
+    effect.parameters.emplace_back();
+    effect.parameters[0].value = -34.5e-6;
+  }
+  std::vector<std::string> cautions;
+  CautionOfLookAlikes(problem, effects, &cautions);
+  ASSERT_EQ(cautions.size(), 1u);
+  EXPECT_THAT(cautions[0], AllOf(HasSubstr("station_scale on S1"), HasSubstr("3 K colder"), Not(HasSubstr("A4"))));
+  for (ShotInput& shot : *problem.mutable_shot_inputs()) shot.conditions.has_temperature = true;
+  cautions.clear();
+  CautionOfLookAlikes(problem, effects, &cautions);
+  EXPECT_TRUE(cautions.empty());
 }
 
 TEST(DiagnosisWords, WhyAProbableEffectIsNotNamedIsACaution) {
@@ -133,11 +151,12 @@ TEST(DiagnosisWords, WhatIsExpectedIsAShareOfWhatTheNamedRivalsHave) {
   const Diagnosis d = Large();
   NextPoses next = BetweenTwo("encoder_gain");
   const std::string words = NextInWords(*d.final.problem, next, false);
-  EXPECT_THAT(words,
-              AllOf(StartsWith("Measure the 6 poses of next.csv: fill in that file and add it to the measurements. To "
-                               "decide between periodic joint error (joint_harmonic, A2, order 1) (51 %) and "),
-                    EndsWith("(encoder_gain, A2) (5 %): whichever of these is right is expected to have 98 % of what "
-                             "they have together (56 %) then; now 85 %.")));
+  EXPECT_THAT(
+      words,
+      AllOf(StartsWith("Measure the 6 poses of next.csv: fill in that file and add it to the measurements. To "
+                       "decide between periodic joint error (joint_harmonic, A2, order 1) alone (51 %) and "),
+            EndsWith("(encoder_gain, A2) alone (5 %): whichever of these is right is expected to have 98 % of what "
+                     "they have together (56 %) then; now 85 %.")));
   for (NamedSet& rival : next.rivals) rival.specs.push_back({"link_gravity", "A3", {}, {}});
   EXPECT_THAT(NextInWords(*d.final.problem, next, false),
               AllOf(Not(HasSubstr("link_gravity")), HasSubstr(", given what all of them hold: whichever")));
@@ -201,9 +220,9 @@ TEST(DiagnosisWords, OfManyRivalsTwoAreSaid) {
   next.rivals.push_back({0.04, {{"joint_coupling", "A5", {}, {}}}, {}});
   EXPECT_THAT(NextInWords(*d.final.problem, next, false), HasSubstr("joint_coupling"));  // "1 other" says no less
   next.rivals.push_back({0.03, {{"station_scale", "S1", {}, {}}}, {}});
-  EXPECT_THAT(
-      NextInWords(*d.final.problem, next, false),
-      AllOf(Not(HasSubstr("joint_coupling")), HasSubstr("(encoder_gain, A2) (5 %) and 2 others (7 %): whichever")));
+  EXPECT_THAT(NextInWords(*d.final.problem, next, false),
+              AllOf(Not(HasSubstr("joint_coupling")),
+                    HasSubstr("(encoder_gain, A2) alone (5 %) and 2 others (7 %): whichever")));
 }
 
 TEST(DiagnosisWords, AnotherDayIsProposedWhereTimeOrTemperatureDrives) {

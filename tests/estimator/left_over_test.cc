@@ -4,6 +4,7 @@
 
 #include "estimator/intervals/prediction.h"
 #include "estimator/sagitta.h"
+#include "problems/input_error.h"
 #include "tests/support/moved_kr270.h"
 #include "tests/support/random_vector.h"
 
@@ -62,17 +63,41 @@ TEST(LeftOver, IsAddedAlikeInAllDirections) {
   EXPECT_EQ(AddedByRest(covariance, 3.0), Matrix3<double>::Zero());
 }
 
+Targets TargetsAt(int count) {
+  Targets targets;
+  targets.shots = Rippled(count, 5, 0.0);
+  for (const Shot& shot : targets.shots.shots) {
+    Target target;
+    target.q = targets.shots.ConfigurationOf(targets.shots.observations[shot.observations[0]]).q;
+    targets.rows.push_back(target);
+  }
+  return targets;
+}
+
+// Where the flange goes does not depend on what the instrument reads. A slip that was found has happened.
+TEST(CorrectedTargets, NeedNoColumnsOfWhatMovesNoFlange) {
+  KnownRobot known = CalibratedOn(Rippled(200, 21, 0.0));
+  const Targets targets = TargetsAt(3);
+  const auto solved = [&] { return Compensate(MakeCompensationInput(known, targets), targets.rows, 1); };
+  const std::vector<CompensatedTarget> plain = solved();
+  known.robot.effects = {{"station_drift", "S1", {}, std::vector<double>(3, 1e-8)},
+                         {"marker_shift", "P1", {{"after_s", "100"}}, std::vector<double>(3, 1e-3)}};
+  const std::vector<CompensatedTarget> with_drift = solved();
+  known.robot.effects.push_back({"joint_slip", "A2", {{"after_s", "5000"}}, {2e-3}});
+  const std::vector<CompensatedTarget> with_slip = solved();
+  for (size_t i = 0; i < plain.size(); ++i) {
+    EXPECT_EQ(plain[i].solution.q, with_drift[i].solution.q);
+    EXPECT_NEAR(plain[i].solution.q[1] - with_slip[i].solution.q[1], 2e-3, 1e-9);
+  }
+  known.robot.effects = {{"backlash", "A2", {}, {1e-3}}};
+  EXPECT_THROW(solved(), InputError);
+}
+
 // 95 % of a distance whose coordinates have the variance r^2 / 3 each: r sqrt(7.8147 / 3), chi-square of three.
 TEST(LeftOver, CorrectedTargetsAreKnownNoBetter) {
   KnownRobot known = CalibratedOn(Rippled(200, 21, 0.0));
   known.rest = 1e-3;
-  Targets targets;
-  targets.shots = Rippled(3, 5, 0.0);
-  for (size_t s = 0; s < targets.shots.shots.size(); ++s) {
-    Target target;
-    target.q = targets.shots.ConfigurationOf(targets.shots.observations[targets.shots.shots[s].observations[0]]).q;
-    targets.rows.push_back(target);
-  }
+  const Targets targets = TargetsAt(3);
   for (const CompensatedTarget& target : Compensate(MakeCompensationInput(known, targets), targets.rows, 1))
     EXPECT_NEAR(target.u95_position, 1e-3 * std::sqrt(7.8147 / 3.0), 2e-6);
 }

@@ -111,6 +111,9 @@ Section SuspectRows(const Trust& trust, const std::string& where) {
     section.paragraphs.push_back("- " + trust.suspects[i].row + ": " + trust.suspects[i].words);
   if (trust.suspects.size() > kShown)
     section.paragraphs.push_back("- and " + std::to_string(trust.suspects.size() - kShown) + " more" + where);
+  section.paragraphs.push_back(
+      "Decide on these rows first: what is said of the noise, the intervals and the agreement of parts holds with "
+      "them.");
   return section;
 }
 
