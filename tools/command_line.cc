@@ -14,7 +14,6 @@ DEFINE_string(out, "", "where the results go: a folder, or a file where the comm
 DEFINE_uint64(seed, 1, "seed of everything random: hold-out, simulated noise");
 DEFINE_int32(threads, 1, "threads of the solver");
 DEFINE_bool(quiet, false, "no progress on stderr");
-DEFINE_bool(verbose, false, "say on stderr how the equations are solved; also -v");
 
 namespace sagitta {
 namespace {

@@ -17,7 +17,7 @@
 #include "problems/io/files.h"
 #include "tools/terminal.h"
 
-DECLARE_bool(verbose);
+DEFINE_bool(verbose, false, "say on stderr how the equations are solved; also -v");
 
 namespace sagitta {
 namespace {

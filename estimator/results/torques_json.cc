@@ -3,9 +3,13 @@
 #include <nlohmann/json.hpp>
 
 namespace sagitta {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+}  // namespace
 
 nlohmann::ordered_json TorquesToJson(const CalibrationProblem& problem, const TorqueComparison& comparison) {
-  using Json = nlohmann::ordered_json;
   Json json = Json::object();
   if (comparison.joints.empty()) return json;
   json["used"] = comparison.measured_count ? "measured" : "model";
