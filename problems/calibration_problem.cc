@@ -267,6 +267,7 @@ CalibrationProblem CalibrationProblem::WithEffects(const std::vector<EffectSpec>
     problem.parameters.coordinate(problem.parameters.FindCoordinate(CompensatorPart::kL)).free = false;
   problem.latent = latent;  // found, not as stated
   problem.resolved_noise = resolved_noise;
+  problem.stated_noise_factor = stated_noise_factor;
   problem.weight_roots = weight_roots;
   problem.repeat_scatter = repeat_scatter;
   problem.redundant_errors = redundant_errors;

@@ -20,6 +20,9 @@ namespace {
 // Starts of the nominal inverse kinematics where a row states no joint values (SpreadStart). Newton reaches a solution
 // from about every third start of a six-joint arm, so that all of them fail on a reachable pose once in 10^8.
 constexpr int kKinematicStarts = 48;
+// Degrees of freedom beyond which chi-square's skewness, sqrt(8 / nu), moves its quantiles by less than a thousandth of
+// a standard deviation.
+constexpr double kNextToNormal = 1e6;
 
 // Columns of the estimate's parameters that act on the arm: index into names, index of the model's parameter.
 struct ArmParameters {
@@ -186,7 +189,10 @@ double Radius95(const Matrix3<double>& covariance, const Vector3<double>& mean, 
   }
   const double expected = wider * trace + mean.squaredNorm();
   const double variance = 2.0 * wider * wider * of_square + 4.0 * wider * mean.dot(covariance * mean);
-  return std::sqrt(expected * FQuantile(0.95, 2.0 * expected * expected / variance, kInfinity));
+  // Next to what is left for certain the rest is a normal number (freedom without bound).
+  const double freedom = 2.0 * expected * expected / variance;
+  if (freedom > kNextToNormal) return std::sqrt(expected + NormalQuantile(0.95) * std::sqrt(variance));
+  return std::sqrt(expected * FQuantile(0.95, freedom, kInfinity));
 }
 
 std::vector<CompensatedTarget> Compensate(const CompensationInput& input, const std::vector<Target>& targets,

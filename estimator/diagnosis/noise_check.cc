@@ -22,15 +22,15 @@ constexpr double kOfTheWorst = 0.05;
 constexpr double kAlone = 4.0;           // times the other markers of the shot
 constexpr double kSingleMarker = 3.0;    // times the limit, where no other marker decides
 constexpr double kHeldOutScatter = 1.5;  // the parameters' own uncertainty adds to the noise
-// What the arm or the instrument does and no model has moves more than a tenth of the rows, and these by a fifth and
-// more of what it moves one by: a square beyond 5^2 times what a tenth exceed is one reading's own.
+// What the arm or the instrument does and no model has moves more than a tenth of the rows, and more than two, by a
+// fifth and more of what it moves one by: a square beyond 5^2 times what these exceed is one reading's own.
 constexpr double kShareOfACause = 0.1;
 constexpr double kBeyondOthers = 25.0;
 constexpr double kMostOutliers = 0.06;
-constexpr size_t kFewOutliers = 2;  // of whatever number of rows
-constexpr size_t kFewestRows = 8;   // whose median says what they scatter by
-constexpr int kFewestDof = 20;      // that determine a scale: to a sixth
-constexpr size_t kSharedRows = 10;  // beyond one per visit
+constexpr size_t kFewOutliers = 2;                        // of held-out rows, however few
+constexpr size_t kFewestFitted = 20, kFewestHeldOut = 8;  // rows whose median says what they scatter by
+constexpr int kFewestDof = 20;                            // that determine a scale: to a sixth
+constexpr size_t kSharedRows = 10;                        // beyond one per visit
 
 struct ShotResidual {
   std::vector<int> observations;
@@ -164,6 +164,39 @@ DirectedScatter ScatterOf(const std::vector<ShotResidual>& shots, bool is_sigma_
   return scatter;
 }
 
+// One point among those of its shot and body; squares over the scatter.
+struct Misfit {
+  int observation;
+  double squared;  // 3 degrees of freedom
+  double others;   // mean of the other markers on the body; 0: there are none
+  double least;    // of them
+  double rigid;    // what the body's best motion leaves of all of them, over the larger scatter
+};
+
+std::vector<Misfit> MisfitsOf(const std::vector<ShotResidual>& shots, bool is_sigma_stated) {
+  const DirectedScatter scatter = ScatterOf(shots, is_sigma_stated);
+  std::vector<Misfit> misfits;
+  for (const ShotResidual& shot : shots) {
+    const size_t n = shot.observations.size();
+    int dof = 0;
+    const double rigid = WithoutRigidMotion(shot, &dof).squaredNorm() / scatter.Most();
+    std::vector<double> squares;
+    for (size_t i = 0; i < n; ++i) {
+      squares.push_back(scatter.SquareOf(shot.residual.segment<3>(3 * i), shot.places[i]));
+    }
+    const double sum = std::accumulate(squares.begin(), squares.end(), 0.0);
+    for (size_t i = 0; i < n; ++i) {
+      const double others = n > 1 ? (sum - squares[i]) / static_cast<double>(n - 1) : 0.0;
+      double least = others;
+      for (size_t k = 0; k < n; ++k) {
+        if (k != i) least = std::min(least, squares[k]);
+      }
+      misfits.push_back({shot.observations[i], squares[i], others, least, dof > 0 ? rigid : 0.0});
+    }
+  }
+  return misfits;
+}
+
 }  // namespace
 
 bool IsSigmaStated(const CalibrationProblem& problem) {
@@ -195,59 +228,35 @@ std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem
 std::vector<int> FindOutliers(const CalibrationProblem& problem, const ParameterSet& parameters,
                               const std::vector<int>& observations, double significance, bool held_out,
                               size_t removed) {
-  struct Entry {
-    int observation;
-    double squared;  // over the scatter, 3 degrees of freedom
-    double others;   // mean of the other markers on the body; 0: there are none
-    double least;    // of them
-    double rigid;    // what the body's best motion leaves of all of them, over the larger scatter
-  };
-  const std::vector<ShotResidual> shots = ResidualsByShot(problem, parameters, observations);
-  const DirectedScatter scatter = ScatterOf(shots, IsSigmaStated(problem));
-  std::vector<Entry> entries;
-  for (const ShotResidual& shot : shots) {
-    const size_t n = shot.observations.size();
-    int dof = 0;
-    const double rigid = WithoutRigidMotion(shot, &dof).squaredNorm() / scatter.Most();
-    std::vector<double> squares;
-    for (size_t i = 0; i < n; ++i) {
-      squares.push_back(scatter.SquareOf(shot.residual.segment<3>(3 * i), shot.places[i]));
-    }
-    const double sum = std::accumulate(squares.begin(), squares.end(), 0.0);
-    for (size_t i = 0; i < n; ++i) {
-      const double others = n > 1 ? (sum - squares[i]) / static_cast<double>(n - 1) : 0.0;
-      double least = others;
-      for (size_t k = 0; k < n; ++k) {
-        if (k != i) least = std::min(least, squares[k]);
-      }
-      entries.push_back({shot.observations[i], squares[i], others, least, dof > 0 ? rigid : 0.0});
-    }
-  }
-  if (entries.size() < kFewestRows) return {};
-  const double own_limit = ChiSquareQuantile(1.0 - significance / static_cast<double>(entries.size()), 3.0);
+  const std::vector<Misfit> misfits =
+      MisfitsOf(ResidualsByShot(problem, parameters, observations), IsSigmaStated(problem));
+  const Measurements& data = problem.data();
+  const bool are_fitted = std::none_of(observations.begin(), observations.end(), [&](int i) {
+    return data.configurations[data.shots[data.observations[i].shot].configuration].is_validation;
+  });
+  if (misfits.size() < (are_fitted ? kFewestFitted : kFewestHeldOut)) return {};
+  const double own_limit = ChiSquareQuantile(1.0 - significance / static_cast<double>(misfits.size()), 3.0);
   const double limit = held_out ? kHeldOutScatter * own_limit : own_limit;
-  // The worst first: they pull the fit, and the others with it.
-  double worst = 0.0;
-  for (const Entry& entry : entries) worst = std::max(worst, entry.squared);
-  const double floor = std::max(limit, kOfTheWorst * worst);
   std::vector<double> squares;
-  for (const Entry& entry : entries) squares.push_back(entry.squared);
+  for (const Misfit& misfit : misfits) squares.push_back(misfit.squared);
   std::sort(squares.begin(), squares.end(), std::greater<>());
-  const auto beyond = std::max(kFewOutliers, static_cast<size_t>(kShareOfACause * static_cast<double>(squares.size())));
-  const double beyond_others = kBeyondOthers * squares[beyond];
+  // The worst first: they pull the fit, and the others with it.
+  const double floor = std::max(limit, kOfTheWorst * squares.front());
+  const auto of_a_cause = static_cast<size_t>(kShareOfACause * static_cast<double>(squares.size()));
+  const double beyond_others = kBeyondOthers * squares[std::max(kFewOutliers, of_a_cause)];
   std::vector<int> outliers;
-  for (const Entry& entry : entries) {
+  for (const Misfit& misfit : misfits) {
     const bool alone =
-        entry.others > 0.0 ? entry.squared > kAlone * entry.others : entry.squared > kSingleMarker * limit;
+        misfit.others > 0.0 ? misfit.squared > kAlone * misfit.others : misfit.squared > kSingleMarker * limit;
     // Two in one shot hide each other, but not that the body does not move like this.
-    const bool not_rigid = entry.squared > kAlone * entry.least && entry.rigid > limit;
-    const bool is_far = !held_out || entry.rigid > limit || entry.squared > beyond_others;
-    if (entry.squared > floor && (alone || not_rigid) && is_far) outliers.push_back(entry.observation);
+    const bool not_rigid = misfit.squared > kAlone * misfit.least && misfit.rigid > limit;
+    const bool is_its_own = !held_out || misfit.rigid > limit || misfit.squared > beyond_others;
+    if (misfit.squared > floor && (alone || not_rigid) && is_its_own) outliers.push_back(misfit.observation);
   }
   // What happens to many points is no outlier but something to explain.
   const auto all = static_cast<double>(outliers.size() + removed);
-  const double most = kMostOutliers * static_cast<double>(entries.size() + removed);
-  if (all > std::max<double>(kFewOutliers, most)) return {};
+  const double most = kMostOutliers * static_cast<double>(misfits.size() + removed);
+  if (all > (are_fitted ? most : std::max<double>(kFewOutliers, most))) return {};
   return outliers;
 }
 

@@ -107,9 +107,8 @@ std::string LacksSomething(const std::string& file, double factor) {
 
 std::string HalvesDiffer(const std::string& file, double factor) {
   return "random halves of " + file + " differ by " + Significant(factor, 2) +
-         " times what noise makes them: so does another campaign, and its covariance is that much wider here. Where it "
-         "is "
-         "joints that scatter, 'repeatability_urad: estimate' in both calibrations shows smaller changes";
+         " times what noise makes them: so does another campaign, and its covariance is that much wider here. Where "
+         "it is joints that scatter, 'repeatability_urad: estimate' in both calibrations shows smaller changes";
 }
 
 std::string MoreIsLeft(double rms) {

@@ -193,9 +193,8 @@ std::string LinksBendToo(const std::vector<EffectSpec>& effects) {
 std::string ScaleMayBeWarmth(const EffectSpec& scale, double kelvin) {
   return NameOnTarget(scale) + ": an arm of steel that was " + Significant(std::abs(kelvin), 2) + " K " +
          (kelvin > 0.0 ? "warmer" : "colder") +
-         " while this station measured moves the points alike, and no row states a temperature. Whether corrected "
-         "targets "
-         "are right depends on which of the two it was: state temperature_degC.";
+         " while this station measured moves the points alike, and no row states a temperature. Whether "
+         "corrected targets are right depends on which of the two it was: state temperature_degC.";
 }
 
 std::string NotConfirmed(const std::vector<std::pair<EffectSpec, double>>& effects) {

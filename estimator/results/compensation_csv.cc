@@ -71,23 +71,36 @@ Robot WithEffectsOfTheArm(const KnownRobot& known) {
   return robot;
 }
 
-// Targets are gone to after all that was measured: of those that state no time, what happened at a moment has happened.
-// An effect that goes on with time still needs it.
+// Whether this effect lacks anything that a time would give it. untimed: conditions without a time.
+bool NeedsTime(const CalibrationProblem& problem, const EffectSpec& spec, const ShotConditions& untimed) {
+  ShotConditions timed = untimed;
+  timed.has_time = true;
+  const auto lacking = [&](const ShotConditions& shot) {
+    const EffectContext context{&problem.robot(), &spec, &shot, &problem.data().markers, 0};
+    return MissingColumn(*FindEffect(problem.robot(), spec.effect), context);
+  };
+  return lacking(untimed) != lacking(timed);
+}
+
+// Targets are gone to after all that was measured: where none states a time, what happened at a moment has happened. An
+// effect that goes on with time still needs it.
 void SetAfterMoments(CalibrationProblem* problem) {
+  std::vector<ShotInput>& shots = *problem->mutable_shot_inputs();
+  const auto has_time = [](const ShotInput& shot) { return shot.conditions.has_time; };
+  if (shots.empty() || std::any_of(shots.begin(), shots.end(), has_time)) return;
   std::optional<double> last;
   for (const EffectSpec& spec : problem->robot().effects) {
-    if (FindEffect(problem->robot(), spec.effect)->driven_by != EffectDriver::kTime) continue;
+    if (!NeedsTime(*problem, spec, shots[0].conditions)) continue;
     const std::string setting = MomentOf(problem->robot(), spec);
     if (setting.empty()) return;
     last = std::max(last.value_or(0.0), spec.NumberSetting(setting, 0.0));
   }
   if (!last) return;
-  for (ShotInput& shot : *problem->mutable_shot_inputs()) {
-    if (shot.conditions.has_time) continue;
+  for (ShotInput& shot : shots) {
     shot.conditions.time = std::nextafter(*last, kInfinity);
     shot.conditions.has_time = true;
   }
-  problem->model().Prepare(problem->mutable_shot_inputs());
+  problem->model().Prepare(&shots);
 }
 
 }  // namespace

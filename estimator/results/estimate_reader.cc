@@ -179,9 +179,11 @@ class EstimateReader {
       return deviations.asDiagonal() * WithModelError(noise, least) * deviations.asDiagonal();
     };
     known_.uncertainty.covariance = in_units(1.0);
-    if (HasNoNoise()) known_.uncertainty.covariance.setConstant(std::nan(""));
     known_.halves = HowHalvesDiffer();
     known_.campaign_covariance = known_.halves > 1.0 ? in_units(known_.halves) : known_.uncertainty.covariance;
+    if (!HasNoNoise()) return;
+    known_.uncertainty.covariance.setConstant(std::nan(""));
+    known_.campaign_covariance.setConstant(std::nan(""));
   }
 
   // The inflation of random halves, where chance makes it more seldom than the agreement's level allows.

@@ -141,8 +141,8 @@ TEST(ChangesTest, NothingIsSaidToHaveChangedWhereNothingDid) {
 }
 
 // Joints that stop 30 urad off their readings are in no estimate's covariance, and another campaign draws them anew:
-// of 12 pairs of one robot half were said to have changed. At a rate of 3 %, 3 and more are 1 in 200. What is ten times
-// as large is named.
+// of 12 pairs of one robot half were said to have changed. At a rate of 3 %, 3 and more are 1 in 200. A slip of 0.5
+// mrad is named.
 TEST(ChangesTest, JointsThatScatterAreNoChange) {
   const auto estimated = [](double slip, std::uint64_t seed) {
     NormalNumbers normal(500 + seed);

@@ -315,6 +315,10 @@ TEST(Radius95Test, WhatIsLeftCounts) {
     EXPECT_NEAR(within / static_cast<double>(kDraws), 0.95, 0.012) << mean.transpose();
   }
   EXPECT_DOUBLE_EQ(Radius95(Matrix3<double>::Zero(), {3, 4, 0}), 5.0);
+  // Metres of it and micrometres of noise: along the mean that is normal, across it nothing.
+  const Matrix3<double> small = Vector3<double>(1e-10, 0, 0).asDiagonal();
+  EXPECT_NEAR(Radius95(small, {2.0, 0, 0}), 2.0 + 1.644854e-5, 1e-9);
+  EXPECT_NEAR(Radius95(small, {0, 2.0, 0}), 2.0, 1e-9);
 }
 
 }  // namespace

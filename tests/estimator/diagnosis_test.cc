@@ -250,6 +250,10 @@ TEST(Diagnosis, WrongStatedNoiseIsAFindingAndNoEffect) {
   const KnownRobot known = KnownFrom(ExtendedCalibration(diagnosis));
   EXPECT_GT(known.noise.instrument_factor * known.noise.scale, diagnosis.noise.low);
   EXPECT_LT(known.noise.instrument_factor * known.noise.scale, diagnosis.noise.high);
+  // With an effect that is added, too.
+  const CalibrationProblem& found = *diagnosis.final.problem;
+  const CalibrationProblem extended = found.WithEffects({{"joint_harmonic", "A2", {{"order", "1"}}, {0.0, 0.0}}});
+  EXPECT_EQ(extended.stated_noise_factor, found.stated_noise_factor);
 }
 
 // Joints that come to rest 40 urad (standard deviation) away from where they should, and nobody said so. Of 20

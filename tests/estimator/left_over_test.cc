@@ -89,6 +89,9 @@ TEST(CorrectedTargets, NeedNoColumnsOfWhatMovesNoFlange) {
     EXPECT_EQ(plain[i].solution.q, with_drift[i].solution.q);
     EXPECT_NEAR(plain[i].solution.q[1] - with_slip[i].solution.q[1], 2e-3, 1e-9);
   }
+  // What goes on with time, and what the direction of approach decides, has to be stated.
+  known.robot.effects.push_back({"learnt_lag", "A3", {{"by", "motion"}, {"lag_s", "600"}, {"unit", "1"}}, {1e-4}});
+  EXPECT_THROW(solved(), InputError);
   known.robot.effects = {{"backlash", "A2", {}, {1e-3}}};
   EXPECT_THROW(solved(), InputError);
 }

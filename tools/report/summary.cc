@@ -83,9 +83,8 @@ std::string StatedSigmaInWords(const Estimate& estimate, double significance) {
   }
   if (sigma.scaled && reduced > kInstrumentIsNotTheNoise) {
     return "The stated sigmas explain 1/" + Fixed(reduced, 0) +
-           " of the scatter: the robot, the model or rows that are wrong, not the instrument, are the noise; all "
-           "intervals are "
-           "scaled by " +
+           " of the scatter: the robot, the model or rows that are wrong, not the instrument, are the noise; "
+           "all intervals are scaled by " +
            Significant(sigma.a_posteriori, 3) + ".";
   }
   if (sigma.scaled) {
