@@ -61,8 +61,9 @@ std::string KeepControllersLines();
 std::string ListsAreReplaced(const std::string& file);
 std::string MovesAsBefore(double difference);
 // Links of a URDF; others: those it could end at.
-std::string MimicIsACoupling(const std::string& joint, const std::string& driver);
 std::string ChainRuns(const std::string& base, const std::string& tip, const std::vector<std::string>& others);
+// Joints of a URDF.
+std::string MimicIsACoupling(const std::string& joint, const std::string& driver);
 std::string LeftOutOfFormat(const std::string& what);
 
 // Imported files.
