@@ -70,8 +70,8 @@ double MinimumNormRms(const CalibrationProblem& problem) {
   const NoiseRoots roots(rows.size(), kSigma * Matrix3<double>::Identity());
   for (int step = 0; step < 30; ++step) {
     const Linearization here = Linearize(problem, parameters, rows, columns, roots, LatentTreatment::kIgnore);
-    const Eigen::BDCSVD<Eigen::MatrixXd> svd(here.jacobian * limit.asDiagonal(),
-                                             Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(here.jacobian * limit.asDiagonal(),
+                                                Eigen::ComputeThinU | Eigen::ComputeThinV);
     Eigen::VectorXd inverse = svd.singularValues();
     for (double& value : inverse) value = value > 1e-9 * svd.singularValues()[0] ? 1.0 / value : 0.0;
     const Eigen::VectorXd scaled =
