@@ -127,15 +127,12 @@ double ExpectedRms(const Measurements& rows, const Prediction& prediction) {
   return std::isfinite(sum) ? std::sqrt(sum / (3.0 * rows.NumRows())) : 0.0;
 }
 
-// The sum of squares of errors that are as predicted is about tr V / nu chi^2_nu, nu = (tr V)^2 / tr V^2 (Satterthwaite
-// 1946), and F where the noise itself was estimated.
-double PValueOf(const KnownRobot& known, const Validation& validation, const PredictionTraces& together) {
+double PValueOf(const KnownRobot& known, const Validation& validation, const PredictedSquares& together) {
   if (!(validation.predicted_rms > 0.0 && together.trace_of_square > 0.0)) return 1.0;
   const double ratio = std::pow(validation.after.rms / validation.predicted_rms, 2);
-  const double freedom = together.trace * together.trace / together.trace_of_square;
-  if (!std::isfinite(ratio * freedom)) return 1.0;
+  if (!std::isfinite(ratio * together.Freedom())) return 1.0;
   const bool is_estimated = known.noise.freedom > 0.0;
-  return FSurvival(ratio, freedom, is_estimated ? known.noise.freedom : std::numeric_limits<double>::infinity());
+  return ChanceOf(together, ratio, is_estimated ? known.noise.freedom : std::numeric_limits<double>::infinity());
 }
 
 }  // namespace

@@ -98,7 +98,7 @@ struct Prediction {
   Eigen::Matrix3Xd points;
   std::vector<PredictionCovariance> covariances;  // m^2, by where they come from
   NoiseRoots instrument;                          // root of one measurement's covariance, m; zero: not known
-  PredictionTraces together;                      // of all points and their readings
+  PredictedSquares together;                      // of all points and their readings
 };
 
 // Points of the rows (x, y, z may be absent), and rotations of those that are poses (AddKnownRotations makes poses of

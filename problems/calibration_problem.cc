@@ -222,6 +222,14 @@ std::vector<double> PriorsOf(const ParameterSet& own, const std::vector<std::str
   return any ? priors : std::vector<double>();
 }
 
+template <typename Spec>
+void KeepNamed(const std::vector<std::string>& names, std::map<std::string, Spec>* specs) {
+  for (auto spec = specs->begin(); spec != specs->end();) {
+    const bool is_named = std::find(names.begin(), names.end(), spec->first) != names.end();
+    spec = is_named ? std::next(spec) : specs->erase(spec);
+  }
+}
+
 }  // namespace
 
 std::vector<int> CalibrationProblem::CalibrationObservations() const {
@@ -308,6 +316,9 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
 CalibrationProblem MakeKnownProblem(const Robot& robot, Measurements data, Experiment experiment,
                                     const KnownPlaces& places) {
   for (const auto& [name, marker] : places.markers) experiment.markers[name] = marker;
+  // Rows need not have every station and marker of the calibration.
+  KeepNamed(data.stations, &experiment.stations);
+  KeepNamed(data.markers, &experiment.markers);
   CheckJointsOfEffects(robot, experiment);
   ForwardModel model(robot, data.markers);
   CalibrationProblem problem(std::move(model), std::move(data), std::move(experiment));

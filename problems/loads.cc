@@ -45,12 +45,17 @@ AppliedWrench LoadWrench(const Chain& chain, const Measurements& data, const Sho
   wrench.force = shot.wrench.force;
   wrench.moment = shot.wrench.moment;
   wrench.expressed_in = spec.frame;
-  if (!shot.wrench.IsZero()) return wrench;
+  if (!shot.wrench.force.isZero() || (!spec.mass && !shot.wrench.IsZero())) return wrench;
   if (!spec.mass) {
     FailAt(data, shot, "load", "load '" + shot.load + "' has no force",
            "add the columns fx_N, fy_N, fz_N, or state loads: {" + shot.load + ": {mass_kg: …}}");
   }
   wrench.force = *spec.mass * Gravity(experiment);
+  if (!wrench.moment.isZero() && wrench.expressed_in != GravityFrame(experiment)) {
+    FailAt(data, shot, "load",
+           "load '" + shot.load + "' has moments in another frame than that of gravity and no force",
+           "state its weight in the columns fx_N, fy_N, fz_N too");
+  }
   wrench.expressed_in = GravityFrame(experiment);
   return wrench;
 }
@@ -182,7 +187,7 @@ void CheckStatedLoads(const Experiment& experiment, Measurements* data) {
     in_rows.insert(shot.load);
     const auto found = experiment.loads.find(shot.load);
     if (found == experiment.loads.end()) unstated.insert(shot.load);
-    if (found == experiment.loads.end() || !found->second.mass || shot.wrench.IsZero()) continue;
+    if (found == experiment.loads.end() || !found->second.mass || shot.wrench.force.isZero()) continue;
     const double weight = *found->second.mass * experiment.gravity;
     const double force = shot.wrench.force.norm();
     if (std::abs(force - weight) <= kSameWeight * weight || !warned.insert(shot.load).second) continue;

@@ -26,10 +26,9 @@ ConditionOrigins OriginsOf(const Measurements& data, const Experiment& experimen
 
 // One input per shot, prepared for the model: joint values, conditions, the
 // tool's weight, the shot's own load.
-// A load acts at its own point or at load_point; its force is the row's wrench
-// or, where the wrench columns are absent or zero, mass times gravity. Throws
-// InputError for a load without a point, without a force, or a wrench on load
-// `none`.
+// A load acts at its own point or at load_point; its force is the row's or, where the columns of the force are absent
+// or zero, mass times gravity, to which the row's moments are added. Throws InputError for a load without a point,
+// without a force, or a wrench on load `none`.
 std::vector<ShotInput> MakeShotInputs(const ForwardModel& model, const Measurements& data,
                                       const Experiment& experiment);
 

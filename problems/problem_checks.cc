@@ -144,7 +144,7 @@ std::string UnlevelledStationWithWeights(const CalibrationProblem& problem) {
     const auto station = experiment.stations.find(name);
     if (station == experiment.stations.end() || station->second.levelled.value_or(true)) continue;
     const auto load = experiment.loads.find(shot.load);
-    const bool hangs = shot.wrench.IsZero() && load != experiment.loads.end() && load->second.mass;
+    const bool hangs = shot.wrench.force.isZero() && load != experiment.loads.end() && load->second.mass;
     const ShotTerms& terms = problem.shot_inputs()[s].terms;
     if (terms.elastic.empty() && terms.sags.empty()) continue;  // nothing gives way
     if (hangs || experiment.tool_mass > 0.0 || !terms.sags.empty() || !terms.wrenches.empty()) return name;

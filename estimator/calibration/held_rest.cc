@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "estimator/least_squares/held_influence.h"
+#include "models/gravity_compensator.h"
 
 namespace sagitta {
 namespace {
@@ -29,7 +30,9 @@ ParameterSet ReleaseHeld(const CalibrationProblem& problem, const ParameterSet& 
   ParameterSet released = parameters;
   for (const int i : HeldCoordinates(parameters)) {
     Coordinate& coordinate = released.coordinate(i);
-    if (IsRotation(released.blocks()[coordinate.block].kind)) continue;
+    // The scale of a spring's triangle moves no point (gravity_compensator.h): its length is as stated.
+    if (IsRotation(released.blocks()[coordinate.block].kind) || coordinate.name == NameOf(CompensatorPart::kL))
+      continue;
     coordinate.held = false;
     if (coordinate.prior_sigma > 0.0) continue;
     // s / P in whitened rows: the prior of the header.

@@ -6,7 +6,8 @@
 //
 // r whitened, s the scale of its noise, P = PhysicalRange (held_influence.h: the hold limit, of base and markers 1 m),
 // h0 the nominal value, of a marker its stated point or the origin of its frame, of a base where the alignment left it.
-// A direction that no row sees rests at h0. The value is as little known as before: it stays held.
+// A direction that no row sees rests at h0, and so does a spring's L. The value is as little known as before: it stays
+// held.
 #pragma once
 
 #include "estimator/least_squares/linearization.h"

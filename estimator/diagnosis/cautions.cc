@@ -32,7 +32,6 @@ constexpr double kStillLength = 0.05;     // m, prismatic
 constexpr int kFewConfigurations = 15;
 constexpr double kInOrder = 0.9;  // rank correlation: of 15 values in random order one in 80 000 has more
 constexpr double kProbable = 0.9;
-constexpr double kFarAboveFloor = 1.5;
 constexpr double kFarBelowFloor = 3.1;  // standard deviations, one in a thousand
 
 // Configurations with equal joint values count once.
@@ -127,9 +126,10 @@ std::string OfPartlyStated(const CalibrationProblem& problem) {
     const auto stating = std::count_if(problem.shot_inputs().begin(), problem.shot_inputs().end(),
                                        [&](const ShotInput& shot) { return column.is_stated(shot.conditions); });
     if (stating == 0 || stating == static_cast<long>(problem.shot_inputs().size())) continue;
-    const auto empty = std::count_if(data.observations.begin(), data.observations.end(),
-                                     [&](const Observation& row) { return data.Cell(row, column.name).empty(); });
-    partly.push_back(PartlyStated(column.name, empty, data.observations.size()));
+    const auto empty = std::count_if(data.observations.begin(), data.observations.end(), [&](const Observation& row) {
+      return row.is_point() && data.Cell(row, column.name).empty();
+    });
+    partly.push_back(PartlyStated(column.name, empty, data.NumRows()));
   }
   return partly.empty() ? "" : ColumnsArePartlyStated(partly);
 }
@@ -319,12 +319,13 @@ void CautionOfNotNamed(const std::vector<std::pair<EffectSpec, double>>& unconfi
   if (!elsewhere.empty()) diagnosis->cautions.push_back(NotInLeading(elsewhere));
 }
 
-void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, bool is_sigma_stated,
+void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, bool is_sigma_stated, double significance,
                       std::vector<std::string>* cautions) {
   const double rms = final.estimate.validation.rms, floor = final.estimate.noise_floor;
-  const int held_out = CountConfigurations(final.problem->data()).held_out;
+  const int held_out = CountHeldOut(final);
   if (held_out < kFewHeldOut) return;
-  if (!has_unexplained && rms > kFarAboveFloor * floor) cautions->push_back(HoldoutFarAboveFloor(rms, floor));
+  if (!has_unexplained && IsFarFromFloor(final, is_sigma_stated, significance))
+    cautions->push_back(HoldoutFarAboveFloor(rms, floor));
   // Relative scatter of an RMS of n numbers: 1 / sqrt(2 n). Markers of one configuration may share theirs.
   const double scatter = 1.0 / std::sqrt(2.0 * 3.0 * held_out);
   if (is_sigma_stated && rms < (1.0 - kFarBelowFloor * scatter) * floor)

@@ -34,7 +34,7 @@ void CautionOfNotNamed(const std::vector<std::pair<EffectSpec, double>>& unconfi
 
 // Where the hold-out is far above its noise floor although nothing is left to explain it, or below a floor of stated
 // noise.
-void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, bool is_sigma_stated,
+void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, bool is_sigma_stated, double significance,
                       std::vector<std::string>* cautions);
 
 }  // namespace sagitta

@@ -165,14 +165,15 @@ class Session {
       SayFound();
     }
     d_.has_unexplained |= posterior_.MoreThan(selected_.size()) > NamingGate();
-    aside_.FromHeldOut(!named_, &d_.baseline, &d_.final);
+    aside_.FromHeldOut(!named_, &d_.baseline, &d_.final, &lacking_, &prefixes_);
     FindRest();
     // The most probable set may be noise alone, and those that hold a cause more probable together.
     const bool is_hardly_noise = d_.noise.is_finding && posterior_.Something() > kEvenOdds;
     d_.has_unexplained |= Misfits() || (selected_.empty() && (MayFollowThePose() || is_hardly_noise));
-    if (!selected_.empty()) AllowForRivals();
-    // The noise that goes with a cause without a name is no better model.
-    if (selected_.empty() && d_.has_unexplained) d_.final = d_.baseline;
+    if (!selected_.empty()) return AllowForRivals();
+    if (!d_.has_unexplained) return;
+    d_.final = d_.baseline;  // the noise that goes with a cause without a name is no better model
+    d_.final_p = LackOfFit(problem_, d_.final, {});
   }
 
   // The last that needs an effect, which goes before that does; -1: of none.
@@ -195,10 +196,8 @@ class Session {
   // Of the selected effects; -1: all hold.
   int NotNamed() {
     if (!IsUsable(d_.final.estimate.status)) return static_cast<int>(selected_.size()) - 1;
-    const int idle = GoesFirst(LeastSupported());
-    if (idle >= 0) return idle;
-    const int worse = GoesFirst(MeasurePrefixes());
-    if (worse >= 0) return worse;
+    if (const int idle = GoesFirst(LeastSupported()); idle >= 0) return idle;
+    if (const int worse = GoesFirst(MeasurePrefixes()); worse >= 0) return worse;
     if (!d_.has_unexplained) FindRest();  // else there is a rest, whatever the noise is
     return CountHeldOut(d_.final) >= kFewHeldOut && MayLeaveARest() ? LeastConfirmed() : -1;
   }
@@ -317,8 +316,8 @@ class Session {
     if (is_refuted_) d_.cautions.push_back(ProbabilitiesAreRough());
     d_.next = ProposeMeasuring();
     d_.gap_map = MapGap(d_.baseline, d_.final);
-    const DiagnosedModel& named = selected_.empty() ? d_.baseline : d_.final;  // other noise alone closes nothing
-    d_.gap = JudgeGap(d_.baseline, named, NoiseFloor(), IsSigmaStated(problem_));
+    d_.gap = JudgeGap(d_.baseline, d_.final, NoiseFloor(), IsSigmaStated(problem_));
+    if (selected_.empty() && d_.gap.after < d_.gap.before) d_.gap.closed = kNotKnown;  // noise closes nothing
     d_.groups = GroupEffects(d_.effects, lacking_, d_.baseline, d_.final, NoiseFloor(), joint_);
     for (EffectGroup& group : d_.groups) {
       const double probability = sagitta::ProbabilityOf(group.effect, *evidence_, weighed_models_);
@@ -402,7 +401,7 @@ class Session {
   bool Misfits() const {
     const bool is_stated = IsSigmaStated(problem_);
     return (is_stated && d_.final_p < kShareOfLackOfFit * options_.significance) ||
-           IsFarFromFloor(d_.final, is_stated, options_.significance);
+           (is_stated && IsFarFromFloor(d_.final, is_stated, options_.significance));
   }
 
   // Joints are said to deviate more than stated, and no pose was visited again: a cause that follows the pose looks the
@@ -454,7 +453,7 @@ class Session {
       unconfirmed.emplace_back(effect.candidate.spec, ProbabilityOf(effect));
     if (!unconfirmed.empty()) d_.cautions.push_back(NotConfirmed(unconfirmed));
     CautionOfNotNamed(unconfirmed, &d_);
-    CautionOfHoldout(d_.final, d_.has_unexplained, IsSigmaStated(problem_), &d_.cautions);
+    CautionOfHoldout(d_.final, d_.has_unexplained, IsSigmaStated(problem_), options_.significance, &d_.cautions);
   }
 
   const CalibrationProblem& problem_;

@@ -98,7 +98,7 @@ struct Diagnosis {
   std::optional<NextPoses> next;  // that would decide between what shares the probability
   bool has_unexplained = false;
   LearntFunction unexplained;
-  std::shared_ptr<const LearntModel> learnt;  // null: no function of one driver stands out
+  std::shared_ptr<const LearntModel> learnt;  // null: nothing was learnt that predicts untouched rows better
   std::vector<std::string> cautions;          // what limits the verdict, in words
   BetweenParts choice;                        // that the final model holds one of several sets; not known: it is alone
 };

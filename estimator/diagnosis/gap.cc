@@ -7,12 +7,14 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/statistics/distributions.h"
 #include "models/constants.h"
+#include "problems/split.h"
 
 namespace sagitta {
 namespace {
 
 constexpr double kWorseBeyondChance = 0.01;
 constexpr double kBetterBeyondChance = 0.05;  // as of an effect's interval: neither may say that it is chance
+constexpr double kShareOfHoldout = 0.1;  // of the significance: asked in addition to the posterior and to lack of fit
 constexpr int kBootstrapDraws = 400;
 
 std::vector<int> PointsHeldOut(const DiagnosedModel& model) {
@@ -41,10 +43,11 @@ HoldoutSums SumHoldout(const DiagnosedModel& model) {
                                          ? Eigen::Matrix3Xd(known(Eigen::all, held_out))
                                          : PredictPoints(*model.problem, model.estimate.parameters, held_out);
   const Eigen::Matrix3Xd misfit = ResidualsOf(data, held_out, predicted);
+  const std::vector<int> group_of = GroupsOfConfigurations(data);
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(data.configurations.size());
   HoldoutSums sums{none, none};
   for (size_t k = 0; k < held_out.size(); ++k) {
-    const int c = data.shots[data.observations[held_out[k]].shot].configuration;
+    const int c = group_of[data.shots[data.observations[held_out[k]].shot].configuration];
     sums.squares[c] += misfit.col(k).squaredNorm();
     sums.coordinates[c] += 3.0;
   }
@@ -88,14 +91,19 @@ bool MakesHoldoutWorse(const DiagnosedModel& before, const DiagnosedModel& after
   return now.sum() > growth * growth * then.sum();
 }
 
-bool IsFarFromFloor(const DiagnosedModel& model, bool is_sigma_stated, double significance) {
-  if (!is_sigma_stated || model.estimate.validation.observations == 0) return false;
+double ChanceOfHoldout(const DiagnosedModel& model, bool is_sigma_stated) {
+  const Estimate& estimate = model.estimate;
   const int held_out = CountHeldOut(model);
-  if (held_out < kFewHeldOut) return false;
+  if (held_out < kFewHeldOut || !(estimate.noise_floor > 0.0)) return kNotKnown;
+  const double ratio = std::pow(estimate.validation.rms / estimate.noise_floor, 2);
   // Rows of one configuration may share what they deviate by: three coordinates each count.
-  const double floor = model.estimate.noise_floor, rms = model.estimate.validation.rms;
-  return floor > 0.0 && ChiSquareSurvival(3.0 * static_cast<double>(held_out) * rms * rms / (floor * floor),
-                                          3.0 * static_cast<double>(held_out)) < 0.1 * significance;
+  const double freedom = 3.0 * static_cast<double>(held_out);
+  return is_sigma_stated ? ChiSquareSurvival(freedom * ratio, freedom)
+                         : FSurvival(ratio, freedom, std::max(1, estimate.dof));
+}
+
+bool IsFarFromFloor(const DiagnosedModel& model, bool is_sigma_stated, double significance) {
+  return ChanceOfHoldout(model, is_sigma_stated) < kShareOfHoldout * significance;
 }
 
 // The interval: configurations drawn with replacement, 2.5 and 97.5 % of the draws (Efron and Tibshirani 1993,
@@ -116,6 +124,7 @@ GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extende
   gap.after = std::sqrt(SquaredGap(after, held_out, floor));
   gap.closed = closed(held_out);
   gap.closed_ci95 = {kNotKnown, kNotKnown};
+  if (is_noise_stated) gap.p = ChanceOfHoldout(extended, true);
   if (!is_noise_stated) gap.floor = kNotKnown;
   if (held_out.empty() || !is_noise_stated) gap.before = gap.after = gap.closed = kNotKnown;
   if (held_out.size() < kFewHeldOut || !is_noise_stated) return gap;

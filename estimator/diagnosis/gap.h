@@ -10,14 +10,14 @@ namespace sagitta {
 
 inline constexpr int kFewHeldOut = 3;  // configurations: fewer decide nothing
 
-// Of each configuration's points that were held out (Measurements::PointsAmong): the sum of squared residuals, m^2, and
-// how many coordinates.
+// Of each group of configurations with equal joint values, which share what a model lacks there (split.h): of its
+// points that were held out (Measurements::PointsAmong) the sum of squared residuals, m^2, and how many coordinates.
 struct HoldoutSums {
   Eigen::VectorXd squares, coordinates;
 };
 // As the estimate has predicted these points where it has.
 HoldoutSums SumHoldout(const DiagnosedModel& model);
-int CountHeldOut(const DiagnosedModel& model);  // configurations
+int CountHeldOut(const DiagnosedModel& model);  // such groups
 // RMS over the coordinates of the hold-out, m; not a number without one.
 double HoldoutRms(const DiagnosedModel& model);
 // With a prediction of these points, where the model is asked for them several times.
@@ -30,13 +30,17 @@ bool IsBeyondChance(double gain);
 // Whether the second model predicts untouched configurations worse than the first, beyond chance (1 %, one-sided, by
 // the scatter of the differences between configurations).
 bool MakesHoldoutWorse(const DiagnosedModel& before, const DiagnosedModel& after);
-// Whether untouched rows scatter more than noise and parameters explain, beyond chance at this level.
+// P that untouched rows scatter as much although noise and parameters are all that moves them; not a number with fewer
+// than kFewHeldOut configurations.
+double ChanceOfHoldout(const DiagnosedModel& model, bool is_sigma_stated);
+// Whether that is below its share of the significance.
 bool IsFarFromFloor(const DiagnosedModel& model, bool is_sigma_stated, double significance);
 
 // Not a number without a hold-out, and where nothing states the noise: a floor that is the model's own scatter would
 // call every gap closed. No interval below three held-out configurations.
 struct GapReport {
-  double floor = 0.0;                // m
+  double floor = 0.0;                // m; not a number where nothing states the noise
+  double p = kNotKnown;              // ChanceOfHoldout of the extended model; known where the noise is stated
   double before = 0.0, after = 0.0;  // m
   double closed = 0.0;               // share of the squared gap
   Interval closed_ci95;              // bootstrap over hold-out configurations

@@ -19,6 +19,12 @@ bool Replace(const CalibrationProblem& problem, const JointOptions& joint, Diagn
   return usable;
 }
 
+// Rows that no fit counts; models share their problems.
+void ExcludeFrom(DiagnosedModel* model, const std::vector<int>& rows) {
+  model->problem = std::make_shared<CalibrationProblem>(*model->problem);
+  for (const int i : rows) model->problem->mutable_data()->ExcludeRow(i);
+}
+
 // Moments at which effects begin.
 std::vector<double> Moments(const Robot& robot, const std::vector<EffectSpec>& effects) {
   std::vector<double> moments;
@@ -94,7 +100,8 @@ bool SetAside::Follow(const DiagnosedModel& extended, DiagnosedModel* baseline) 
   return true;
 }
 
-void SetAside::FromHeldOut(bool lacks_nothing, DiagnosedModel* baseline, DiagnosedModel* final) {
+void SetAside::FromHeldOut(bool lacks_nothing, DiagnosedModel* baseline, DiagnosedModel* final, DiagnosedModel* lacking,
+                           std::vector<DiagnosedModel>* prefixes) {
   CalibrationProblem cleaned = *final->problem;
   std::vector<int> removed;
   for (int round = 0; round < kMostSetAsideRounds; ++round) {
@@ -111,6 +118,8 @@ void SetAside::FromHeldOut(bool lacks_nothing, DiagnosedModel* baseline, Diagnos
   DiagnosedModel cleaned_baseline = *baseline;  // both or none: the gap compares the same rows
   if (!Replace(before, joint_, &cleaned_baseline) || !Replace(cleaned, joint_, final)) return;
   *baseline = std::move(cleaned_baseline);
+  ExcludeFrom(lacking, removed);
+  for (DiagnosedModel& prefix : *prefixes) ExcludeFrom(&prefix, removed);
   outliers_.insert(outliers_.end(), removed.begin(), removed.end());
   held_out_ = static_cast<int>(removed.size());
 }

@@ -18,8 +18,10 @@ class SetAside {
   // Readings that the extended model explains come back to the baseline, and stay; new ones leave. True: it changed.
   bool Follow(const DiagnosedModel& extended, DiagnosedModel* baseline);
   // Outliers among untouched rows say nothing of the model: other markers of their shot give them away, or, where the
-  // model lacks nothing, a reading that stands alone; no hold-out figure counts them.
-  void FromHeldOut(bool lacks_nothing, DiagnosedModel* baseline, DiagnosedModel* final);
+  // model lacks nothing, a reading that stands alone; no hold-out figure counts them: the models between the two
+  // lose the same rows.
+  void FromHeldOut(bool lacks_nothing, DiagnosedModel* baseline, DiagnosedModel* final, DiagnosedModel* lacking,
+                   std::vector<DiagnosedModel>* prefixes);
 
   // Held-out rows between the two fitted visits next to the moment of an effect: on which side of it they are nothing
   // says, so that no model predicts them. Of all models or none; said as a caution.

@@ -149,7 +149,7 @@ Eigen::VectorXd PoseGroups::ErrorsLeftOut(const WeightedSet& set) const {
 std::vector<WeightedModel> BaggedModels(const Evidence& evidence, const WeightedModel& leading,
                                         const PoseGroups& groups) {
   std::vector<WeightedModel> models = evidence.models();
-  if (leading.set.members.empty() || groups.HasOnePoseEach()) return models;
+  if (leading.set.members.empty() || groups.HasFewPoses()) return models;
   NamelessCauses causes(evidence.robot(), evidence.list(), evidence.masses().further);
   std::mt19937 random(kSeedOfResamples);
   for (int resample = 0; resample < kResamples; ++resample) {

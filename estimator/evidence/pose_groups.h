@@ -32,7 +32,7 @@ class PoseGroups {
   PoseGroups(const Evidence& evidence, const WeightedModel& leading,
              const std::vector<std::vector<NamedProbability>>& in_places);
 
-  bool HasOnePoseEach() const { return groups_.size() < kMost; }  // poses are too few to be drawn in groups
+  bool HasFewPoses() const { return groups_.size() < kMost; }  // fewer than groups
   int view() const { return view_; }
   // Explanations that are asked for, ascending, and these by themselves: columns count among those.
   const std::vector<int>& asked() const { return asked_; }

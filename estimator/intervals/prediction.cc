@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "estimator/least_squares/row_sums.h"
+#include "estimator/intervals/predicted_sums.h"
 #include "models/row_block.h"
 #include "problems/interruption.h"
 
@@ -64,38 +64,31 @@ std::vector<PredictionCovariance> CovariancesOf(const PredictedRows& rows, const
   return result;
 }
 
-// tr V = tr A'A + sum tr B, tr V^2 = |A'A|^2 + sum over arrivals of 2 tr A'B A + |B|^2.
-PredictionTraces TracesOf(const CalibrationProblem& problem, const PredictedRows& rows,
-                          const ParameterUncertainty& uncertainty, const std::vector<int>& observations,
-                          double noise_scale, const NoiseRoots& instrument) {
-  std::map<std::pair<int, std::string>, std::vector<size_t>> arrivals;
+// Of the points among the listed observations; rows of A by its header.
+PredictedSquares SquaresOf(const CalibrationProblem& problem, const PredictedRows& rows,
+                           const ParameterUncertainty& uncertainty, const std::vector<int>& observations,
+                           double noise_scale, const NoiseRoots& instrument) {
+  const std::vector<int> arrival_of = ArrivalsOf(problem, observations);
+  std::map<int, std::vector<int>> arrivals;
   for (size_t k = 0; k < observations.size(); ++k) {
-    const Observation& row = problem.data().observations[observations[k]];
-    const Shot& shot = problem.data().shots[row.shot];
-    if (row.is_point()) arrivals[{shot.configuration, shot.visit}].push_back(k);
+    const bool is_point = problem.data().observations[observations[k]].is_point();
+    if (is_point) arrivals[arrival_of[k]].push_back(static_cast<int>(k));
   }
   const Eigen::MatrixXd of_estimated = RootOf(uncertainty.covariance), of_held = RootOf(uncertainty.second_moment);
   const Eigen::Index p = of_estimated.cols() + of_held.cols();
-  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(p, p);
-  PredictionTraces traces;
+  PredictedSums sums(static_cast<int>(p));
   for (const auto& [arrival, own] : arrivals) {
-    const auto n = static_cast<Eigen::Index>(3 * own.size());
-    Eigen::MatrixXd a(n, p), l(n, rows.latent.cols()), b = Eigen::MatrixXd::Zero(n, n);
-    for (size_t i = 0; i < own.size(); ++i) {
-      const auto at = static_cast<Eigen::Index>(3 * i);
-      a.middleRows(at, 3) << RowBlock(rows.estimated, 3 * own[i], 3) * of_estimated,
-          RowBlock(rows.held, 3 * own[i], 3) * of_held;
-      l.middleRows(at, 3) = noise_scale * RowBlock(rows.latent, 3 * own[i], 3);
-      b.block(at, at, 3, 3) = instrument[own[i]] * instrument[own[i]].transpose();
+    std::vector<int> listed;
+    NoiseRoots noise;
+    for (const int k : own) {
+      listed.insert(listed.end(), {3 * k, 3 * k + 1, 3 * k + 2});
+      noise.push_back(instrument[static_cast<size_t>(k)]);
     }
-    b += l * l.transpose();
-    products += a.transpose() * a;
-    traces.trace += b.trace();
-    traces.trace_of_square += b.squaredNorm() + 2.0 * (b * a).cwiseProduct(a).sum();
+    RowMajorMatrix a(listed.size(), p);
+    a << rows.estimated(listed, Eigen::all) * of_estimated, rows.held(listed, Eigen::all) * of_held;
+    sums.AddArrival(noise, a, noise_scale * rows.latent(listed, Eigen::all));
   }
-  traces.trace += products.trace();
-  traces.trace_of_square += products.squaredNorm();
-  return traces;
+  return sums.Squares(Eigen::MatrixXd::Identity(p, p));
 }
 
 }  // namespace
@@ -125,9 +118,9 @@ std::vector<PredictionCovariance> PredictionCovariances(const CalibrationProblem
 std::vector<PredictionCovariance> PredictionCovariances(const CalibrationProblem& problem,
                                                         const ParameterUncertainty& uncertainty,
                                                         const std::vector<int>& observations, double noise_scale,
-                                                        const NoiseRoots& instrument, PredictionTraces* traces) {
+                                                        const NoiseRoots& instrument, PredictedSquares* together) {
   const PredictedRows rows = PredictedRowsOf(problem, uncertainty, observations);
-  *traces = TracesOf(problem, rows, uncertainty, observations, noise_scale, instrument);
+  *together = SquaresOf(problem, rows, uncertainty, observations, noise_scale, instrument);
   return CovariancesOf(rows, uncertainty, observations.size(), noise_scale);
 }
 

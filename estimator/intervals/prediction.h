@@ -6,15 +6,14 @@
 //   arm          L L'           the joints' repeatability: where the arm stops at one arrival
 //   instrument   diag(sigma^2)  of one measurement
 //
-// A prediction of the mean has the first two; what one measurement will show has all. Readings of many points do not
-// err apart: with A = [J sqrt(C), K sqrt(S)] of all rows, and the arm's deviations shared by the rows of an arrival,
-//
-//   V = A A' + blockdiag over arrivals of B,   B = diag(instrument) + L L'.
+// A prediction of the mean has the first two; what one measurement will show has all. Of the readings of
+// many points together: predicted_squares.h, with A = [J sqrt(C), K sqrt(S)].
 #pragma once
 
 #include <vector>
 
 #include "estimator/estimate/estimate.h"
+#include "estimator/intervals/predicted_squares.h"
 #include "estimator/least_squares/linearization.h"
 
 namespace sagitta {
@@ -45,20 +44,15 @@ struct PredictionCovariance {
 // `rest` (m): what the model lacks and no parameter's covariance shows, as where it is alike in all parts of the data.
 Matrix3<double> AddedByRest(const Matrix3<double>& covariance, double rest);
 
-// Of the errors V of all points together, m^2 and m^4.
-struct PredictionTraces {
-  double trace = 0.0, trace_of_square = 0.0;
-};
-
 // One per listed observation. Coordinates that the problem does not have (other
 // stations, other markers) do not act. noise_scale: of the stated repeatability.
 std::vector<PredictionCovariance> PredictionCovariances(const CalibrationProblem& problem,
                                                         const ParameterUncertainty& uncertainty,
                                                         const std::vector<int>& observations, double noise_scale);
-// The same; instrument: root of one measurement's covariance of each, m. traces: of those that are points.
+// The same; instrument: root of one measurement's covariance of each, m. together: of those that are points.
 std::vector<PredictionCovariance> PredictionCovariances(const CalibrationProblem& problem,
                                                         const ParameterUncertainty& uncertainty,
                                                         const std::vector<int>& observations, double noise_scale,
-                                                        const NoiseRoots& instrument, PredictionTraces* traces);
+                                                        const NoiseRoots& instrument, PredictedSquares* together);
 
 }  // namespace sagitta

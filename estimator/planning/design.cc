@@ -6,8 +6,8 @@
 #include <functional>
 #include <numeric>
 #include <random>
-#include <thread>
 
+#include "estimator/least_squares/parallel.h"
 #include "models/constants.h"
 #include "models/matrix_functions.h"
 #include "problems/interruption.h"
@@ -30,15 +30,8 @@ bool IsWorthThreads(const CandidateSet& set) {
 }
 
 void InHalves(const CandidateSet& set, const std::function<void(int, int)>& work) {
-  const int half = set.size() / 2;
-  if (!IsWorthThreads(set)) {
-    work(0, half);
-    work(half, set.size());
-    return;
-  }
-  std::thread other([&] { work(half, set.size()); });
-  work(0, half);
-  other.join();
+  const int half = set.size() / 2, ends[] = {0, half, set.size()};
+  ParallelFor(2, IsWorthThreads(set) ? 2 : 1, [&](int i, int) { work(ends[i], ends[i + 1]); });
 }
 
 Eigen::MatrixXd InformationOf(const CandidateSet& set, const Eigen::MatrixXd& known, const Eigen::VectorXd& amounts) {

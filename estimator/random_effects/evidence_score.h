@@ -1,8 +1,8 @@
 // How well a group of columns explains a residual: the log marginal likelihood over that of nothing.
 //
-// Whitened, at the optimum of what is believed:  r = J b + A a + e,  e ~ N(0, I),  a ~ N(0, s^2 I), b flat. With P the
-// projection off J, G = A'PA, g = A'Pr, R = r'Pr and n = rows - rank(J), the marginal likelihood depends on the group
-// through
+// Whitened, predicted - measured at the optimum of what is believed:  r + J b + A a = e,  e ~ N(0, I),  a ~ N(0, s^2
+// I), b flat; the posterior mean of a is -(G + I / s^2)^-1 g. With P the projection off J, G = A'PA, g = A'Pr, R = r'Pr
+// and n = rows - rank(J), the marginal likelihood depends on the group through
 //
 //   log det = log |I + s^2 G|,   quad = g' (G + I / s^2)^-1 g,
 //   log B(s) = log f(R - quad) - log f(R) - 1/2 log det

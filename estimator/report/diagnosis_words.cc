@@ -44,12 +44,20 @@ std::string SettingsInWords(const EffectDefinition* definition, const EffectSpec
   return words;
 }
 
+// p: not a number where it was not asked.
+std::string ChanceInWords(double p) {
+  if (std::isnan(p)) return "on too few configurations to say whether noise alone gives as much";
+  return "noise alone gives as much in " + Percent(p) + " of such hold-outs";
+}
+
 std::string GapInWords(const Diagnosis& d) {
-  if (std::isnan(d.gap.before)) return "Gap on untouched configurations: " + GapIsNotKnown() + "\n";
+  if (std::isnan(d.gap.before)) return "Gap on untouched configurations: " + GapIsNotKnown(d.gap) + "\n";
   if (d.gap.before == 0.0) return "Gap on untouched configurations: none beyond the noise floor\n";
   const std::string words =
       "Gap on untouched configurations, beyond the noise floor: " + Significant(1e3 * d.gap.before, 3);
-  if (d.verdict == DiagnosisVerdict::kConsistent) return words + " mm, no more than noise gives by chance\n";
+  if (d.verdict == DiagnosisVerdict::kConsistent) return words + " mm, " + ChanceInWords(d.gap.p) + "\n";
+  if (d.effects.empty() && d.gap.after < d.gap.before)
+    return words + " mm; given the noise that was found " + Significant(1e3 * d.gap.after, 3) + " mm\n";
   if (d.effects.empty()) return words + " mm\n";
   return words + " -> " + Significant(1e3 * d.gap.after, 3) + " mm, " + ClosedInWords(d.gap) + "\n";
 }
@@ -414,10 +422,15 @@ std::string NotTestedInWords(const Diagnosis& d) {
   return parts.empty() ? "" : "Not tested: " + Joined(parts, "; ") + ".";
 }
 
-std::string GapIsNotKnown() { return "not known, for nothing states the noise"; }
+std::string GapIsNotKnown(const GapReport& gap) {
+  return std::isnan(gap.floor) ? "not known, for nothing states the noise" : "not known, for nothing is held out";
+}
 
 std::string ClosedInWords(const GapReport& gap) {
-  if (std::isnan(gap.closed)) return "which share of the gap that is is not known without a stated noise";
+  if (std::isnan(gap.closed)) {
+    return std::string("which share of the gap that is is not known without a ") +
+           (std::isnan(gap.floor) ? "stated noise" : "hold-out");
+  }
   const std::string words = "closed " + Significant(100 * gap.closed, 3) + " % of the squared gap";
   if (std::isnan(gap.closed_ci95.low)) return words;
   return words + " (95 %: " + Significant(100 * gap.closed_ci95.low, 3) + " to " +

@@ -41,7 +41,7 @@ std::string ShareInWords(const WhereShare& share);
 
 // Effects that arms have and that these data cannot show, with what they lack; "" where there are none.
 std::string NotTestedInWords(const Diagnosis& d);
-std::string GapIsNotKnown();  // where nothing states the noise
+std::string GapIsNotKnown(const GapReport& gap);
 std::string ClosedInWords(const GapReport& gap);
 
 std::string PhysicalInWords(const PhysicalBounds& bounds);

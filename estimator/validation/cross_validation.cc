@@ -12,6 +12,7 @@
 #include "estimator/calibration/held_rest.h"
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/estimate/parameter_table.h"
+#include "estimator/intervals/predicted_sums.h"
 #include "estimator/least_squares/held_influence.h"
 #include "estimator/least_squares/identifiability.h"
 #include "estimator/least_squares/linearization.h"
@@ -138,26 +139,13 @@ size_t PlaceAmong(const std::vector<int>& quoted, const FittedStream& fitted, in
 }
 
 // Calls visit(place among `quoted`, S, rows) for every fitted point of these: S times its rows are in m; on the thread
-// of the share that has it. Joints that deviate have no part in what a step moves.
+// of the share that has it.
 void ForEachPoint(
-    const CalibrationProblem& problem, const ParameterSet& parameters, const std::vector<int>& columns,
-    const FittedStream& fitted, const std::vector<int>& quoted, const NoiseRoots& weighed,
+    const ParameterSet& parameters, const std::vector<int>& columns, const FittedStream& fitted,
+    const std::vector<int>& quoted, const NoiseRoots& weighed,
     const std::function<bool(size_t place, const Share& share)>& has,
     const std::function<void(size_t place, const Matrix3<double>& root, const RowsOfPoint& rows)>& visit) {
   const auto n = static_cast<Eigen::Index>(columns.size());
-  if (!problem.latent.empty()) {
-    const auto metres = [](const std::vector<int>& listed) {
-      return NoiseRoots(listed.size(), Matrix3<double>::Identity());
-    };
-    RowStream(problem, quoted, metres, LatentTreatment::kIgnore)
-        .ForEachShared(parameters, columns, fitted.num_threads(), [&](const RowPiece& piece, const Share& share) {
-          for (int i = 0; i < piece.num_observations(); ++i) {
-            const auto place = static_cast<size_t>(piece.positions[i]);
-            if (has(place, share)) visit(place, Matrix3<double>::Identity(), piece.rows.block(3 * i, 0, 3, n));
-          }
-        });
-    return;
-  }
   fitted.ForEachShared(parameters, columns, [&](const RowPiece& piece, const Share& share) {
     for (int i = 0; i < piece.num_observations(); ++i) {
       const size_t place = PlaceAmong(quoted, fitted, piece.positions[i]);
@@ -165,6 +153,27 @@ void ForEachPoint(
       visit(place, weighed[place], piece.rows.block(3 * i, 0, 3, n));
     }
   });
+}
+
+// Where joints deviate: calls visit(places among `quoted`, J, L), m, for every arrival; on the thread of the share that
+// has it. A step moves what is predicted, and no deviation.
+void ForEachQuotedArrival(const CalibrationProblem& problem, const Division& whole, const FittedStream& fitted,
+                          const std::vector<int>& quoted,
+                          const std::function<bool(size_t place, const Share& share)>& has, const ArrivalVisit& visit) {
+  const auto metres = [](const std::vector<int>& listed) {
+    return NoiseRoots(listed.size(), Matrix3<double>::Identity());
+  };
+  RowStream(problem, quoted, metres, LatentTreatment::kIgnore, ArrivalsOf(problem, quoted))
+      .ForEachShared(
+          whole.parameters, whole.columns, fitted.num_threads(), [&](const RowPiece& piece, const Share& share) {
+            ForEachArrival(
+                problem, piece, quoted,
+                [&](const std::vector<int>& places, const RowMajorMatrix& jacobian, const Eigen::MatrixXd& latent) {
+                  if (has(static_cast<size_t>(places.front()), share)) {
+                    visit(places, jacobian, latent);
+                  }
+                });
+          });
 }
 
 // m, where all of these are the same number on every axis; else 0.
@@ -179,13 +188,13 @@ double SigmaOfEveryAxis(const NoiseRoots& roots) {
 
 // What the points of each fold say of predictions, where that follows from what is summed of its rows: all of them
 // points that are weighed by one sigma and err by one. False: it does not.
-bool PredictFromTotals(const CalibrationProblem& problem, const NoiseRoots& weighed_by, const NoiseRoots& scatter,
+bool PredictFromTotals(const CalibrationProblem& problem, const NoiseRoots& weighed_by, const NoiseRoots& instrument,
                        const std::vector<int>& quoted, const std::vector<int>& points_of_fold,
                        std::vector<Fold>* folds) {
   const bool are_all = quoted.size() == problem.CalibrationObservations().size();
-  if (!problem.latent.empty() || quoted.empty() || !are_all) return false;
+  if (quoted.empty() || !are_all) return false;
   const double weighed = SigmaOfEveryAxis(weighed_by);
-  const double errs = SigmaOfEveryAxis(scatter);
+  const double errs = SigmaOfEveryAxis(instrument);
   if (!(weighed > 0.0 && errs > 0.0)) return false;
   for (size_t f = 0; f < folds->size(); ++f) {
     Fold& fold = (*folds)[f];
@@ -324,12 +333,27 @@ Eigen::Matrix3Xd ErrorsOfFolds(const CalibrationProblem& problem, const FittedSt
                                const NoiseRoots& weighed, bool is_compared, DividedFit* fit) {
   Eigen::Matrix3Xd errors = ResidualsOf(problem.data(), quoted, whole.predicted(Eigen::all, quoted));
   if (whole.columns.empty() || quoted.empty()) return errors;
-  const NoiseRoots scatter = is_compared ? ScatterOf(estimate, quoted) : NoiseRoots();
+  const NoiseRoots instrument = is_compared ? InstrumentOf(estimate, quoted) : NoiseRoots();
+  const auto fold_of = [&](size_t place) { return FoldAt(problem, plan, quoted[place]); };
+  const auto has = [&](size_t place, const Share& share) { return share.Has(fold_of(place)); };
+  if (!problem.latent.empty()) {
+    ForEachQuotedArrival(
+        problem, whole, fitted, quoted, has,
+        [&](const std::vector<int>& places, const RowMajorMatrix& jacobian, const Eigen::MatrixXd& latent) {
+          Fold& fold = fit->folds[fold_of(static_cast<size_t>(places.front()))];
+          errors(Eigen::all, places) -= (jacobian * fold.step).reshaped(3, static_cast<Eigen::Index>(places.size()));
+          if (!is_compared) return;
+          NoiseRoots own;
+          for (const int place : places) own.push_back(instrument[static_cast<size_t>(place)]);
+          fold.predicted.AddArrival(own, jacobian, TimesStated(estimate) * latent);
+        });
+    return errors;
+  }
   std::vector<int> points_of_fold(fit->folds.size(), 0);
   for (const int i : quoted) ++points_of_fold[FoldAt(problem, plan, i)];
   const bool are_summed =
-      is_compared && PredictFromTotals(problem, weighed, scatter, quoted, points_of_fold, &fit->folds);
-  if (problem.latent.empty() && (are_summed || !is_compared)) {
+      is_compared && PredictFromTotals(problem, weighed, instrument, quoted, points_of_fold, &fit->folds);
+  if (are_summed || !is_compared) {
     fitted.ForEachMoved(
         whole.parameters, whole.columns,
         [&](int position) -> const Eigen::VectorXd& { return fit->folds[plan.rows.partition.part_of[position]].step; },
@@ -339,14 +363,12 @@ Eigen::Matrix3Xd ErrorsOfFolds(const CalibrationProblem& problem, const FittedSt
         });
     return errors;
   }
-  ForEachPoint(
-      problem, whole.parameters, whole.columns, fitted, quoted, weighed,
-      [&](size_t place, const Share& share) { return share.Has(FoldAt(problem, plan, quoted[place])); },
-      [&](size_t place, const Matrix3<double>& root, const RowsOfPoint& rows) {
-        Fold& fold = fit->folds[FoldAt(problem, plan, quoted[place])];
-        errors.col(static_cast<Eigen::Index>(place)) -= root * (rows * fold.step);
-        if (is_compared && !are_summed) fold.predicted.Add(scatter[place], root * rows);
-      });
+  ForEachPoint(whole.parameters, whole.columns, fitted, quoted, weighed, has,
+               [&](size_t place, const Matrix3<double>& root, const RowsOfPoint& rows) {
+                 Fold& fold = fit->folds[fold_of(place)];
+                 errors.col(static_cast<Eigen::Index>(place)) -= root * (rows * fold.step);
+                 fold.predicted.Add(instrument[place], root * rows);
+               });
   return errors;
 }
 

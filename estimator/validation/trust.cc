@@ -12,6 +12,7 @@
 #include "estimator/inspection/data_lint.h"
 #include "estimator/inspection/explained_errors.h"
 #include "estimator/inspection/reading_lint.h"
+#include "estimator/intervals/predicted_sums.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/normal_equations.h"
 #include "estimator/least_squares/row_stream.h"
@@ -29,6 +30,18 @@ constexpr double kBetter = 0.05;
 constexpr double kWrongWeights = 2.0;
 constexpr double kSamePose = 1e-3;  // rad or m, of every joint: what points show there they show at the other too
 
+// Root R of what parameters leave open: [J H] R = [J root(C), K root(S)], K = H + J G (prediction.h), H of the held.
+Eigen::MatrixXd RootWithHeld(const Estimate& estimate) {
+  const Eigen::MatrixXd of_estimated = RootOf(estimate.covariance), of_held = RootOf(estimate.held.second_moment);
+  const Eigen::Index n = of_estimated.rows(), h = of_held.rows();
+  Eigen::MatrixXd root = Eigen::MatrixXd::Zero(n + h, of_estimated.cols() + of_held.cols());
+  root.topLeftCorner(n, of_estimated.cols()) = of_estimated;
+  if (h == 0) return root;
+  root.topRightCorner(n, of_held.cols()) = estimate.held.slopes * of_held;
+  root.bottomRightCorner(h, of_held.cols()) = of_held;
+  return root;
+}
+
 UnseenPoints JudgeHoldout(const CalibrationProblem& problem, const Estimate& estimate) {
   const std::vector<int> observations = problem.data().PointsAmong(problem.ValidationObservations());
   UnseenPoints holdout = MeasureUnseen(
@@ -37,18 +50,21 @@ UnseenPoints JudgeHoldout(const CalibrationProblem& problem, const Estimate& est
   const auto metres = [](const std::vector<int>& listed) {
     return NoiseRoots(listed.size(), Matrix3<double>::Identity());
   };
-  const auto columns = static_cast<int>(estimate.estimated.size());
-  PredictedSums sums(columns);
-  const RowStream stream(problem, observations, metres, LatentTreatment::kIgnore);
-  const bool valid = stream.ForEach(estimate.parameters, estimate.estimated, [&](const RowPiece& piece) {
-    std::vector<int> listed;
-    for (const int k : piece.positions) listed.push_back(observations[k]);
-    const NoiseRoots scatter = ScatterOf(estimate, listed);
-    for (int i = 0; i < piece.num_observations(); ++i) sums.Add(scatter[i], piece.rows.block(3 * i, 0, 3, columns));
+  std::vector<int> columns = estimate.estimated;
+  columns.insert(columns.end(), estimate.held.coordinates.begin(), estimate.held.coordinates.end());
+  PredictedSums sums(static_cast<int>(columns.size()));
+  const RowStream stream(problem, observations, metres, LatentTreatment::kIgnore, ArrivalsOf(problem, observations));
+  const bool valid = stream.ForEach(estimate.parameters, columns, [&](const RowPiece& piece) {
+    ForEachArrival(
+        problem, piece, observations,
+        [&](const std::vector<int>& positions, const RowMajorMatrix& jacobian, const Eigen::MatrixXd& latent) {
+          std::vector<int> listed;
+          for (const int k : positions) listed.push_back(observations[k]);
+          sums.AddArrival(InstrumentOf(estimate, listed), jacobian, TimesStated(estimate) * latent);
+        });
   });
   if (!valid) return holdout;
-  const PredictedSquares predicted = sums.Squares(RootOf(estimate.covariance));
-  ComparePrediction(predicted, estimate, &holdout);
+  ComparePrediction(sums.Squares(RootWithHeld(estimate)), estimate, &holdout);
   return holdout;
 }
 

@@ -74,61 +74,27 @@ Gain CompareRms(const UnseenPoints& before, const UnseenPoints& after, double si
   return gain;
 }
 
-PredictedSums::PredictedSums(int columns)
-    : columns_(columns),
-      points_(columns),
-      by_noise_(columns),
-      alike_(Eigen::MatrixXd::Zero(columns, columns)),
-      alike_by_noise_(alike_) {}
-
-void PredictedSums::Add(double sigma, int points, const Eigen::MatrixXd& products) {
-  const double variance = sigma * sigma;
-  trace_ += 3.0 * points * variance;
-  square_ += 3.0 * points * variance * variance;
-  alike_ += products;
-  alike_by_noise_ += variance * products;
-}
-
-void PredictedSums::Add(const Matrix3<double>& noise,
-                        const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>& jacobian) {
-  const Matrix3<double> own = noise * noise.transpose();
-  trace_ += own.trace();
-  square_ += own.squaredNorm();
-  const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor> scaled = noise.transpose() * jacobian;
-  for (int axis = 0; axis < 3; ++axis) {
-    points_.Add(jacobian.data() + axis * columns_);
-    by_noise_.Add(scaled.data() + axis * columns_);
-  }
-}
-
-// tr V = tr N + tr R'SR, tr V^2 = tr N^2 + 2 tr R'QR + |R'SR|^2 with S = J'J, Q = J'NJ, N = diag(noise).
-PredictedSquares PredictedSums::Squares(const Eigen::MatrixXd& root) {
-  const Eigen::MatrixXd moved = root.transpose() * (points_.Total() + alike_) * root;
-  const Eigen::MatrixXd mixed = root.transpose() * (by_noise_.Total() + alike_by_noise_) * root;
-  return {trace_ + moved.trace(), trace_, square_ + 2.0 * mixed.trace() + moved.squaredNorm()};
-}
-
 void ComparePrediction(const PredictedSquares& predicted, const Estimate& estimate, UnseenPoints* unseen) {
   if (unseen->points == 0 || !(predicted.trace > 0.0) || !std::isfinite(predicted.trace)) return;
   unseen->predicted_rms = std::sqrt(predicted.trace / (3.0 * unseen->points));
-  // sum e^2 is about tr V / nu chi2_nu, nu = (tr V)^2 / tr V^2 (Satterthwaite 1946).
-  const double freedom = predicted.trace * predicted.trace / predicted.trace_of_square;
-  unseen->freedom = freedom;
+  unseen->freedom = predicted.Freedom();
   unseen->parameters_share = 1.0 - predicted.of_noise / predicted.trace;
   const double ratio = 3.0 * unseen->points * unseen->rms * unseen->rms / predicted.trace;
   const bool noise_is_estimated = !estimate.sigma.stated || estimate.sigma.scaled;
   if (noise_is_estimated && estimate.dof < 1) return;
   const double of_noise = noise_is_estimated ? estimate.dof : std::numeric_limits<double>::infinity();
-  const auto p_of = [&](double size) { return FSurvival(size, freedom, of_noise); };
-  unseen->p_value = p_of(ratio);
-  unseen->p_mostly_unknown = p_of(ratio / (kMostlyUnknown * kMostlyUnknown));
+  unseen->p_value = ChanceOf(predicted, ratio, of_noise);
+  unseen->p_mostly_unknown = ChanceOf(predicted, ratio / (kMostlyUnknown * kMostlyUnknown), of_noise);
 }
 
-NoiseRoots ScatterOf(const Estimate& estimate, const std::vector<int>& observations) {
-  const double scale = estimate.sigma.stated && estimate.sigma.scaled ? estimate.sigma.a_posteriori : 1.0;
+double TimesStated(const Estimate& estimate) {
+  return estimate.sigma.stated && estimate.sigma.scaled ? estimate.sigma.a_posteriori : 1.0;
+}
+
+NoiseRoots InstrumentOf(const Estimate& estimate, const std::vector<int>& observations) {
   NoiseRoots roots;
   roots.reserve(observations.size());
-  for (const int i : observations) roots.push_back(scale * estimate.scatter[i]);
+  for (const int i : observations) roots.push_back(TimesStated(estimate) * estimate.noise[i]);
   return roots;
 }
 

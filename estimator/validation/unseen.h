@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "estimator/estimate/estimate.h"
-#include "estimator/least_squares/row_sums.h"
+#include "estimator/intervals/predicted_squares.h"
 #include "estimator/validation/pose_accuracy.h"
 #include "problems/calibration_problem.h"
 
@@ -36,7 +36,7 @@ struct UnseenPoints {
   double p_value = 1.0;
   double p_mostly_unknown = 1.0;  // the same although the errors are kMostlyUnknown times those predicted
   double parameters_share = 0.0;  // of the squares predicted: what uncertain parameters add to the noise
-  double freedom = 0.0;           // of the errors, nu below; 0: the noise is not known
+  double freedom = 0.0;           // of the errors, nu of predicted_squares.h; 0: the noise is not known
   double Excess() const { return predicted_rms > 0.0 ? rms / predicted_rms : 1.0; }
 };
 
@@ -60,38 +60,12 @@ struct Gain {
 // RMS differ before one is called better.
 Gain CompareRms(const UnseenPoints& before, const UnseenPoints& after, double significance, double least);
 
-// A sum of squares of Gaussian errors with covariance V has the mean tr V and the variance 2 tr V^2; by Satterthwaite
-// it is tr V chi^2_nu / nu, nu = (tr V)^2 / tr V^2, and F with the degrees of freedom of the noise where that is
-// estimated.
-struct PredictedSquares {
-  double trace = 0.0;            // tr V, m^2
-  double of_noise = 0.0;         // of this the readings' scatter, m^2
-  double trace_of_square = 0.0;  // tr V^2, m^4
-};
-
-// V = diag(noise) + J C J' of points, of which none is kept: both traces follow from J'J and from J' diag(noise) J.
-class PredictedSums {
- public:
-  explicit PredictedSums(int columns);
-
-  // jacobian: three rows, m/SI, of one point; noise: its root, m.
-  void Add(const Matrix3<double>& noise, const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>& jacobian);
-  // Points that err by the same sigma (m) on every axis; products: their J'J, m^2/SI^2.
-  void Add(double sigma, int points, const Eigen::MatrixXd& products);
-  // Of the points so far; root: R of C = R R'. To be asked once.
-  PredictedSquares Squares(const Eigen::MatrixXd& root);
-
- private:
-  int columns_;
-  SumOfRows points_, by_noise_;
-  Eigen::MatrixXd alike_, alike_by_noise_;  // of points that came by their products
-  double trace_ = 0.0, square_ = 0.0;       // of the noise
-};
-
 // Sets predicted_rms and p_value; nothing where the noise is not known.
 void ComparePrediction(const PredictedSquares& predicted, const Estimate& estimate, UnseenPoints* unseen);
 
-// Root of what a reading scatters by, m: instrument and joints' deviations, at the noise that the estimate goes by.
-NoiseRoots ScatterOf(const Estimate& estimate, const std::vector<int>& observations);
+// Times of the stated noise, instrument's and joints', that the estimate goes by.
+double TimesStated(const Estimate& estimate);
+// Root of the covariance of one measurement by the instrument, m, at that noise.
+NoiseRoots InstrumentOf(const Estimate& estimate, const std::vector<int>& observations);
 
 }  // namespace sagitta

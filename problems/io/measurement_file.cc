@@ -14,6 +14,7 @@
 #include "problems/io/ids_by_text.h"
 #include "problems/io/measurement_row.h"
 #include "problems/io/measurement_warnings.h"
+#include "problems/io/units.h"
 
 namespace sagitta {
 namespace {
@@ -117,6 +118,7 @@ class MeasurementsBuilder {
   };
 
   void RefuseCopy(Repeated* shots);
+  bool StatesAnotherTime(const Observation& one, const Observation& other) const;
   void CountCopiedPoint(const MeasurementRow& row, int first_shot, int marker);
   void WarnOfRepeated();
   int FirstShot(const Ids& ids);
@@ -171,12 +173,19 @@ void MeasurementsBuilder::RefuseCopy(Repeated* shots) {
        "a file given twice? repeated shots differ in repeat or in their values");
 }
 
+bool MeasurementsBuilder::StatesAnotherTime(const Observation& one, const Observation& other) const {
+  const std::optional<double> first = ParseNumber(data_.Cell(one, "time_s")),
+                              second = ParseNumber(data_.Cell(other, "time_s"));
+  return first && second && *first != *second;
+}
+
 // Two readings of one place differ in their last digits, in one of three coordinates at least.
 void MeasurementsBuilder::CountCopiedPoint(const MeasurementRow& row, int first_shot, int marker) {
   if (row.point.isZero(0.0)) return;  // a table of poses to come
   for (const int i : data_.shots[first_shot].observations) {
     const Observation& first = data_.observations[i];
-    const bool is_copied = first.marker == marker && first.is_point() && first.point_in_station == row.point;
+    const bool is_copied = first.marker == marker && first.is_point() && first.point_in_station == row.point &&
+                           !StatesAnotherTime(first, data_.observations[current_]);
     if (!is_copied || copied_++ > 0) continue;
     first_copied_ = {FileOf(current_).path, RowOf(current_).line, "x_mm"};
     original_ = SourceOf(i);

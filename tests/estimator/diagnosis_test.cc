@@ -340,6 +340,10 @@ TEST(Diagnosis, StatedRepeatabilityBesideAWrongSigmaIsNoFinding) {
   }
   const Diagnosis diagnosis = Diagnose(MakeCalibrationProblem(measured.robot(), data, experiment), DiagnosisOptions());
   EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kNoise);
+  // The gap is of the figures that stand next to it; noise closes none.
+  const double floor = diagnosis.gap.floor, rms = HoldoutRms(diagnosis.final);
+  EXPECT_NEAR(diagnosis.gap.after, std::sqrt(std::max(0.0, rms * rms - floor * floor)), 1e-12);
+  EXPECT_FALSE(diagnosis.gap.closed > 0.0);
   EXPECT_TRUE(diagnosis.noise.scale_differs);
   EXPECT_FALSE(diagnosis.noise.HasUndeclaredRepeatability());
   EXPECT_LT(diagnosis.noise.low, 2.0);
@@ -384,6 +388,7 @@ TEST(Diagnosis, BumpOutsideTheCatalogueIsUnknown) {
   const Diagnosis diagnosis = Diagnose(Hidden(4, bump), DiagnosisOptions());
   EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kUnknown);
   EXPECT_EQ(diagnosis.unexplained.what.depends_on, std::vector<std::string>{"A3"});
+  EXPECT_EQ(diagnosis.final_p, diagnosis.baseline_p);  // nothing was added
 }
 
 // Where nothing states sigma the baseline is what `calibrate` says, whatever the joints do, and a floor that is the

@@ -169,6 +169,17 @@ TEST(LoadedEstimate, TheSpringsScaleGaugeHoldsLWithWords) {
   EXPECT_GT(ChiSquareSurvival(test::SquaredDistanceToTruth(estimate, truth), estimate.estimated.size()), 1e-5);
 }
 
+// Where the file is off, all of the triangle scales with the length that the file has.
+TEST(LoadedEstimate, ASpringsLengthRestsAsStated) {
+  const LoadedTruth truth = test::Everything();
+  test::LoadedSetup setup = test::SetupFor(truth);
+  setup.experiment.estimate.gravity_compensator = {Selection::Kind::kAll, {}};
+  setup.robot.gravity_compensator->L *= 1.01;
+  setup.robot.gravity_compensator->s0 *= 0.99;
+  const Estimate estimate = Simulated(truth, test::WithPulls(), setup).Solve(5);
+  EXPECT_EQ(Row(estimate, "compensator/L").value, setup.robot.gravity_compensator->L);
+}
+
 // Torques alone hardly determine a spring's shape. Held where it is stated, what is estimated along would be as certain
 // as if that were exact.
 TEST(LoadedEstimate, ASpringThatIsHardlyKnownIsAsUncertainAsItsPriorsSay) {

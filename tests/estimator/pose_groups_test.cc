@@ -83,7 +83,7 @@ TEST(PoseGroups, ErrorsLeftOutAreThoseOfRefits) {
     effects.push_back(evidence.list().SpecOf(member));
   }
   const PoseGroups groups(evidence, leading, InPlaces(evidence, leading));
-  EXPECT_TRUE(groups.HasOnePoseEach());
+  EXPECT_TRUE(groups.HasFewPoses());
   const std::vector<double> without = ErrorsLeftOut(problem, believed, {}, {});
   const std::vector<double> with = ErrorsLeftOut(problem, believed, effects, leading.set.scales);
   ExpectErrors(groups, {}, without);
@@ -98,7 +98,7 @@ TEST(PoseGroups, ManyPosesAreTwentyGroups) {
                           std::numeric_limits<double>::infinity(), nullptr);
   const WeightedModel& leading = evidence.models()[0];
   const PoseGroups groups(evidence, leading, InPlaces(evidence, leading));
-  EXPECT_FALSE(groups.HasOnePoseEach());
+  EXPECT_FALSE(groups.HasFewPoses());
   EXPECT_EQ(groups.ErrorsLeftOut({}).size(), 20);
   EXPECT_LT(groups.ErrorsLeftOut(leading.set).sum(), 0.7 * groups.ErrorsLeftOut({}).sum());
 }

@@ -358,7 +358,7 @@ TEST(Prediction, TracesAreThoseOfDrawnErrors) {
   std::vector<int> rows;
   for (int i = 0; i < 12; ++i) rows.push_back(i);
   const NoiseRoots instrument(rows.size(), 5e-5 * Matrix3<double>::Identity());
-  PredictionTraces traces;
+  PredictedSquares traces;
   PredictionCovariances(problem, UncertaintyOf(estimate), rows, 1.0, instrument, &traces);
   const Eigen::MatrixXd root = estimate.covariance.llt().matrixL();
   NormalNumbers normal(3);

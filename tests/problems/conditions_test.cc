@@ -41,6 +41,23 @@ TEST_F(ConditionsTest, OneClockForTheCampaignAndOneForEachStation) {
   }
 }
 
+// A weight that is stated for a load acts where the rows have the load's moments alone.
+TEST_F(ConditionsTest, MomentsAreAddedToTheStatedWeight) {
+  Experiment experiment;
+  experiment.loads["V"].mass = 10.0;
+  experiment.loads["V"].point = Vector3<double>(0.1, 0.0, 0.0);
+  const std::string rows = R"(config,marker,q1_deg,q2_deg,x_mm,y_mm,z_mm,load,my_Nm
+C1,M1,0,0,1400,0,500,V,30
+)";
+  const std::vector<ShotConditions> shots = Conditions(rows, experiment);
+  ASSERT_EQ(shots.front().load_wrenches.size(), 1u);
+  const AppliedWrench& wrench = shots.front().load_wrenches.front();
+  EXPECT_LT((wrench.force - Vector3<double>(0.0, 0.0, -10.0 * experiment.gravity)).norm(), 1e-12);
+  EXPECT_EQ(wrench.moment, Vector3<double>(0.0, 30.0, 0.0));
+  experiment.loads["V"].frame = WrenchFrame::kFlange;  // of which gravity is none
+  EXPECT_THROW(Conditions(rows, experiment), InputError);
+}
+
 // Rows need not stand in the order in which they were measured: time begins with the earliest.
 TEST_F(ConditionsTest, TimeCountsFromTheEarliestRow) {
   const std::vector<ShotConditions> shots = Conditions(R"(config,marker,q1_deg,q2_deg,x_mm,y_mm,z_mm,station,time_s

@@ -80,6 +80,25 @@ TEST_F(LoadInputTest, LoadWithoutAForce) {
   ExpectNothingWritten(Calibrate(kScene, rows), 2, {"loads.csv:", "V250", "has no force", "mass_kg"});
 }
 
+// An estimate knows more stations than rows have that it is compared with: why these are far off is said all the same.
+TEST_F(LoadInputTest, RowsOfOneStationOfSeveralThatTheRobotDidNotMake) {
+  const std::string stations = "stations: {S1: {levelled: true}, S2: {levelled: true}, S3: {levelled: true}}\n";
+  const Rows published = Cells(ReadAll(Published(kLoaded)));
+  Rows all = {published[0]};  // without the markers on foot and links
+  for (size_t i = 1; i < published.size(); ++i) {
+    if (published[i][Column(published, "config")][0] != 'G') all.push_back(published[i]);
+  }
+  const Outcome calibrated = Calibrate(kScene + stations, all);
+  ASSERT_EQ(calibrated.status, 0) << calibrated.err;
+  Rows rows = LoadedRows();  // of S3 alone
+  Set(
+      "x_mm", "100", [](size_t) { return true; }, &rows);
+  Write("s3.csv", Csv(rows));
+  const Outcome outcome = Run({"validate", Path("out/estimate.json"), Path("s3.csv"), "--out=" + Path("v")});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("cannot have made these readings"));
+}
+
 TEST_F(LoadInputTest, WrenchColumnInTheWrongUnit) {
   Rows rows = LoadedRows();
   rows[0][Column(rows, "fx_N")] = "fx_kN";

@@ -276,6 +276,18 @@ TEST_F(MisreadInput, TheSameReadingsTwiceAreRefused) {
                                  HasSubstr("given twice")));
 }
 
+// A coarse instrument reads the same point again, at another time.
+TEST_F(MisreadInput, RepeatsThatReadAlikeAtAnotherTimeAreNot) {
+  Rows rows = Points();
+  const size_t count = rows.size();
+  for (size_t i = 1; i < count; ++i) rows.push_back(rows[i]);
+  rows[0].push_back("time_s");
+  for (size_t i = 1; i < rows.size(); ++i) rows[i].push_back(std::to_string(10 * i));
+  const Outcome outcome = Calibrated(rows);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.err + outcome.out, HasSubstr("they count as repeated"));
+}
+
 TEST_F(MisreadInput, RepeatsOfOneNoiseAreNot) {
   Rows rows = Points();
   const Rows again = Changed(rows, {"x_mm"}, {"x_mm"}, [](const Numbers& x) -> Numbers { return {x[0] + 0.01}; });

@@ -84,7 +84,7 @@ Section GapSection(const Diagnosis& d) {
   };
   add("hold-out RMS per coordinate", before.validation.rms, after.validation.rms);
   add("hold-out RMS distance", before.validation.distance_rms, after.validation.distance_rms);
-  std::string gap = "The gap beyond the noise is " + GapIsNotKnown();
+  std::string gap = "The gap beyond the noise is " + GapIsNotKnown(d.gap);
   if (!std::isnan(d.gap.floor)) {
     add("gap beyond the noise floor", d.gap.before, d.gap.after);
     gap = "Noise floor " + Millimetres(d.gap.floor) + " mm per coordinate" +

@@ -1,0 +1,44 @@
+// The traces of predicted_squares.h, of sums over points.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "estimator/intervals/predicted_squares.h"
+#include "estimator/least_squares/row_stream.h"
+#include "estimator/least_squares/row_sums.h"
+
+namespace sagitta {
+
+// No point is kept: both traces follow from J'J and from J'NJ.
+class PredictedSums {
+ public:
+  explicit PredictedSums(int columns);
+
+  // A point that errs by itself. noise: S, m; jacobian: three rows, m/SI.
+  void Add(const Matrix3<double>& noise, const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>& jacobian);
+  // Points of one arrival. instrument: S of each, m; jacobian, latent: J, m/SI, and L, m, three rows of each.
+  void AddArrival(const NoiseRoots& instrument, const RowMajorMatrix& jacobian, const Eigen::MatrixXd& latent);
+  // Points that err by the same sigma (m) on every axis; products: their J'J, m^2/SI^2.
+  void Add(double sigma, int points, const Eigen::MatrixXd& products);
+  // Of the points so far; root: R. To be asked once.
+  PredictedSquares Squares(const Eigen::MatrixXd& root);
+
+ private:
+  int columns_;
+  SumOfRows points_, by_noise_;
+  Eigen::MatrixXd alike_, alike_by_noise_;  // of points that came by their products
+  double trace_ = 0.0, square_ = 0.0;       // of N
+};
+
+// The arrival of each observation: of one whole come the rows of a stream that keeps these together.
+std::vector<int> ArrivalsOf(const CalibrationProblem& problem, const std::vector<int>& observations);
+
+// Calls visit(positions, J, L) for every arrival among the rows of a piece, three rows of each position. observations:
+// the list that positions are in.
+using ArrivalVisit = std::function<void(const std::vector<int>& positions, const RowMajorMatrix& jacobian,
+                                        const Eigen::MatrixXd& latent)>;
+void ForEachArrival(const CalibrationProblem& problem, const RowPiece& piece, const std::vector<int>& observations,
+                    const ArrivalVisit& visit);
+
+}  // namespace sagitta
