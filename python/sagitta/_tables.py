@@ -65,7 +65,7 @@ def _text(value):
         return ""
     if isinstance(value, (float, np.floating)):
         return repr(float(value))
-    return str(value)
+    return value.decode("utf-8") if isinstance(value, bytes) else str(value)
 
 
 def _unmasked(values):
@@ -80,7 +80,10 @@ def _unmasked(values):
 
 def _array(name, values):
     """What a table holds under a name, as an array: no dimension where one value is that of all rows."""
-    array = values.to_numpy() if hasattr(values, "to_numpy") else np.asanyarray(values)
+    try:
+        array = values.to_numpy() if hasattr(values, "to_numpy") else np.asanyarray(values)
+    except ValueError as error:  # a list of lists that are not equally long
+        raise _input_error("'%s' is no array: %s" % (name, error), name) from error
     if array.dtype.kind == "c":
         raise _input_error("'%s' holds complex numbers" % name, name)
     if np.ma.isMaskedArray(array):
@@ -94,9 +97,13 @@ def _array(name, values):
     return array
 
 
+_LARGEST_EXACT = 2**53  # of the integers that float64 holds, all of them
+
+
 def _cells(column):
-    """A column as float64, or as a list of texts"""
-    if column.dtype.kind in "fiu":
+    """A column as float64, or as a list of texts: words, and integers of which float64 would lose digits"""
+    is_long = column.dtype.kind in "iu" and ((column > _LARGEST_EXACT) | (column < -_LARGEST_EXACT)).any()
+    if column.dtype.kind in "fiu" and not is_long:
         return np.asarray(column, dtype=np.float64)
     return [_text(value) for value in column]
 

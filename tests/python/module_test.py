@@ -344,6 +344,14 @@ class TablesInMemory(FolderTest):
         one = sagitta.read(KR270 / "robot.yaml", {**frame, "sigma_mm": 0.03}).to_dataframe()
         self.assertEqual(set(one["sigma_y_mm"]), {0.03})
 
+    def test_names_are_those_of_the_file_to_the_last_digit(self):
+        visits = 1764321000000000001 + np.arange(len(self.columns["config"]), dtype=np.int64)  # stamps, ns
+        rows = sagitta.read(KR270 / "robot.yaml", {**self.columns, "visit": visits}).to_dataframe()
+        self.assertEqual(list(rows["visit"].astype(str)), [str(visit) for visit in visits])
+        markers = np.array(self.columns["marker"], dtype="S8")
+        self.assertEqual(sagitta.read(KR270 / "robot.yaml", {**self.columns, "marker": markers}).markers,
+                         sagitta.read(KR270 / "robot.yaml", self.columns).markers)
+
     def test_nullable_columns_of_pandas(self):
         frame = pandas.read_csv(KR270 / "geometric.csv", comment="#", float_precision="round_trip")
         points = frame[["x_mm", "y_mm", "z_mm"]].astype("Float64")
@@ -476,6 +484,7 @@ class Errors(FolderTest):
                                    ("xyz_mm", np.zeros((rows, 4)), "4 columns .3 columns are expected: x_mm, y_mm, z_mm"),
                                    ("sigma_mm", np.zeros((3, rows)), "transposed"),
                                    ("marker", (name for name in ["P1"] * rows), "generator .*one value per row"),
+                                   ("xyz_mm", [[1.0, 2.0]] + [[1.0]] * (rows - 1), "'xyz_mm' is no array"),
                                    ("xyz_mm", np.zeros((rows, 3, 1)), "3 dimensions")):
             columns = dict(frame.drop(columns=["x_mm", "y_mm", "z_mm"] if name == "xyz_mm" else []))
             error = self.caught(sagitta.read, KR270 / "robot.yaml", {**columns, name: array})
