@@ -69,10 +69,6 @@ DhLink LinkOnto(const Line& next, double parallel) {
   return link;
 }
 
-Pose<double> Multiply(const Pose<double>& a, const Pose<double>& b) {
-  return {a.rotation * b.rotation, a * b.translation};
-}
-
 Pose<double> LinkPose(const DhLink& link) {
   Pose<double> pose;
   RotateInPlace(Axis::kZ, link.theta, &pose.rotation);
@@ -80,13 +76,6 @@ Pose<double> LinkPose(const DhLink& link) {
   RotateInPlace(Axis::kX, link.alpha, &pose.rotation);
   RotateInPlace(Axis::kY, link.beta, &pose.rotation);
   return pose;
-}
-
-// Fixed-axis x-y-z angles.
-Vector3<double> Rpy(const Matrix3<double>& rotation) {
-  const double yaw = std::atan2(rotation(1, 0), rotation(0, 0));
-  const Matrix3<double> rest = Eigen::AngleAxisd(-yaw, Vector3<double>::UnitZ()).toRotationMatrix() * rotation;
-  return {std::atan2(-rest(1, 2), rest(1, 1)), std::atan2(-rest(2, 0), rest(0, 0)), yaw};
 }
 
 // The last link as far as its four parameters go; the rest is the flange's pose.
@@ -106,7 +95,7 @@ void CloseTable(const Pose<double>& flange, int joint, DhTable* table) {
   const Vector3<double> rest = reached.rotation.transpose() * (flange.translation - reached.translation);
   table->flange_xyz = rest.norm() < kZero ? Vector3<double>::Zero() : Vector3<double>(rest.unaryExpr(&Clean));
   const Matrix3<double> turn = reached.rotation.transpose() * flange.rotation;
-  if ((turn - Matrix3<double>::Identity()).norm() > kZero) table->flange_rpy = Rpy(turn).unaryExpr(&Clean);
+  if ((turn - Matrix3<double>::Identity()).norm() > kZero) table->flange_rpy = RpyFromRotation(turn).unaryExpr(&Clean);
 }
 
 // `parallel`: rad, within which axes count as parallel and have beta.
@@ -129,7 +118,7 @@ std::optional<DhTable> StandardTable(const Chain& chain, double parallel, std::s
     DhLink link = LinkOnto(Seen(here, next), parallel);
     link.joint = j;
     table.links.push_back(link);
-    here = Multiply(here, LinkPose(link));
+    here = Product(here, LinkPose(link));
   }
   const Pose<double>& flange = frames.back();
   const Pose<double> flange_here{here.rotation.transpose() * flange.rotation,
@@ -156,9 +145,9 @@ DhTable ModifiedFromStandard(const DhTable& standard) {
   }
   DhLink last = standard.links.back();
   last.theta = last.d = 0.0;
-  const Pose<double> flange = Multiply(LinkPose(last), FlangePose(standard));
+  const Pose<double> flange = Product(LinkPose(last), FlangePose(standard));
   table.flange_xyz = flange.translation;
-  table.flange_rpy = Rpy(flange.rotation).unaryExpr(&Clean);
+  table.flange_rpy = RpyFromRotation(flange.rotation).unaryExpr(&Clean);
   return table;
 }
 

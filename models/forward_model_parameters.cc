@@ -1,5 +1,5 @@
 // The parameters of a forward model: which there are, their nominal values, and the way back into a robot.
-#include <cstdio>
+#include <charconv>
 
 #include "models/constants.h"
 #include "models/effects/catalogue.h"
@@ -11,8 +11,8 @@ namespace {
 
 std::string ShortNumber(double value) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
+  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::general, 6).ptr;
+  return {text, end};
 }
 
 }  // namespace

@@ -41,6 +41,13 @@ Matrix3<double> RotationFromRpy(const Vector3<double>& rpy) {
       .toRotationMatrix();
 }
 
+Vector3<double> RpyFromRotation(const Matrix3<double>& rotation) {
+  // Each angle is read from what the ones before leave, so that an undetermined yaw does no harm.
+  const double yaw = std::atan2(rotation(1, 0), rotation(0, 0));
+  const Matrix3<double> rest = Eigen::AngleAxisd(-yaw, Vector3<double>::UnitZ()).toRotationMatrix() * rotation;
+  return {std::atan2(-rest(1, 2), rest(1, 1)), std::atan2(-rest(2, 0), rest(0, 0)), yaw};
+}
+
 // R = I + [v]x + [v]x^2 / (1 + a . b), v = a x b (Rodrigues with the sine in v).
 Matrix3<double> RotationBetween(const Vector3<double>& from, const Vector3<double>& to) {
   const Vector3<double> a = from.normalized(), b = to.normalized();

@@ -67,6 +67,9 @@ Matrix3<double> InverseLeftJacobian(const Vector3<double>& v);
 // Fixed-axis x-y-z angles as in URDF: R = Rz(yaw) Ry(pitch) Rx(roll).
 Matrix3<double> RotationFromRpy(const Vector3<double>& rpy);
 
+// Its inverse to 1e-15 at every pitch; yaw is 0 where roll and yaw turn about the same axis.
+Vector3<double> RpyFromRotation(const Matrix3<double>& rotation);
+
 // The least rotation that turns one direction into another.
 Matrix3<double> RotationBetween(const Vector3<double>& from, const Vector3<double>& to);
 

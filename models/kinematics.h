@@ -8,7 +8,7 @@
 //
 // and a point before e does not move. Source: Hollerbach, Khalil, Gautier,
 // Springer Handbook of Robotics, chapter "Model identification"; derived in
-// ARCHITECTURE.md.
+// docs/DECISIONS.md.
 #pragma once
 
 #include <vector>

@@ -21,7 +21,8 @@
 
 namespace sagitta {
 
-constexpr double kNoSight = 1e-9;  // m: a point that close to the instrument, or to its upright axis, has no direction
+// m: a point that close to the instrument has no direction, one that close to its upright axis no azimuth.
+constexpr double kNoSight = 1e-9;
 
 // acos(c)^2, smooth at c = 1: the series of acos^2 there, acos^2 = 2 x + x^2 / 3 + 4 x^3 / 45 + x^4 / 70, x = 1 - c
 // (the next term is x^5 / 394).
@@ -56,15 +57,23 @@ T SightFunction(const SightTerm& term, const Vector3<T>& d, const T& h, const T&
   return term.law == SightLaw::kCosWave ? T(cos(phase)) : T(sin(phase));
 }
 
+// Whether the displacement has a direction, or goes with one, that a point on the upright axis does not have.
+inline bool NeedsAzimuth(const SightTerm& term) {
+  const bool by_azimuth = term.law == SightLaw::kCosAzimuth || term.law == SightLaw::kSinAzimuth;
+  return term.sensed != Sensed::kRange || by_azimuth || (term.law >= SightLaw::kBump && term.over == Sensed::kAzimuth);
+}
+
 // The displacement of the point per unit of the parameter. axis: the marker's, in the measurement frame.
 template <typename T>
 Vector3<T> SightDisplacement(const SightTerm& term, const Vector3<T>& point, const Vector3<T>& axis) {
   using std::sqrt;
   const Vector3<T> d = point - term.instrument.cast<T>();
   const T squared_h = d.x() * d.x() + d.y() * d.y();
-  if (squared_h < T(kNoSight * kNoSight)) return Vector3<T>::Zero();
-  const T h = sqrt(squared_h);
-  const T s = sqrt(squared_h + d.z() * d.z());
+  const bool is_upright = squared_h < T(kNoSight * kNoSight);
+  const T squared_s = squared_h + d.z() * d.z();
+  if (squared_s < T(kNoSight * kNoSight) || (is_upright && NeedsAzimuth(term))) return Vector3<T>::Zero();
+  const T h = is_upright ? T(0) : T(sqrt(squared_h));  // the root has no derivative at zero
+  const T s = sqrt(squared_s);
   T times(1);
   if (term.law == SightLaw::kRange) times = s;
   if (term.law == SightLaw::kCosAzimuth) times = d.x() / h;

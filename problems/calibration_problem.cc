@@ -15,7 +15,17 @@
 namespace sagitta {
 namespace {
 
+// A place and a joint of one name. The flange is where a marker is that states nothing: that word is never the joint.
+void CheckOneMeaning(const Chain& chain, const Experiment& experiment, const std::string& marker,
+                     const MarkerPlace& on) {
+  if (on.kind != MarkerPlace::Kind::kBase && on.kind != MarkerPlace::Kind::kWorld) return;
+  if (chain.FindJoint(on.Word()) < 0) return;
+  FailProblem(experiment, "markers." + marker + ".on", "'" + on.Word() + "' is a joint of this robot too",
+              "give the joint another name in the robot file");
+}
+
 int FrameOf(const Chain& chain, const Experiment& experiment, const std::string& marker, const MarkerPlace& on) {
+  CheckOneMeaning(chain, experiment, marker, on);
   switch (on.kind) {
     case MarkerPlace::Kind::kFlange:
       return chain.FlangeFrame();

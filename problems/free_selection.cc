@@ -44,6 +44,14 @@ bool AnyLoaded(const Measurements& data, const Experiment& experiment) {
   return experiment.torques_measured || std::any_of(data.shots.begin(), data.shots.end(), IsLoaded);
 }
 
+// Effects that pull at the arm whatever hangs on it: the weight of its links, a hose. Compliances answer to them too.
+bool PullsByItself(const Robot& robot) {
+  return std::any_of(robot.effects.begin(), robot.effects.end(), [&](const EffectSpec& use) {
+    const EffectDefinition* definition = FindEffect(robot, use.effect);
+    return definition != nullptr && definition->needs == EffectNeeds::kCompliances;
+  });
+}
+
 std::vector<std::string> FreeSpring(const CalibrationProblem& problem) {
   const Selection& selection = problem.experiment().estimate.gravity_compensator;
   if (selection.kind == Selection::Kind::kDefault || selection.kind == Selection::Kind::kNone) return {};
@@ -142,7 +150,8 @@ std::vector<std::string> CompliantJoints(const Robot& robot, const Measurements&
   if (selection.kind == Selection::Kind::kDefault)
     return AnyLoaded(data, experiment) ? all : std::vector<std::string>();
   const std::vector<std::string> named = SelectFrom(all, selection, "estimate.compliance", "joint", experiment);
-  if (!named.empty() && !AnyLoaded(data, experiment) && experiment.tool_mass == 0.0) {
+  const bool is_pulled = AnyLoaded(data, experiment) || experiment.tool_mass != 0.0 || PullsByItself(robot);
+  if (!named.empty() && !is_pulled) {
     throw InputError({experiment.file, LineOf(experiment, "estimate.compliance"), "estimate.compliance"},
                      "compliances are asked for but no row is loaded",
                      "measure loaded shots (column load), or leave the key out");

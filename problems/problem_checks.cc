@@ -164,12 +164,16 @@ void CheckCompensator(const CalibrationProblem& problem) {
   if (!problem.robot().gravity_compensator) return;
   const GravityCompensator& c = *problem.robot().gravity_compensator;
   const CompensatorParameters<double> parameters{c.L, c.a_x, c.a_y, c.s0, c.Kc};
+  const Chain& chain = problem.robot().chain;
+  const ElementaryTransform& turn = chain.transforms[chain.JointTransform(c.joint)];
+  const double zero = turn.sign * (turn.nominal - c.zero.value_or(turn.nominal));  // the spring's angle at q = 0
   if (c.L <= 0.0 || c.s0 <= 0.0 || c.Kc < 0.0) {
     throw InputError({problem.experiment().robot_file, 0, "gravity_compensator"},
                      "L and s0 must be positive and Kc not negative", "state lengths in mm, stiffness in N/mm");
   }
   for (const Configuration& configuration : problem.data().configurations) {
-    if (CompensatorSpringLength(parameters, configuration.q[c.joint]) > 1e-3 * c.s0) continue;
+    const double angle = zero + chain.CoupledJointValues(configuration.q)[c.joint];
+    if (CompensatorSpringLength(parameters, angle) > 1e-3 * c.s0) continue;
     throw InputError({problem.experiment().robot_file, 0, "gravity_compensator"},
                      "the spring would have no length at configuration '" + configuration.id + "'",
                      "check L, a_x and a_y: the lever end would lie on the anchor");

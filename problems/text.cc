@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <cstdlib>
 
 namespace sagitta {
 namespace {
@@ -25,7 +25,8 @@ std::string Fixed(double value, int decimals) {
 std::string Significant(double value, int digits) {
   if (std::isnan(value)) return "-";
   const std::string text = fmt::format("{:.{}g}", value, digits);
-  const double rounded = std::strtod(text.c_str(), nullptr);                  // std::stod throws at 1e-310
+  double rounded = value;  // stays so where it is infinite
+  std::from_chars(text.data(), text.data() + text.size(), rounded);
   const bool would_be_a_power = std::abs(rounded) >= std::pow(10.0, digits);  // 1.66e+03
   return would_be_a_power && std::abs(rounded) < 1e6 ? Fixed(rounded, 0) : WithoutSignOfZero(text);
 }

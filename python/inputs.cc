@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "problems/io/diagnosis_prior.h"
+#include "problems/io/effect_names.h"
 #include "problems/io/experiment_file.h"
 #include "problems/io/files.h"
 #include "problems/io/measurement_file.h"
@@ -32,40 +33,19 @@ std::vector<std::string> CellsOf(const std::string& table, const std::string& na
   return cells;
 }
 
-// What a file of these cells would hold: it distinguishes one table from another, as SHA-256 of files do.
-std::string TextOf(const MeasurementFile& file) {
-  std::string text;
-  const auto add = [&text](const auto& cells) {
-    for (size_t c = 0; c < cells.size(); ++c) text.append(c > 0 ? "," : "").append(cells[c]);
-    text += "\n";
-  };
-  add(file.header);
-  for (const MeasurementFile::Row& row : file.rows) add(row.cells);
-  return text;
-}
-
 }  // namespace
 
 CsvTable TableFrom(const std::string& name, const py::dict& columns) {
-  CsvTable table;
-  MeasurementFile& file = table.file;
-  file.path = name;
+  std::vector<std::string> header;
   std::vector<std::vector<std::string>> cells;
   for (const auto& [key, column] : columns) {
-    file.header.push_back(py::cast<std::string>(key));
-    cells.push_back(CellsOf(name, file.header.back(), column));
+    header.push_back(py::cast<std::string>(key));
+    cells.push_back(CellsOf(name, header.back(), column));
     if (cells.back().size() == cells.front().size()) continue;
-    throw InputError({name, 0, file.header.back()}, "the column has " + std::to_string(cells.back().size()) +
-                                                        " values, '" + file.header.front() + "' has " +
-                                                        std::to_string(cells.front().size()));
+    throw InputError({name, 0, header.back()}, "the column has " + std::to_string(cells.back().size()) + " values, '" +
+                                                   header.front() + "' has " + std::to_string(cells.front().size()));
   }
-  if (cells.empty() || cells.front().empty()) throw InputError({name, 0, ""}, "there are no rows");
-  for (size_t r = 0; r < cells.front().size(); ++r) {
-    file.rows.BeginRow(static_cast<int>(r) + 1);
-    for (const std::vector<std::string>& column : cells) file.rows.AddCell(column[r]);
-  }
-  file.sha256 = Sha256(TextOf(file));
-  return table;
+  return CsvTableOf(name, std::move(header), cells);
 }
 
 CsvTable TableFrom(const py::object& source, std::vector<InputFile>* files) {
@@ -210,11 +190,14 @@ void BindInputs(py::module_& module) {
              i.experiment.validation.fraction = fraction;
              i.experiment.validation.seed = seed;
            })
+      .def("set_validation_seed",
+           [](ExperimentInputs& i, unsigned long long seed) { i.experiment.validation.seed = seed; })
       .def("set_free", [](ExperimentInputs& i, std::vector<std::string> names) { i.experiment.estimate.free = names; })
       .def("set_fixed",
            [](ExperimentInputs& i, std::vector<std::string> names) { i.experiment.estimate.fixed = names; });
   py::class_<Rows> rows(module, "Rows");
   BindData<py::class_<Rows>>(rows, [](const Rows& r) -> const Measurements& { return r.data; });
+  module.def("split_names", &SplitOutsideBrackets);
   module.def("read", &ReadFiles);
   module.def("assemble", &Assemble);
 }

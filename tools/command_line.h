@@ -30,7 +30,7 @@ struct Command {
   std::string summary;  // one line
   std::string help;     // usage, what it does, examples
   std::vector<std::string> flags;
-  int (*run)(const CommandLine& line) = nullptr;  // exit status; null: not in this version
+  int (*run)(const CommandLine& line) = nullptr;  // exit status; null: `program` does it
   std::string program = {};                       // another program that does it, in the same folder
 };
 

@@ -105,8 +105,11 @@ int RunProgram(const CommandLine& line) {
   });
   const bool any = std::any_of(result.results.begin(), result.results.end(),
                                [](const ProgramPointResult& point) { return point.untouched.empty(); });
-  if (table_out && !result.solved.empty()) table_out->Write(CompensationToCsv(result.targets, result.solved));
-  program_out.Write(result.text);
+  std::vector<std::pair<const OutputFile*, std::string>> outputs = {{&program_out, result.text}};
+  if (table_out && !result.solved.empty()) {
+    outputs.emplace_back(&*table_out, CompensationToCsv(result.targets, result.solved));
+  }
+  OutputFile::WriteTogether(outputs);
   std::cout << SummaryOf(result) << "Program: " << FLAGS_program_out << "\n";
   if (any) std::cout << FlangeOfTheMarkers();
   const std::string model_error = ModelErrorInWords(known);

@@ -11,6 +11,7 @@
 #include "problems/io/files.h"
 #include "problems/io/json_reader.h"
 #include "problems/io/output_files.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -45,7 +46,9 @@ Json TrialToJson(const CoverageTrial& trial) {
 
 CoverageTrial TrialFrom(const JsonValue& json, size_t coordinates) {
   CoverageTrial trial;
-  trial.number = static_cast<int>(json.Get("trial").NotNegativeNumber());
+  const double number = json.Get("trial").NotNegativeNumber();
+  if (number > limits::kTrials) json.Fail("there are not so many trials");
+  trial.number = static_cast<int>(number);
   trial.status = json.Get("status").Text();
   trial.error = NumbersFrom(json.Get("error"), coordinates);
   trial.linear_error = NumbersFrom(json.Get("linear_error"), coordinates);
@@ -83,6 +86,7 @@ CoverageState::CoverageState(const std::string& folder, const Json& identity, si
   for (const auto& [number, trial] : trials_) text += TrialToJson(trial).dump() + "\n";
   WriteTextFile(path_, text);
   file_.open(path_, std::ios::app | std::ios::binary);
+  if (!file_) throw InputError({path_, 0, ""}, "the state of the run cannot be written");
 }
 
 void CoverageState::Read(const Json& identity, size_t coordinates) {

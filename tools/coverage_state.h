@@ -21,7 +21,7 @@ class CoverageState {
   CoverageState(const std::string& folder, const nlohmann::ordered_json& identity, size_t coordinates);
 
   const std::map<int, CoverageTrial>& trials() const { return trials_; }
-  // Thread-safe; on disk when it returns.
+  // Thread-safe; with the operating system when it returns: it outlives this program, not a power failure.
   void Add(const CoverageTrial& trial);
 
  private:

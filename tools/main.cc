@@ -1,7 +1,6 @@
 // sagitta: estimates the true geometry of a robot from measured points.
 #include <malloc.h>
 
-#include <algorithm>
 #include <iostream>
 
 #include "problems/input_error.h"
@@ -25,22 +24,14 @@ const std::vector<Command>& Commands() {
   return commands;
 }
 
-bool IsBuilt(const Command& command) { return command.run != nullptr || !command.program.empty(); }
-
 std::string Overview() {
   std::string text = "sagitta " SAGITTA_VERSION
                      ": robot calibration from measured points\n\n"
                      "sagitta COMMAND … | sagitta help COMMAND | sagitta --version\n\n";
-  const std::vector<Command>& commands = Commands();
-  const bool is_whole = std::all_of(commands.begin(), commands.end(), IsBuilt);
-  for (const bool built : {true, false}) {
-    if (!built && !is_whole) text += "\nnot in this version yet\n";
-    for (const Command& command : commands) {
-      if (IsBuilt(command) != built) continue;
-      std::string name = "  " + command.name;
-      name.resize(14, ' ');
-      text += name + command.summary + "\n";
-    }
+  for (const Command& command : Commands()) {
+    std::string name = "  " + command.name;
+    name.resize(14, ' ');
+    text += name + command.summary + "\n";
   }
   return text +
          "\nTo begin: sagitta calibrate ROBOT.yaml MEASUREMENTS.csv --out=results\n"
@@ -79,13 +70,7 @@ int Run(const std::vector<std::string>& arguments) {
   std::vector<std::string> rest(arguments.begin() + (asks_help ? 2 : 1), arguments.end());
   if (asks_help) rest = {"--help"};
   if (!command.program.empty()) return HandOver(command.program, rest);
-  if (command.run != nullptr) return RunCommand(command, rest);
-  if (std::find(rest.begin(), rest.end(), "--help") == rest.end()) {
-    throw InputError({"", 0, ""}, "this version does not have 'sagitta " + command.name + "' yet",
-                     "'sagitta --help' lists what it has");
-  }
-  std::cout << "sagitta " << command.name << ": " << command.summary << "; not in this version yet\n";
-  return 0;
+  return RunCommand(command, rest);
 }
 
 // Matrices come and go by the thousand. The C library would give the large ones back at once, and the kernel clear

@@ -5,6 +5,7 @@
 #include "estimator/calibration/unit_guess.h"
 #include "estimator/sagitta.h"
 #include "problems/input_error.h"
+#include "problems/io/effect_names.h"
 #include "problems/range.h"
 #include "tools/command_line.h"
 
@@ -64,8 +65,8 @@ void ApplyValidationFlags(Experiment* experiment) {
 }
 
 void ApplyEstimateFlags(Experiment* experiment) {
-  if (IsGiven("free")) experiment->estimate.free = SplitText(FLAGS_free, ',');
-  if (IsGiven("fixed")) experiment->estimate.fixed = SplitText(FLAGS_fixed, ',');
+  if (IsGiven("free")) experiment->estimate.free = SplitOutsideBrackets(FLAGS_free);
+  if (IsGiven("fixed")) experiment->estimate.fixed = SplitOutsideBrackets(FLAGS_fixed);
   if (IsGiven("load_point_mm")) experiment->load_point = LoadPointOfFlag(FLAGS_load_point_mm);
   if (!IsGiven("significance")) return;
   CheckIn(allowed::kLevel, FLAGS_significance, "--significance");

@@ -23,17 +23,17 @@ std::vector<int> WrenchFrames(const ShotInput& shot) {
 
 // Slots that do not answer in this shot bend nothing and are left out: those without a term, and where nothing pulls
 // but the spring, which acts on its own joint alone, those of the other joints: their torques are zero in every state.
+// A bump is not zero there.
 std::vector<int> ElasticSlots(const ForwardModel& model, const ShotInput& shot) {
-  const bool has_spring = model.robot().gravity_compensator.has_value();
-  const bool is_loaded = !shot.wrenches.empty() || !shot.terms.wrenches.empty() || has_spring;
-  std::set<int> slots;
-  if (shot.terms.sags.empty() && (shot.terms.elastic.empty() || !is_loaded)) return {};
   const bool is_pulled = !shot.wrenches.empty() || !shot.terms.wrenches.empty();
+  std::set<int> slots;
   for (const ElasticTerm& term : shot.terms.elastic) {
-    if (is_pulled) slots.insert(term.transform);
+    if (is_pulled || term.law == ElasticLaw::kBump) slots.insert(term.transform);
   }
   for (const SagTerm& term : shot.terms.sags) slots.insert(term.transform);
-  if (has_spring) slots.insert(model.chain().JointTransform(model.robot().gravity_compensator->joint));
+  const std::optional<GravityCompensator>& spring = model.robot().gravity_compensator;
+  const bool may_bend = !shot.terms.elastic.empty() || !shot.terms.sags.empty();
+  if (spring && may_bend) slots.insert(model.chain().JointTransform(spring->joint));
   return {slots.begin(), slots.end()};
 }
 

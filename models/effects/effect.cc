@@ -1,6 +1,6 @@
 #include "models/effects/effect.h"
 
-#include <cstdlib>
+#include <charconv>
 
 template class std::vector<sagitta::EffectSpec>;
 
@@ -25,14 +25,26 @@ std::string EffectSpec::Path() const {
   return path + "/" + target;
 }
 
+namespace {
+
+// With a decimal point in every locale, as files are. What is no number is 0: readers refuse it.
+template <typename Number>
+Number SettingAs(const std::string& text) {
+  Number number = 0;
+  std::from_chars(text.data(), text.data() + text.size(), number);
+  return number;
+}
+
+}  // namespace
+
 int EffectSpec::IntegerSetting(const std::string& name, int otherwise) const {
   const auto found = settings.find(name);
-  return found == settings.end() ? otherwise : std::atoi(found->second.c_str());
+  return found == settings.end() ? otherwise : SettingAs<int>(found->second);
 }
 
 double EffectSpec::NumberSetting(const std::string& name, double otherwise) const {
   const auto found = settings.find(name);
-  return found == settings.end() ? otherwise : std::strtod(found->second.c_str(), nullptr);
+  return found == settings.end() ? otherwise : SettingAs<double>(found->second);
 }
 
 std::string EffectSpec::TextSetting(const std::string& name, const std::string& otherwise) const {

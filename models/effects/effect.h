@@ -205,7 +205,7 @@ struct SettingDefinition {
       false;  // a target has one value of it: two uses of the effect there that differ in it cannot both hold
   std::string (*fallback_of)(const Robot& robot) = nullptr;  // where it depends on the robot
   double above = -1e300;                                     // of kNumber: values are greater, but for the fallback
-  int least = 1;                                             // of kInteger
+  int least = 1, most = 1000;                                // of kInteger
   std::string greater_than = {};                             // of kNumber: another setting, stated before it
   std::string only_with = {};  // "by=torque": means something only where that setting has that value
   // It acts by what is remembered alone (EffectDefinition::remember): a choice that remembers what the fallback does is

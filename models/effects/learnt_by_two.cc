@@ -127,6 +127,7 @@ const EffectDefinition& LearntSurfaceDeviation() {
                     "smooth function of two joints together", EffectTarget::kJoint, SurfaceWeights, DeviateBySurface});
     SettingDefinition knots{"knots", Kind::kInteger, "", {}};
     knots.least = 2;
+    knots.most = 30;  // of either joint: 900 weights
     effect.settings.push_back(knots);
     return effect;
   }();

@@ -1,7 +1,7 @@
 // Deviations that have no name, as smooth functions of what drives them (bump.h, pose_functions.h): of a joint, of a
 // station's readings, of a marker, of the lengths of the links; of readings over the station's field. The diagnosis
 // fits them to what no effect of the catalogue explains. They describe what was measured, and say nothing beyond the
-// driver's range: there they fade to zero.
+// driver's range: there bumps fade to zero, ramps keep their end value, functions of place go on.
 #include "models/effects/learnt_deviation.h"
 
 #include <cmath>
@@ -52,7 +52,7 @@ bool IsOfRamps(const EffectSpec& spec) { return spec.TextSetting("shape", "bumps
 
 EffectDefinition Empirical(EffectDefinition effect) {
   effect.is_learnt = true;
-  effect.note = "It describes what was measured and is no cause; beyond its range it is zero.";
+  effect.note = "It describes what was measured and is no cause; beyond what was measured it says nothing.";
   effect.separate_by = "nothing: it is whatever has no name; a cause that is known replaces it";
   effect.sizes = "as a periodic joint error, and as what moves a station or a marker";
   return effect;
@@ -347,6 +347,7 @@ void AddGravity(EffectDefinition* effect) {
   }
   SettingDefinition degree{"degree", Kind::kInteger, "", {}};
   degree.only_with = "by=gravity";
+  degree.most = kHighestDirectionDegree;
   effect->settings.push_back(degree);
   SettingDefinition per_load{"per_N", Kind::kNumber, "0", {}};
   per_load.silent = true;
@@ -368,7 +369,7 @@ void AddPlace(EffectDefinition* effect) {
   effect->settings.back().above = 0.0;
   effect->settings.back().only_with = "by=place";
   effect->settings.push_back({"degree", Kind::kInteger, "", {}});
-  effect->settings.back().least = 1;
+  effect->settings.back().most = 2;
   effect->settings.back().only_with = "by=place";
   effect->settings.push_back({"per_N", Kind::kNumber, "0", {}});
   effect->settings.back().silent = true;

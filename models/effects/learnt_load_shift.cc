@@ -82,6 +82,7 @@ const EffectDefinition& LearntLoadShift() {
       effect.settings.push_back({name, SettingDefinition::Kind::kNumber, "", {}});
     }
     effect.settings.push_back({"degree", SettingDefinition::Kind::kInteger, "", {}});
+    effect.settings.back().most = kHighestDirectionDegree;
     return Empirical(std::move(effect));
   }();
   return definition;

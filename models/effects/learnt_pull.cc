@@ -55,6 +55,7 @@ const EffectDefinition& LearntPull() {
     effect.settings.back().above = 0.0;
     effect.settings.push_back({"degree", SettingDefinition::Kind::kInteger, "", {}});
     effect.settings.back().least = 0;
+    effect.settings.back().most = 1;
     return Empirical(std::move(effect));
   }();
   return definition;

@@ -14,6 +14,7 @@ namespace sagitta {
 // of unit variance) one of the angle between two directions: kernel (c + ... + c^degree) / degree, c its cosine.
 Eigen::VectorXd DirectionFunctions(const Vector3<double>& direction, int degree);
 int NumDirectionFunctions(int degree);
+constexpr int kHighestDirectionDegree = 10;  // 285 functions: three times what any rows determine
 
 // x, y, z, x^2, y^2, z^2, xy, xz, yz: what distorts a field to second order.
 constexpr int kNumFieldFunctions = 9;

@@ -72,9 +72,13 @@ std::vector<CellBox> ReadBoxes(const YamlValue& value) {
 
 int BodyNamed(const YamlValue& value, const Chain& chain) {
   const std::string name = value.Text();
-  if (name == "base") return LinkCapsule::kBase;
-  if (name == "flange") return LinkCapsule::kFlange;
   const int joint = chain.FindJoint(name);
+  const bool is_base = name == "base", is_flange = name == "flange";
+  if (joint >= 0 && (is_base || is_flange)) {
+    value.Fail("'" + name + "' is a joint of this robot too", "give the joint another name in the robot file");
+  }
+  if (is_base) return LinkCapsule::kBase;
+  if (is_flange) return LinkCapsule::kFlange;
   if (joint >= 0) return joint;
   std::vector<std::string> names = {"base", "flange"};
   for (const Joint& own : chain.joints) names.push_back(own.name);

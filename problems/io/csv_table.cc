@@ -83,20 +83,25 @@ bool MayHoldControl(std::string_view text) {
   return false;
 }
 
-// A tab may stand between cells; whatever else moves a cursor or rings a bell may not.
-void CheckControl(const std::string& path, const CsvLine& line) {
+// A tab may stand between cells; whatever else moves a cursor or rings a bell may not. npos: there is none.
+size_t FindControlButTab(std::string_view text) {
   size_t from = 0;
   while (true) {
-    const size_t found = FindControlCharacter(line.text.substr(from));
-    if (found == std::string_view::npos) return;
-    if (line.text[from + found] != '\t') {
-      throw InputError({path, line.number, ""},
-                       "the line holds the control character " + NameOfControlCharacter(line.text, from + found) +
-                           ": this is not a text file",
-                       "save the table as plain text in UTF-8");
+    const size_t found = FindControlCharacter(text.substr(from));
+    if (found == std::string_view::npos || text[from + found] != '\t') {
+      return found == std::string_view::npos ? found : from + found;
     }
     from += found + 1;
   }
+}
+
+void CheckControl(const std::string& path, const CsvLine& line) {
+  const size_t found = FindControlButTab(line.text);
+  if (found == std::string_view::npos) return;
+  throw InputError(
+      {path, line.number, ""},
+      "the line holds the control character " + NameOfControlCharacter(line.text, found) + ": this is not a text file",
+      "save the table as plain text in UTF-8");
 }
 
 // Calls `take` for each cell, `quoted` being memory for those in quotes. At most limits::kColumns.
@@ -210,7 +215,69 @@ void AddRows(const std::string& path, std::string_view content, bool has_control
   }
 }
 
+// Of a cell that no file held, or of a column's name.
+void CheckCell(const std::string& cell, const InputError::Where& where) {
+  if (LineOfInvalidUtf8(cell) > 0) throw InputError(where, "this is no text in UTF-8");
+  const size_t control = FindControlButTab(cell);
+  if (control == std::string::npos) return;
+  throw InputError(where, "the text holds the control character " + NameOfControlCharacter(cell, control));
+}
+
+// Before they are copied.
+void CheckSizes(const std::string& name, const std::vector<std::string>& header,
+                const std::vector<std::vector<std::string>>& columns) {
+  if (header.size() > limits::kColumns) {
+    throw InputError({name, 0, ""}, "the table has more than " + std::to_string(limits::kColumns) + " columns");
+  }
+  size_t cells = 0, bytes = 0;
+  for (const std::vector<std::string>& column : columns) {
+    cells += column.size();
+    for (const std::string& cell : column) bytes += cell.size() + 1;
+  }
+  if (cells > limits::kCells) {
+    throw InputError({name, 0, ""}, "the table has more than " + std::to_string(limits::kCells) + " cells",
+                     "split it, or leave out columns that nothing needs");
+  }
+  if (bytes > limits::kFileBytes) {
+    throw InputError({name, 0, ""}, "the table has more than " + std::to_string(limits::kFileBytes >> 20) + " MB",
+                     "split it, or leave out columns that nothing needs");
+  }
+}
+
+// What a file of these cells would hold: it distinguishes one table from another, as SHA-256 of files do.
+std::string TextOfTable(const MeasurementFile& file) {
+  std::string text;
+  const auto add = [&text](const auto& cells) {
+    for (size_t c = 0; c < cells.size(); ++c) text.append(c > 0 ? "," : "").append(cells[c]);
+    text += "\n";
+  };
+  add(file.header);
+  for (const MeasurementFile::Row& row : file.rows) add(row.cells);
+  return text;
+}
+
 }  // namespace
+
+CsvTable CsvTableOf(const std::string& name, std::vector<std::string> header,
+                    const std::vector<std::vector<std::string>>& columns) {
+  if (columns.empty() || columns.front().empty()) throw InputError({name, 0, ""}, "there are no rows");
+  for (const std::string& column : header) CheckCell(column, {name, 0, ""});
+  CheckSizes(name, header, columns);
+  CheckHeader(name, {"", 0}, header);
+  CsvTable table;
+  table.file.path = name;
+  table.file.header = std::move(header);
+  for (size_t r = 0; r < columns.front().size(); ++r) {
+    const int line = static_cast<int>(r) + 1;
+    table.file.rows.BeginRow(line);
+    for (size_t c = 0; c < columns.size(); ++c) {
+      CheckCell(columns[c][r], {name, line, table.file.header[c]});
+      table.file.rows.AddCell(columns[c][r]);
+    }
+  }
+  table.file.sha256 = Sha256(TextOfTable(table.file));
+  return table;
+}
 
 CsvTable ReadCsvTable(const std::string& path) { return ParseCsvTable(ReadTextFile(path), path); }
 

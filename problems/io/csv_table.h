@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "problems/measurements.h"
 
@@ -20,5 +21,9 @@ struct CsvTable {
 CsvTable ReadCsvTable(const std::string& path);
 // The same of text that was read: `path` is what messages call it.
 CsvTable ParseCsvTable(const std::string& text, const std::string& path);
+// The same of columns in memory, of one length, with what the reader refuses but for quotes and comments. Row 1 is the
+// first; `name` is what messages call the table.
+CsvTable CsvTableOf(const std::string& name, std::vector<std::string> header,
+                    const std::vector<std::vector<std::string>>& columns);
 
 }  // namespace sagitta

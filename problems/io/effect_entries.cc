@@ -39,8 +39,10 @@ std::string ReadSetting(const SettingDefinition& setting, const Robot& robot, co
   switch (setting.kind) {
     case SettingDefinition::Kind::kInteger: {
       const double number = value.Number();
-      if (number != std::round(number) || number < setting.least || number > 1000)
-        value.Fail("a whole number from " + std::to_string(setting.least) + " to 1000 is needed");
+      if (number != std::round(number) || number < setting.least || number > setting.most) {
+        value.Fail("a whole number from " + std::to_string(setting.least) + " to " + std::to_string(setting.most) +
+                   " is needed");
+      }
       return std::to_string(static_cast<int>(number));
     }
     case SettingDefinition::Kind::kNumber:
@@ -85,23 +87,7 @@ EffectSpec ReadEffect(const YamlValue& item, const Robot& robot) {
   EffectSpec spec;
   spec.effect = name;
   spec.target = ReadEffectTarget(*definition, robot, &map);
-  for (const SettingDefinition& setting : definition->settings) {
-    const auto value = map.Find(setting.name);
-    if (value) {
-      if (!setting.MeansSomethingFor(spec)) value->Fail("this goes with " + setting.only_with + " only");
-      const std::string text = ReadSetting(setting, robot, *value);
-      if (!setting.greater_than.empty() && std::stod(text) <= spec.NumberSetting(setting.greater_than, 0.0)) {
-        value->Fail("this must be greater than '" + setting.greater_than + "'");
-      }
-      if (!setting.silent || text != setting.FallbackFor(robot)) spec.settings[setting.name] = text;
-    } else if (setting.silent || !setting.MeansSomethingFor(spec)) {
-      continue;
-    } else if (setting.fallback.empty()) {
-      map.Get(setting.name);  // says what is missing
-    } else {
-      spec.settings[setting.name] = setting.fallback;
-    }
-  }
+  ReadSettings(*definition, robot, &map, &spec);
   const std::vector<EffectParameter> parameters = definition->parameters(robot, spec);
   for (const EffectParameter& parameter : parameters) {
     spec.values.push_back(ReadParameter(parameter, &map).value_or(0.0));
@@ -121,13 +107,34 @@ Json SettingToJson(const EffectDefinition& definition, const std::string& name, 
   for (const SettingDefinition& setting : definition.settings) {
     if (setting.name != name) continue;
     if (setting.kind == SettingDefinition::Kind::kInteger) return std::stoi(text);
-    if (setting.kind == SettingDefinition::Kind::kNumber) return std::stod(text);
-    if (setting.kind == SettingDefinition::Kind::kMoment) return std::stod(text);
+    const bool is_number =
+        setting.kind == SettingDefinition::Kind::kNumber || setting.kind == SettingDefinition::Kind::kMoment;
+    if (const auto number = ParseNumber(text); is_number && number) return *number;
   }
   return text;
 }
 
 }  // namespace
+
+void ReadSettings(const EffectDefinition& definition, const Robot& robot, YamlMap* entry, EffectSpec* use) {
+  for (const SettingDefinition& setting : definition.settings) {
+    const auto value = entry->Find(setting.name);
+    if (value) {
+      if (!setting.MeansSomethingFor(*use)) value->Fail("this goes with " + setting.only_with + " only");
+      const std::string text = ReadSetting(setting, robot, *value);
+      if (!setting.greater_than.empty() && value->Number() <= use->NumberSetting(setting.greater_than, 0.0)) {
+        value->Fail("this must be greater than '" + setting.greater_than + "'");
+      }
+      if (!setting.silent || text != setting.FallbackFor(robot)) use->settings[setting.name] = text;
+    } else if (setting.silent || !setting.MeansSomethingFor(*use)) {
+      continue;
+    } else if (setting.fallback.empty()) {
+      entry->Get(setting.name);  // says what is missing
+    } else {
+      use->settings[setting.name] = setting.fallback;
+    }
+  }
+}
 
 std::vector<double> ReadPriors(const std::vector<EffectParameter>& parameters, YamlMap* entry) {
   const auto value = entry->Find(kPriorSigma);

@@ -14,6 +14,8 @@
 namespace sagitta {
 
 std::vector<EffectSpec> ReadEffects(const YamlValue& value, const Robot& robot);
+// Of this use, which is named in the end as if the settings that it leaves out had been stated.
+void ReadSettings(const EffectDefinition& definition, const Robot& robot, YamlMap* entry, EffectSpec* use);
 nlohmann::ordered_json EffectToJson(const Robot& robot, const EffectSpec& spec);
 // {order: 1}: numbers are numbers; empty where an effect is none of the list.
 nlohmann::ordered_json SettingsToJson(const Robot& robot, const EffectSpec& spec);

@@ -9,8 +9,13 @@
 
 namespace sagitta {
 
+// The parts between commas outside of brackets, empty ones included; one at least: names of effects and of parameters,
+// which may hold several settings.
+std::vector<std::string> SplitOutsideBrackets(const std::string& text);
+
 // Two or more, between commas; none of an empty text. `key`: what the user gave them as, for messages. Throws
-// InputError: an effect, setting or target that the robot does not have, the same effect twice, only one.
+// InputError: an effect, setting or target that the robot does not have, a setting's value that a robot
+// file could not state, a setting or an effect twice, only one effect.
 std::vector<EffectSpec> RivalEffects(const Robot& robot, const std::string& names, const std::string& key);
 
 }  // namespace sagitta

@@ -115,6 +115,8 @@ NoiseSpec ReadNoise(const YamlValue& value) {
   map.Finish();
   if (from && instrument) value.Fail("the noise has two sources", "keep one of: from, instrument");
   if (noise.sigma && instrument) value.Fail("the noise has two sources", "keep one of: sigma_mm, instrument");
+  const bool from_rows = noise.from == NoiseSpec::From::kRepeats || noise.from == NoiseSpec::From::kResiduals;
+  if (noise.sigma && from_rows) value.Fail("the noise has two sources", "keep one of: sigma_mm, from");
   if (!from && !instrument && !noise.sigma) value.Fail("the noise is not stated", "one of: sigma_mm, from, instrument");
   return noise;
 }

@@ -17,8 +17,13 @@ namespace {
 struct Column {
   std::string quantity;
   std::string unit;
+  std::optional<Dimension> dimension;  // of the unit
 
   std::string Name() const { return unit.empty() ? quantity : quantity + "_" + unit; }
+  bool IsLength() const { return dimension == Dimension::kSmallLength; }
+  bool IsAngle() const { return dimension == Dimension::kAngle; }
+  // In one unit or two.
+  bool IsOfTheSame(const Column& other) const { return quantity == other.quantity && dimension == other.dimension; }
 };
 
 Column ColumnNamed(const std::string& name) {
@@ -26,23 +31,31 @@ Column ColumnNamed(const std::string& name) {
   if (underscore != std::string::npos) {
     for (const Dimension dimension : {Dimension::kSmallLength, Dimension::kAngle}) {
       for (const Unit& unit : UnitsOf(dimension)) {
-        if (name.substr(underscore + 1) == unit.suffix) return {name.substr(0, underscore), unit.suffix};
+        if (name.substr(underscore + 1) == unit.suffix) return {name.substr(0, underscore), unit.suffix, dimension};
       }
     }
   }
-  return {name, ""};
+  return {name, "", std::nullopt};
+}
+
+std::vector<std::vector<Column>> NamedColumnsOf(const std::vector<MeasurementFile>& files) {
+  std::vector<std::vector<Column>> columns(files.size());
+  for (size_t f = 0; f < files.size(); ++f) {
+    for (const std::string& name : files[f].header) columns[f].push_back(ColumnNamed(name));
+  }
+  return columns;
 }
 
 // 0, 1, 2 for the measured point's coordinates, else -1.
 int PointAxis(const Column& column) {
-  if (column.unit.empty() || column.quantity.size() != 1) return -1;
+  if (!column.IsLength() || column.quantity.size() != 1) return -1;
   const int axis = column.quantity[0] - 'x';
   return axis >= 0 && axis < 3 ? axis : -1;
 }
 
 // 0, 1, 2 for the rotation vector's coordinates, else -1.
 int RotationAxis(const Column& column) {
-  if (column.unit.empty() || column.quantity.size() != 2 || column.quantity[0] != 'r') return -1;
+  if (!column.IsAngle() || column.quantity.size() != 2 || column.quantity[0] != 'r') return -1;
   const int axis = column.quantity[1] - 'x';
   return axis >= 0 && axis < 3 ? axis : -1;
 }
@@ -60,24 +73,32 @@ std::string InOtherUnit(const std::string& cell, const std::string& from, const 
   return number ? FormatNumber(ToUnit(UnitNamed(from).ToSi(*number), UnitNamed(to))) : cell;
 }
 
+// Where a column of the file goes: to that of its name, else, unless the file has the quantity in two units, to that in
+// whatever unit. -1: there is none.
+int PlaceInOutput(const Column& column, const std::vector<Column>& file, const std::vector<Column>& columns) {
+  const auto same = [&](const Column& other) { return other.IsOfTheSame(column); };
+  const auto of_its_name = [&](const Column& other) { return same(other) && other.unit == column.unit; };
+  auto found = std::find_if(columns.begin(), columns.end(), of_its_name);
+  const bool is_alone = std::count_if(file.begin(), file.end(), same) <= 1;
+  if (found == columns.end() && is_alone) found = std::find_if(columns.begin(), columns.end(), same);
+  return found == columns.end() ? -1 : static_cast<int>(found - columns.begin());
+}
+
 // Every quantity of any file once, in order of appearance, points in mm, rotations in mrad.
-std::vector<Column> UnionOfColumns(const std::vector<MeasurementFile>& files, bool with_rotations) {
+std::vector<Column> UnionOfColumns(const std::vector<std::vector<Column>>& files, bool with_rotations) {
   std::vector<Column> columns;
-  const auto add = [&columns](Column column) {
-    for (const Column& known : columns) {
-      if (known.quantity == column.quantity) return;
-    }
+  const auto add = [&columns](Column column, const std::vector<Column>& file) {
     if (IsQuaternionColumn(column)) return;
     if (PointAxis(column) >= 0) column.unit = "mm";
     if (RotationAxis(column) >= 0) column.unit = "mrad";
-    columns.push_back(std::move(column));
+    if (PlaceInOutput(column, file, columns) < 0) columns.push_back(std::move(column));
   };
-  for (const MeasurementFile& file : files) {
-    for (const std::string& name : file.header) add(ColumnNamed(name));
+  for (const std::vector<Column>& file : files) {
+    for (const Column& column : file) add(column, file);
   }
-  for (const char* axis : {"x", "y", "z"}) add({axis, "mm"});
+  for (const char* axis : {"x", "y", "z"}) add({axis, "mm", Dimension::kSmallLength}, {});
   for (const char* axis : {"rx", "ry", "rz"}) {
-    if (with_rotations) add({axis, "mrad"});
+    if (with_rotations) add({axis, "mrad", Dimension::kAngle}, {});
   }
   return columns;
 }
@@ -88,20 +109,18 @@ struct Source {
   std::string unit;
 };
 
-std::vector<Source> SourcesIn(const MeasurementFile& file, const std::vector<Column>& columns) {
+std::vector<Source> SourcesIn(const std::vector<Column>& file, const std::vector<Column>& columns) {
   std::vector<Source> sources(columns.size());
-  for (size_t i = 0; i < file.header.size(); ++i) {
-    const Column named = ColumnNamed(file.header[i]);
-    for (size_t c = 0; c < columns.size(); ++c) {
-      if (columns[c].quantity == named.quantity) sources[c] = {static_cast<int>(i), named.unit};
-    }
+  for (size_t i = 0; i < file.size(); ++i) {
+    const int place = PlaceInOutput(file[i], file, columns);
+    if (place >= 0) sources[place] = {static_cast<int>(i), file[i].unit};
   }
   return sources;
 }
 
 // 0, 1, 2 for the standard deviations of the point's coordinates, else -1.
 int SigmaAxis(const Column& column) {
-  if (column.unit.empty() || column.quantity.size() != 7 || column.quantity.rfind("sigma_", 0) != 0) return -1;
+  if (!column.IsLength() || column.quantity.size() != 7 || column.quantity.rfind("sigma_", 0) != 0) return -1;
   const int axis = column.quantity.back() - 'x';
   return axis >= 0 && axis < 3 ? axis : -1;
 }
@@ -132,10 +151,11 @@ void StateSigma(double sigma, Measurements* data) {
 
 std::string MeasurementsToCsv(const Measurements& data) {
   const std::vector<bool> oriented = data.OrientedMarkers();
+  const std::vector<std::vector<Column>> files = NamedColumnsOf(data.files);
   const std::vector<Column> columns =
-      UnionOfColumns(data.files, std::find(oriented.begin(), oriented.end(), true) != oriented.end());
+      UnionOfColumns(files, std::find(oriented.begin(), oriented.end(), true) != oriented.end());
   std::vector<std::vector<Source>> sources;
-  for (const MeasurementFile& file : data.files) sources.push_back(SourcesIn(file, columns));
+  for (const std::vector<Column>& file : files) sources.push_back(SourcesIn(file, columns));
   std::string csv;
   for (size_t c = 0; c < columns.size(); ++c) csv += (c > 0 ? "," : "") + CsvCell(columns[c].Name());
   csv += "\n";

@@ -10,6 +10,7 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 #include <sstream>
 #include <system_error>
 #include <utility>
@@ -301,6 +302,21 @@ OutputFile::OutputFile(const std::string& path) : path_(path), folders_(fs::path
 void OutputFile::Write(const std::string& text) const {
   CheckInterruption();
   WriteTextFile(path_, text);
+}
+
+void OutputFile::WriteTogether(const std::vector<std::pair<const OutputFile*, std::string>>& files) {
+  CheckInterruption();
+  const DeferredSignals deferred;
+  std::vector<Descriptor> folders;
+  std::vector<std::unique_ptr<Temporaries>> written;
+  for (const auto& [file, text] : files) {
+    const fs::path path = file->path_;
+    folders.emplace_back(OpenFolder(path.parent_path().string()));
+    if (folders.back().value() < 0) FailToWrite(file->path_, LastError());
+    written.push_back(std::make_unique<Temporaries>(folders.back().value(), path.parent_path().string()));
+    written.back()->Add(kOfOneFile, InOnePiece(path.filename().string(), text));
+  }
+  for (const auto& one : written) one->Rename();
 }
 
 OutputFolder::OutputFolder(const std::string& path, const std::vector<std::string>& names)

@@ -44,6 +44,8 @@ class OutputFile {
   explicit OutputFile(const std::string& path);
   // Throws Interruption where the work was interrupted; then the file is as it was.
   void Write(const std::string& text) const;
+  // Those of one run, in whatever folders: all new ones are on disk before the first is put in place.
+  static void WriteTogether(const std::vector<std::pair<const OutputFile*, std::string>>& files);
 
  private:
   std::string path_;

@@ -195,8 +195,8 @@ void TargetReader::AddShot(const Target& target, Measurements* data) {
   if (!Cell(load_).empty()) shot.load = Cell(load_);
   if (IsNoneInOtherLetters(shot.load)) Fail("load", "'" + shot.load + "': " + kLoadOrNone, kHowNoneIsWritten);
   if (const std::optional<double> time = Number(time_)) shot.has_time = true, shot.time = *time;
-  if (const std::optional<double> kelvin = Number(temperature_)) {
-    shot.has_temperature = true, shot.temperature = *kelvin;
+  if (const std::optional<double> degrees = Number(temperature_)) {
+    shot.has_temperature = true, shot.temperature = *degrees;
   }
   bool states_approach = false;
   for (const TargetColumn& column : approach_) {

@@ -75,13 +75,9 @@ Pose<double> PoseOfOrigin(const urdf::Pose& origin) {
   return pose;
 }
 
-Pose<double> Composed(const Pose<double>& a, const Pose<double>& b) {
-  return {a.rotation * b.rotation, a * b.translation};
-}
-
 UrdfShape ShapeOf(const urdf::Collision& collision, const Pose<double>& chain_link_from_link) {
   UrdfShape shape;
-  shape.link_from_shape = Composed(chain_link_from_link, PoseOfOrigin(collision.origin));
+  shape.link_from_shape = Product(chain_link_from_link, PoseOfOrigin(collision.origin));
   const urdf::Geometry* geometry = collision.geometry.get();
   if (const auto* sphere = dynamic_cast<const urdf::Sphere*>(geometry)) {
     shape.kind = UrdfShape::Kind::kSphere;
@@ -166,7 +162,7 @@ class ChainFinder {
         continue;
       }
       CollectShapes(*model_.getLink(joint->child_link_name),
-                    Composed(chain_link_from_link, PoseOfOrigin(joint->parent_to_joint_origin_transform)), of_chain,
+                    Product(chain_link_from_link, PoseOfOrigin(joint->parent_to_joint_origin_transform)), of_chain,
                     depth + 1, into);
     }
   }

@@ -115,13 +115,6 @@ Coupling CouplingOf(const UrdfChain& urdf, const UrdfJoint& follower, const Chai
 
 }  // namespace
 
-Vector3<double> RpyFromRotation(const Matrix3<double>& rotation) {
-  // Each angle is read from what the ones before leave, so that an undetermined yaw does no harm.
-  const double yaw = std::atan2(rotation(1, 0), rotation(0, 0));
-  const Matrix3<double> rest = Eigen::AngleAxisd(-yaw, Vector3<double>::UnitZ()).toRotationMatrix() * rotation;
-  return {std::atan2(-rest(1, 2), rest(1, 1)), std::atan2(-rest(2, 0), rest(0, 0)), yaw};
-}
-
 std::optional<SignedAxis> ElementaryAxis(const Vector3<double>& unit) {
   for (int i = 0; i < 3; ++i) {
     Vector3<double> rest = unit;

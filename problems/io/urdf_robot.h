@@ -30,10 +30,6 @@ Robot ReadUrdfFile(const std::string& path, const UrdfEnds& ends = {});
 // By the name's ending or the first character of the text.
 bool IsUrdf(const std::string& path, const std::string& text);
 
-// Fixed-axis x-y-z angles of a rotation, the inverse of RotationFromRpy to
-// 1e-15 at every pitch; yaw is 0 where roll and yaw turn about the same axis.
-Vector3<double> RpyFromRotation(const Matrix3<double>& rotation);
-
 // The elementary axis that the unit vector lies on (1e-12 rad), with its sign.
 struct SignedAxis {
   Axis axis = Axis::kZ;

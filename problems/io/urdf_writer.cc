@@ -1,6 +1,7 @@
 #include "problems/io/urdf_writer.h"
 
 #include <cmath>
+#include <set>
 
 #include "models/constants.h"
 #include "models/kinematics.h"
@@ -12,22 +13,17 @@
 namespace sagitta {
 namespace {
 
+constexpr const char* kBaseLink = "base_link";
+constexpr const char* kFlangeJoint = "flange_joint";
 constexpr double kSameOrigin = 1e-12;  // m, rad: rounding of the products of a few poses
 constexpr double kMostShift = 0.1;     // m: beyond any calibration
 constexpr double kMostTurn = 10.0 * kDegree;
 
-Pose<double> operator*(const Pose<double>& a, const Pose<double>& b) {
-  return {a.rotation * b.rotation, a * b.translation};
-}
 double TurnOf(const Matrix3<double>& rotation) { return Eigen::AngleAxisd(rotation).angle(); }
 
 // base_from_frame of every frame at joint values 0.
 std::vector<Pose<double>> FramesAtZero(const Chain& chain) {
-  std::vector<double> values;
-  for (const ElementaryTransform& transform : chain.transforms) values.push_back(transform.nominal);
-  ChainState<double> state;
-  EvaluateChain(chain, values.data(), &state);
-  return state.frames;
+  return NominalFrames(chain, Eigen::VectorXd::Zero(chain.num_joints()));
 }
 
 Vector3<double> MotionAxisOf(const ElementaryTransform& transform) {
@@ -52,6 +48,21 @@ std::string JointElement(const std::string& name, const std::string& type, const
   return "  <joint name=\"" + Escaped(name) + "\" type=\"" + type + "\">\n    <parent link=\"" + Escaped(parent) +
          "\"/>\n    <child link=\"" + Escaped(child) + "\"/>\n" + OriginElement(origin) + rest + "  </joint>\n";
 }
+
+// The name, with as many underscores as it needs to be another than these.
+std::string UnusedName(std::string name, const std::set<std::string>& used) {
+  while (used.count(name) > 0) name += "_";
+  return name;
+}
+
+std::set<std::string> JointNamesOf(const Chain& chain) {
+  std::set<std::string> names;
+  for (const Joint& joint : chain.joints) names.insert(joint.name);
+  return names;
+}
+
+// Of the link that a joint moves: not the base's name, which a joint 'base' would give it.
+std::string LinkNameOf(const Joint& joint) { return UnusedName(joint.name + "_link", {kBaseLink}); }
 
 // Limits of a joint; effort and velocity are not known to a robot file.
 std::string LimitElement(const Joint& joint) {
@@ -87,14 +98,14 @@ class Editor {
     int joint = -1;
     for (size_t i = 0; i < urdf_.joints.size(); ++i) {
       const UrdfJoint& step = urdf_.joints[i];
-      old_here = old_here * step.parent_from_joint;
-      Pose<double> target = here * step.parent_from_joint;
+      old_here = Product(old_here, step.parent_from_joint);
+      Pose<double> target = Product(here, step.parent_from_joint);
       const bool is_last = i + 1 == urdf_.joints.size();
       if (!step.is_fixed()) target = LinkFrame(++joint, step, old_here, is_last);
       if (step.is_fixed() && is_last) target = frames_.back();
-      Add(step, Inverse(here) * target);
-      here = target * MimicOffset(step, 1.0);
-      old_here = old_here * MimicOffset(step, 1.0);
+      Add(step, Product(Inverse(here), target));
+      here = Product(target, MimicOffset(step, 1.0));
+      old_here = Product(old_here, MimicOffset(step, 1.0));
     }
     return edits_;
   }
@@ -146,8 +157,8 @@ class Editor {
     const int e = chain_.JointTransform(j);
     const bool oblique = !ElementaryAxis(joint.axis);
     const Pose<double> without_offset = MimicOffset(joint, -1.0);
-    if (chain_.FindError(joint.name + ".x") >= 0) return frames_[e + (oblique ? 3 : 1)] * without_offset;
-    if (is_tip) return CheckedTip(joint, e) * without_offset;
+    if (chain_.FindError(joint.name + ".x") >= 0) return Product(frames_[e + (oblique ? 3 : 1)], without_offset);
+    if (is_tip) return Product(CheckedTip(joint, e), without_offset);
     const bool revolute = joint.type == UrdfJoint::Type::kRevolute;
     const Vector3<double> direction = frames_[e].rotation * MotionAxisOf(chain_.transforms[e]);
     return MovedOntoAxis(old_link, joint.axis, revolute, direction, frames_[e].translation);
@@ -211,11 +222,12 @@ std::string RobotToUrdf(const Robot& robot) {
                      "URDF cannot state that joint '" + name + "' moves by itself and with another");
   }
   const std::vector<Pose<double>> frames = FramesAtZero(chain);
-  std::string links = "  <link name=\"base_link\"/>\n", joints, parent = "base_link";
+  const std::string fixed_joint = UnusedName(kFlangeJoint, JointNamesOf(chain));
+  std::string links = std::string("  <link name=\"") + kBaseLink + "\"/>\n", joints, parent = kBaseLink;
   Pose<double> parent_frame;
   for (int j = 0; j < chain.num_joints(); ++j) {
     const int e = chain.JointTransform(j);
-    const std::string child = chain.joints[j].name + "_link";
+    const std::string child = LinkNameOf(chain.joints[j]);
     const bool revolute = chain.joints[j].type == JointType::kRevolute;
     const bool limited = chain.joints[j].min && chain.joints[j].max;
     const std::string axis = "    <axis xyz=\"" + UrdfNumbers(MotionAxisOf(chain.transforms[e])) + "\"/>\n";
@@ -223,12 +235,13 @@ std::string RobotToUrdf(const Robot& robot) {
                            !revolute ? "prismatic"
                            : limited ? "revolute"
                                      : "continuous",
-                           parent, child, Inverse(parent_frame) * frames[e + 1], axis + LimitElement(chain.joints[j]));
+                           parent, child, Product(Inverse(parent_frame), frames[e + 1]),
+                           axis + LimitElement(chain.joints[j]));
     links += "  <link name=\"" + Escaped(child) + "\"/>\n";
     parent = child;
     parent_frame = frames[e + 1];
   }
-  joints += JointElement("flange_joint", "fixed", parent, "flange", Inverse(parent_frame) * frames.back(), "");
+  joints += JointElement(fixed_joint, "fixed", parent, "flange", Product(Inverse(parent_frame), frames.back()), "");
   const std::string name = robot.name.empty() ? "robot" : robot.name;
   return "<?xml version=\"1.0\"?>\n<!-- effort and velocity 0: not known -->\n<robot name=\"" + Escaped(name) +
          "\">\n" + links + "  <link name=\"flange\"/>\n" + joints + "</robot>\n";

@@ -550,7 +550,7 @@ def _experiment(experiment):
 
 def _names(names):
     """One text is a list as well, as it is for the flags: "geometry/p_x1,geometry/p_y1"."""
-    return names.split(",") if isinstance(names, str) else list(names)
+    return _core.split_names(names) if isinstance(names, str) else list(names)
 
 
 def _whole(number, name, least=-2**31, most=2**31 - 1):
@@ -590,14 +590,15 @@ def _plain(value):
     return value.tolist()
 
 
-def read(robot_or_experiment, *measurements, sigma_mm=None, holdout=None, seed=1, free=(), fixed=(),
+def read(robot_or_experiment, *measurements, sigma_mm=None, holdout=None, seed=None, free=(), fixed=(),
          points_required=True, **settings):
     """An experiment: one file sagitta/experiment/1, or a robot and its measurements.
 
     robot: a path (YAML, URDF), its text, or a dictionary of its keys. measurements: paths, pandas frames or mappings of
     columns, named as in docs/FORMATS.md section 2; arrays of several columns are q_deg, xyz_mm, sigma_mm, ...
     settings: the keys of an experiment file, as noise={"sigma_mm": 0.05}.
-    sigma_mm, holdout, free, fixed: the flags of `sagitta calibrate`; they replace what file or rows say.
+    sigma_mm, holdout, seed, free, fixed: the flags of `sagitta calibrate`; they replace what file or rows say. seed: of
+    the rows that are held out.
     """
     if not measurements:
         if not isinstance(robot_or_experiment, (str, _os.PathLike)):
@@ -618,7 +619,9 @@ def read(robot_or_experiment, *measurements, sigma_mm=None, holdout=None, seed=1
     if sigma_mm is not None:
         core.set_sigma(float(sigma_mm))
     if holdout is not None:
-        core.set_holdout(float(holdout), _seed(seed))
+        core.set_holdout(float(holdout), 1 if seed is None else _seed(seed))
+    elif seed is not None:
+        core.set_validation_seed(_seed(seed))
     core.set_free(_names(free)) if free else None
     core.set_fixed(_names(fixed)) if fixed else None
     return Experiment(core)

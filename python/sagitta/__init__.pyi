@@ -218,7 +218,7 @@ def read(
     *measurements: _Tables,
     sigma_mm: Optional[float] = None,
     holdout: Optional[float] = None,
-    seed: int = 1,
+    seed: Optional[int] = None,
     free: Iterable[str] = (),
     fixed: Iterable[str] = (),
     points_required: bool = True,

@@ -19,6 +19,7 @@ struct BatchCase {
   Robot robot;
   std::vector<int> frames;  // of M1, M2
   bool base_wrench = false;
+  bool is_loaded = true;
 };
 
 ShotInput RandomShot(const ForwardModel& model, const BatchCase& setup, test::RandomNumbers* random) {
@@ -27,6 +28,11 @@ ShotInput RandomShot(const ForwardModel& model, const BatchCase& setup, test::Ra
   shot.conditions.q.resize(joints);
   shot.conditions.approach.assign(joints, 1);
   for (int j = 0; j < joints; ++j) shot.conditions.q[j] = random->Uniform(-1.2, 1.2);
+  if (!setup.is_loaded) {
+    shot.conditions.load = kNoLoad;
+    shot.conditions.load_wrenches.clear();
+    shot.wrenches.clear();
+  }
   if (setup.base_wrench) {
     AppliedWrench wrench = shot.wrenches[0];
     wrench.frame = model.chain().FrameAfterJoint(2);
@@ -200,14 +206,30 @@ TEST(BatchRows, EveryEffectIsAsInTheModel) {
 // Play that friction holds between both sides, and a deviation that is a smooth function of the torque.
 TEST(BatchRows, SmoothLawsOfTheTorque) {
   for (const EffectSpec& use :
-       {EffectSpec{"backlash", "J2", {{"by", "torque"}, {"width_Nm", "30"}}, {}},
+       {EffectSpec{"backlash", "A2", {{"by", "torque"}, {"width_Nm", "30"}}, {}},
         EffectSpec{
-            "learnt_deviation", "J2", {{"by", "torque_Nm"}, {"from", "-400"}, {"to", "300"}, {"knots", "4"}}, {}}}) {
+            "learnt_deviation", "A2", {{"by", "torque_Nm"}, {"from", "-400"}, {"to", "300"}, {"knots", "4"}}, {}}}) {
     SCOPED_TRACE(use.Path());
     BatchCase setup{test::ContractArm(), {}, false};
     setup.robot.effects = {use};
     ASSERT_TRUE(HasProgram(setup));
     ExpectBatchIsTheModel(setup, 4);
+  }
+}
+
+// A bump is not zero where nothing pulls: alone, with a spring on another joint, with weights that sag.
+TEST(BatchRows, SmoothLawsOfNoTorque) {
+  const EffectSpec bumps{
+      "learnt_deviation", "A3", {{"by", "torque_Nm"}, {"from", "-40"}, {"to", "30"}, {"knots", "4"}}, {}};
+  for (const bool has_spring : {false, true}) {
+    for (const bool sags : {false, true}) {
+      BatchCase setup{test::ContractArm(), {}, false, false};
+      setup.robot.effects = {bumps};
+      if (sags) setup.robot.effects.push_back({"self_weight_sag", "A2", {}, {}});
+      if (has_spring) setup.robot.gravity_compensator = {1, 0.18472, 0.68593, 0.12330, 0.458, 2e5, true};
+      ASSERT_TRUE(HasProgram(setup));
+      ExpectBatchIsTheModel(setup, 10);
+    }
   }
 }
 

@@ -275,6 +275,23 @@ TEST(InstrumentConventions, StationRangeOffset) {
   ExpectPoint(scene.Seen(), 15e-6, 3.4, 0.5 + 20e-6, 1e-12);
 }
 
+// Straight above the instrument there is a range and no azimuth: 25 um up; what needs an azimuth does nothing.
+TEST(InstrumentConventions, StraightAboveTheInstrument) {
+  TwoLinkScene scene = Seen2mAway();
+  scene.shot().instrument = {0.0, 3.4, -3.5};
+  scene.Add({"station_range_offset", "S1", {}, {25e-6}});
+  ExpectPoint(scene.Seen(), 0.0, 3.4, 0.5 + 25e-6, 1e-12);
+  const SightTerm range{0, Sensed::kRange, SightLaw::kOne, {0.0, 3.4, -3.5}};
+  const SightGradient sight = DifferentiateSight(range, {0.0, 3.4, 0.5}, Vector3<double>::UnitX());
+  ExpectPoint(sight.displacement, 0.0, 0.0, 1.0, 1e-12);
+  // A step aside turns the line of sight by 1 / 4 m.
+  EXPECT_LT((sight.by_point - Vector3<double>(0.25, 0.25, 0.0).asDiagonal().toDenseMatrix()).norm(), 1e-12);
+  for (const SightLaw law : {SightLaw::kCosAzimuth, SightLaw::kSinAzimuth}) {
+    const SightTerm by_azimuth{0, Sensed::kRange, law, {0.0, 3.4, -3.5}};
+    EXPECT_EQ(DifferentiateSight(by_azimuth, {0.0, 3.4, 0.5}, Vector3<double>::UnitX()).displacement.norm(), 0.0);
+  }
+}
+
 // 2 urad/m over 5 m: the chord of the arc lies 5 urad below its tangent, (-4, 0, 3) m * 5 urad = (-20, 0, 15) um.
 TEST(InstrumentConventions, StationRefraction) {
   TwoLinkScene scene = Seen2mAway();

@@ -125,6 +125,32 @@ TEST(EffectEntries, SettingsAtTheirDefaultAreSilent) {
             "effect/marker_acceptance[axis=z]/M1");
 }
 
+// What a number of functions can mean is said where it is read.
+TEST(EffectEntries, WholeNumbersHaveARange) {
+  const std::string place = ", x_mm: 0, y_mm: 0, z_mm: 0, spread_mm: 100";
+  const std::string down = ", down_x: 0, down_y: 0, down_z: -1";
+  const auto entry = [](const std::string& start, int number) { return start + std::to_string(number) + "}"; };
+  const struct {
+    std::string start;
+    int least, most;
+  } cases[] = {
+      {"{effect: learnt_pull" + place + ", degree: ", 0, 1},
+      {"{effect: learnt_station_motion, station: S1, by: place" + place + ", reach: 3, degree: ", 1, 2},
+      {"{effect: learnt_load_shift, load: V" + down + ", degree: ", 1, 10},
+      {"{effect: learnt_marker_motion, marker: M1, by: gravity" + down + ", degree: ", 1, 10},
+      {"{effect: learnt_surface_deviation, joint: A1, driver: A1, with: A2, from: 0, to: 1, from_with: 0, to_with: 1, "
+       "knots: ",
+       2, 30},
+      {"{effect: joint_harmonic, joint: A1, order: ", 1, 1000}};
+  for (const auto& one : cases) {
+    EXPECT_EQ(Refusal(entry(one.start, one.least)), "");
+    EXPECT_EQ(Refusal(entry(one.start, one.most)), "");
+    const std::string range = "from " + std::to_string(one.least) + " to " + std::to_string(one.most) + " is needed";
+    EXPECT_NE(Refusal(entry(one.start, one.least - 1)).find(range), std::string::npos) << one.start;
+    EXPECT_NE(Refusal(entry(one.start, one.most + 1)).find(range), std::string::npos) << one.start;
+  }
+}
+
 // The zero of an axis that slides jumps by a length.
 TEST(EffectEntries, ErrorsOfAJointThatSlidesAreLengths) {
   std::string rail = kRobot;

@@ -232,6 +232,10 @@ INSTANTIATE_TEST_SUITE_P(
             "noise_two", "{sigma_mm: 0.05}", "{from: rows, instrument: {range_um: 1}}", {"10: noise", "two sources"}},
         BadExperiment{
             "noise_both", "{sigma_mm: 0.05}", "{sigma_mm: 1, instrument: {range_um: 1}}", {"10: noise", "two sources"}},
+        BadExperiment{
+            "noise_repeats", "{sigma_mm: 0.05}", "{sigma_mm: 1, from: repeats}", {"10: noise", "two sources"}},
+        BadExperiment{
+            "noise_residuals", "{sigma_mm: 0.05}", "{sigma_mm: 1, from: residuals}", {"10: noise", "two sources"}},
         BadExperiment{"noise_lambda", "{sigma_mm: 0.05}", "{from: rows, lambda: 1}", {"10: noise.lambda", "unknown"}},
         BadExperiment{
             "noise_iterations", "{sigma_mm: 0.05}", "{from: residuals, iterations: 0}", {"10: noise.iterations"}},

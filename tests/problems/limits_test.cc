@@ -1,6 +1,7 @@
 // Sizes and numbers beyond what a robot can be are refused at the reader, with words (problems/limits.h).
 #include "problems/limits.h"
 
+#include "problems/io/csv_table.h"
 #include "problems/io/experiment_file.h"
 #include "problems/io/import/robot_reading.h"
 #include "problems/io/measurement_file.h"
@@ -51,6 +52,25 @@ TEST(LimitsTest, DepthAndLength) {
   EXPECT_NE(error(std::string(100000, '[')), "");
   EXPECT_NE(error(std::string(100000, '{')), "");
   EXPECT_TRUE(SaysInOrder(error("a: '" + std::string(9 << 20, 'x') + "'"), {"e.yaml", "8 MB"}));
+}
+
+// As of a file: tables of programs are read by the same rules.
+TEST(LimitsTest, TablesInMemory) {
+  const auto error = [](const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& columns) {
+    return ErrorOf([&] { CsvTableOf("rows", header, columns); });
+  };
+  EXPECT_EQ(error({"config", "q1_deg"}, {{"C1", "C2"}, {"1", "2"}}), "");
+  EXPECT_EQ(error({"config"}, {{"a\tb"}}), "");
+  EXPECT_TRUE(SaysInOrder(error({}, {}), {"rows", "no rows"}));
+  EXPECT_TRUE(SaysInOrder(error({"config", "config"}, {{"C1"}, {"C2"}}), {"rows", "config", "twice"}));
+  EXPECT_TRUE(SaysInOrder(error({"config"}, {{"C1", "C\x1b[2J"}}), {"rows:2", "config", "U+001B"}));
+  EXPECT_TRUE(SaysInOrder(error({"config"}, {{"C\xff"}}), {"rows:1", "config", "UTF-8"}));
+  EXPECT_TRUE(SaysInOrder(error({"con\nfig"}, {{"C1"}}), {"rows", "U+000A"}));
+  std::vector<std::string> header;
+  for (size_t c = 0; c <= limits::kColumns; ++c) header.push_back("c" + std::to_string(c));
+  EXPECT_TRUE(SaysInOrder(error(header, std::vector<std::vector<std::string>>(header.size(), {""})), {"4096 columns"}));
+  const std::string megabytes(16 << 20, 'x');
+  EXPECT_TRUE(SaysInOrder(error({"config"}, {std::vector<std::string>(17, megabytes)}), {"rows", "256 MB"}));
 }
 
 TEST(LimitsTest, NamesHoldNoControlCharacters) {

@@ -46,6 +46,18 @@ TEST_F(OutputFilesTest, ASetIsWrittenAndNothingElse) {
   EXPECT_EQ(ReadTextFile(Path("out/b")), "2");
 }
 
+// One of two cannot be written: the other is as it was.
+TEST_F(OutputFilesTest, FilesOfOneRunAreWrittenTogether) {
+  const OutputFile first(Path("a/one")), second(Path("b/two"));
+  OutputFile::WriteTogether({{&first, "1"}, {&second, "2"}});
+  EXPECT_EQ(ReadTextFile(Path("a/one")), "1");
+  EXPECT_EQ(ReadTextFile(Path("b/two")), "2");
+  fs::remove_all(Path("b"));
+  EXPECT_THROW(OutputFile::WriteTogether({{&first, "new"}, {&second, "new"}}), InputError);
+  EXPECT_EQ(ReadOwnFile(Path("a/one")), "1");
+  EXPECT_EQ(Names("a"), std::set<std::string>{"one"});
+}
+
 // Piece by piece or all at once makes no difference; a text that breaks off leaves the set as it was.
 TEST_F(OutputFilesTest, ALongTextIsWholeOrAsItWas) {
   const auto write = [this](const std::string& text, int pieces, bool breaks) {

@@ -110,6 +110,37 @@ TEST_F(ProblemChecksTest, ColumnsOfEffectsAreInTheData) {
                                       "remove the effect"}));
 }
 
+// Loads bend the joints, and so does what pulls by itself.
+TEST_F(ProblemChecksTest, CompliancesNeedWhatPulls) {
+  experiment_.estimate.compliance = {Selection::Kind::kList, {"A2"}};
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"estimate.compliance", "no row is loaded"}));
+  robot_.effects = {{"encoder_gain", "A3", {}, {}}};
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"estimate.compliance", "no row is loaded"}));
+  robot_.effects = {{"link_gravity", "A3", {}, {300.0, 200.0, 0.0, 50.0}}};
+  EXPECT_EQ(Refusal(), "");
+}
+
+// At the angle that the spring has, from its own zero and with the joints that drive it.
+TEST_F(ProblemChecksTest, SpringsHaveALengthAtTheirOwnAngle) {
+  const double none = std::atan2(0.3, 0.4) - kPi;  // L = a: the lever's end is on the anchor
+  robot_.gravity_compensator = {1, 0.5, 0.3, 0.4, 0.3, 1e4};
+  EXPECT_EQ(Refusal(), "");
+  const Eigen::VectorXd& q = data_.configurations[0].q;
+  robot_.gravity_compensator->zero = q[1] - none;
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"gravity_compensator", "no length", data_.configurations[0].id}));
+  robot_.gravity_compensator->zero.reset();
+  robot_.chain.couplings = {{1, 0, (none - q[1]) / q[0]}};
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"gravity_compensator", "no length", data_.configurations[0].id}));
+}
+
+// A joint may be called as a place is; a marker there has two meanings.
+TEST_F(ProblemChecksTest, APlaceHasOneMeaning) {
+  experiment_.markers["P1"].on = MarkerPlace::Named("base");
+  EXPECT_EQ(Refusal(), "");
+  robot_.chain.joints[0].name = "base";
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"markers.P1.on", "'base' is a joint of this robot too", "another name"}));
+}
+
 TEST_F(ProblemChecksTest, WeightsHangAlongAGravityThatIsKnown) {
   experiment_.stations["S1"].levelled = false;
   EXPECT_EQ(Refusal(), "");

@@ -227,6 +227,25 @@ TEST_F(MeasurementWriter, JoinsFilesWithDifferentColumnsAndUnits) {
             "B,14.32394487827058,1.1,1002.2,333.3333333333333,15\n");
 }
 
+// tool_mm and tool_deg are two columns, and so are tool_mm and tool_m of one file; of two files they are one.
+TEST_F(MeasurementWriter, ColumnsOfOneStemKeepTheirOwnCells) {
+  MeasurementFile first, second, third;
+  first.header = {"config", "tool_mm", "tool_deg", "x_deg", "tool"};
+  first.rows = {{2, {"A", "12.5", "90", "7", "drill"}}};
+  second.header = {"config", "tool_m", "tool_mm"};
+  second.rows = {{2, {"B", "0.25", "3"}}};
+  third.header = {"config", "tool_m"};
+  third.rows = {{2, {"C", "0.5"}}};
+  EXPECT_EQ(MeasurementsToCsv(FromCells({first, second})),
+            "config,tool_mm,tool_deg,x_deg,tool,tool_m,x_mm,y_mm,z_mm\n"
+            "A,12.5,90,7,drill,,1.1,2.2,333.3333333333333\n"
+            "B,3,,,,0.25,1.1,1002.2,333.3333333333333\n");
+  EXPECT_EQ(MeasurementsToCsv(FromCells({first, third})),
+            "config,tool_mm,tool_deg,x_deg,tool,x_mm,y_mm,z_mm\n"
+            "A,12.5,90,7,drill,1.1,2.2,333.3333333333333\n"
+            "C,500,,,,1.1,1002.2,333.3333333333333\n");
+}
+
 TEST_F(MeasurementWriter, WhatItWritesReadsBackInFullPrecision) {
   std::string text =
       "config,marker,station,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,sigma_x_mm,sigma_y_mm,sigma_z_mm\n";

@@ -144,6 +144,19 @@ TEST(UrdfBodiesTest, AChainUpTheTreeCarriesTheSameBodies) {
 
 class UrdfCellTest : public FileTest {};
 
+// A joint may be called as a place is; a capsule there has two meanings.
+TEST_F(UrdfCellTest, APlaceHasOneMeaning) {
+  Robot robot = ReadUrdfText(kArm, "arm.urdf", {"foot", "hand"});
+  const std::string path =
+      Write("cell.yaml",
+            "schema: sagitta/cell/1\n"
+            "capsules: [{name: forearm, on: flange, from_mm: [0, 0, 0], to_mm: [0, 0, 500], radius_mm: 80}]\n");
+  EXPECT_EQ(ErrorOf([&] { ReadCellFile(path, robot.chain); }), "");
+  robot.chain.joints[0].name = "flange";
+  EXPECT_TRUE(
+      SaysInOrder(ErrorOf([&] { ReadCellFile(path, robot.chain); }), {"capsules[0].on", "joint of this robot"}));
+}
+
 TEST_F(UrdfCellTest, ACellNamesTheUrdfAndSaysWhatItLacks) {
   Write("arm.urdf", kArm);
   const Robot robot = ReadUrdfText(kArm, "arm.urdf", {"foot", "hand"});

@@ -53,6 +53,18 @@ TEST_P(UrdfStyle, WrittenAnewItIsThatOfKdl) {
   test::ExpectSameFlange(yaml.chain, test::KdlChainOfUrdf(GetParam().rows), 1e-9);
 }
 
+// Names of joints that would make the writer's own links and joints stand twice.
+TEST(UrdfWriterTest, LinksAndJointsHaveDifferentNames) {
+  Robot robot = ReadUrdfText(UrdfText(test::UniversalStyle()), "arm.urdf");
+  const Chain before = robot.chain;
+  const char* names[] = {"base", "flange", "flange_joint", "base_link", "flange_joint_", "world"};
+  for (size_t j = 0; j < robot.chain.joints.size(); ++j) robot.chain.joints[j].name = names[j];
+  const Robot again = ReadUrdfText(RobotToUrdf(robot), "new.urdf");
+  for (size_t j = 0; j < robot.chain.joints.size(); ++j) EXPECT_EQ(again.chain.joints[j].name, names[j]);
+  const Eigen::VectorXd q = Eigen::VectorXd::LinSpaced(robot.num_joints(), -0.5, 0.7);
+  EXPECT_LT((FlangeOf(again.chain, q).translation - FlangeOf(before, q).translation).norm(), 1e-12);
+}
+
 // Errors span every motion of the flange: of 4R + 2P + 6 parameters (Everett, Driels, Mooring 1987) base and tool have
 // 12, also where a pitch of 90 degrees makes roll and yaw of rpy the same.
 TEST_P(UrdfStyle, DefaultErrorsAreCompleteAndMinimal) {

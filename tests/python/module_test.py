@@ -114,6 +114,21 @@ class SameAsTheProgram(FolderTest):
                          without_circumstances(theirs))
         self.assertGreater(theirs["validation"]["observations"], 0)
 
+    def test_the_seed_is_that_of_the_experiments_own_holdout(self):
+        text = (KR270 / "experiment.yaml").read_text()
+        text = re.sub(r"(?m)^(robot: |measurements: \[)", lambda line: line[0] + "%s/" % KR270, text)
+        path = self.folder / "experiment.yaml"
+        path.write_text(re.sub(r"(?m)^validation:.*\n", "", text) + "validation: {fraction: 0.3, seed: 1}\n")
+        held = []
+        for seed in (None, 7):
+            flags = [] if seed is None else ["--seed=%d" % seed]
+            run("calibrate", path, "--out=%s" % (self.folder / "program"), "--quiet", *flags)
+            theirs = json.loads((self.folder / "program" / "estimate.json").read_text())["validation"]
+            ours = sagitta.calibrate(sagitta.read(path, seed=seed), seed=seed or 1).validation
+            self.assertEqual(ours["distance_rms_mm"], theirs["distance_rms_mm"])
+            held.append(ours["distance_rms_mm"])
+        self.assertNotEqual(*held)
+
     def test_predict_validate_simulate_compensate(self):
         out = self.folder / "program"
         run("calibrate", KR270 / "experiment.yaml", "--out=%s" % out, "--quiet")
@@ -469,6 +484,20 @@ class Errors(FolderTest):
         self.assertFalse(fixed["geometry/p_x1"].free or fixed["geometry/p_y1"].free)
         error = self.caught(sagitta.plan, sagitta.read(KR270 / "experiment.yaml"), poses=3, discriminate="backlsh/A3")
         self.assertIn("backlsh", str(error))
+
+    def test_names_with_two_settings_are_one(self):
+        name = "effect/backlash[by=torque,width_Nm=30]/A3"
+        files = (KR270 / "robot.yaml", KR270 / "geometric.csv")
+        for flag in ("free", "fixed"):
+            error = self.caught(lambda: sagitta.calibrate(sagitta.read(*files, sigma_mm=0.1, **{flag: name})))
+            self.assertIn("'%s'" % name, str(error))
+
+    def test_tables_have_the_limits_of_files(self):
+        columns = {**columns_of(KR270 / "geometric.csv")}
+        columns["config"] = ["C\x1b[2J" + config for config in columns["config"]]
+        error = self.caught(sagitta.read, KR270 / "robot.yaml", columns)
+        self.assertEqual((error.line, error.key), (1, "config"))
+        self.assertIn("U+001B", str(error))
 
     def test_what_is_no_number_and_no_table(self):
         columns = columns_of(KR270 / "geometric.csv")

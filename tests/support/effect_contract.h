@@ -68,7 +68,8 @@ inline std::vector<EffectSpec> ContractUses(const std::vector<const EffectDefini
       const std::vector<EffectSpec> before = std::move(variants);
       variants.clear();
       std::vector<std::string> texts = setting.choices;
-      if (setting.kind == SettingDefinition::Kind::kInteger) texts = {std::to_string(setting.least), "3"};
+      if (setting.kind == SettingDefinition::Kind::kInteger)
+        texts = {std::to_string(setting.least), std::to_string(std::min(3, setting.most))};
       if (setting.kind == SettingDefinition::Kind::kNumber) texts = {setting.choices.empty() ? "100" : texts.back()};
       if (setting.name == "unit") texts = {"1"};  // of what a joint follows late: N m, m or deg/s
       // Seen by every driver of ContractShot; of two joints their range.

@@ -105,6 +105,17 @@ TEST_F(CommandLineTest, AnUnknownParameterIsAnsweredByItsFamily) {
   EXPECT_EQ(outcome.err.find("marker/"), std::string::npos) << outcome.err;
 }
 
+// An effect that has two settings has a comma in its name.
+TEST_F(CommandLineTest, AParameterWithSettingsIsOneName) {
+  for (const char* flag : {"--free=", "--fixed="}) {
+    const Outcome outcome =
+        Run({"calibrate", kExperiment, std::string(flag) + "effect/backlash[by=torque,width_Nm=30]/A3"});
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_NE(outcome.err.find("no parameter 'effect/backlash[by=torque,width_Nm=30]/A3'"), std::string::npos)
+        << outcome.err;
+  }
+}
+
 TEST_F(CommandLineTest, AParameterIsFreeOrFixed) {
   const Outcome outcome =
       Run({"calibrate", kExperiment, "--free=geometry/dq2", "--fixed=geometry/dq2", "--out=" + Path("out")});

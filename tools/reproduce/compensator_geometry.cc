@@ -10,7 +10,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kFlat = 1e-12;  // sum |u~|^2 of one angle only
+constexpr double kFlat = 1e-12;  // second singular value of the correlation, of the points' norm: of one angle only
 
 Vector3<double> DirectionAt(double q) { return {std::cos(q), std::sin(q), 0.0}; }
 

@@ -123,7 +123,8 @@ ReproducedTable TableIX(Reproduction* reproduction) {
       table.State("k1, this work", Fixed(given.at("this_work").at(0), 3),
                   Fixed(stage.k1 / kMicro, 3) + " +-" + Fixed(3.0 * stage.sigma / kMicro, 3), Reproducibility::kInput,
                   "its own stage: 500 N sideways in three configurations, noise of the size of Table 1 of paper 003, "
-                  "3 sigma; a vertical load on a vertical axis does not see it");
+                  "3 sigma, what is not known of the other compliances not in it; a vertical load on a vertical axis "
+                  "does not see it");
     } else {
       table.State(name + ", this work", Fixed(given.at("this_work").at(j), 3), Fixed(values[j], 3),
                   Reproducibility::kInput,

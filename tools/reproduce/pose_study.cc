@@ -5,7 +5,6 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <random>
 
@@ -178,25 +177,6 @@ PoseStudy StudyPoses(const Robot& robot, const std::vector<MarkerLayout>& layout
     }
   }
   return study;
-}
-
-std::string PoseStudyTable(const PoseStudy& study) {
-  char cell[64];
-  std::snprintf(cell, sizeof cell, "%-34s %8s", "marker layout", "w mm/rad");
-  std::string table = cell;
-  for (const std::string& name : study.parameters) {
-    std::snprintf(cell, sizeof cell, " %7s", name.c_str());
-    table += cell;
-  }
-  for (const PoseStudyRow& row : study.rows) {
-    std::snprintf(cell, sizeof cell, "\n%-34s %8.0f", row.layout.c_str(), 1e3 * row.weight);
-    table += cell;
-    for (const double factor : row.median) {
-      std::snprintf(cell, sizeof cell, " %7.2f", factor);
-      table += cell;
-    }
-  }
-  return table + "\n";
 }
 
 }  // namespace sagitta

@@ -65,7 +65,4 @@ struct PoseStudy {
 PoseStudy StudyPoses(const Robot& robot, const std::vector<MarkerLayout>& layouts,
                      const PoseStudyOptions& options = {});
 
-// One line per row: layout, weight in mm/rad, medians.
-std::string PoseStudyTable(const PoseStudy& study);
-
 }  // namespace sagitta

@@ -51,7 +51,8 @@ MaxwellFit FitMaxwell(std::vector<double> lengths) {
     const double below = std::erf(x / std::sqrt(2.0)) - std::sqrt(2.0 / M_PI) * x * std::exp(-0.5 * x * x);
     fit.gap = std::max({fit.gap, std::abs(below - i / n), std::abs((i + 1) / n - below)});
   }
-  // Kolmogorov: P = 2 sum (-1)^(k-1) exp(-2 k^2 t^2).
+  // Kolmogorov: P = 2 sum (-1)^(k-1) exp(-2 k^2 t^2) of a sigma that is known. This one is of the same lengths, which
+  // the gap is then smaller to: an upper bound of P.
   const double t = fit.gap * (std::sqrt(n) + 0.12 + 0.11 / std::sqrt(n));
   double p = 0.0;
   for (int k = 1; k <= 100; ++k) p += (k % 2 == 1 ? 2.0 : -2.0) * std::exp(-2.0 * k * k * t * t);

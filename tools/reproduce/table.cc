@@ -171,11 +171,12 @@ Section TableToSection(const ReproducedTable& table) {
 Section OverviewSection(const std::vector<ReproducedTable>& tables) {
   Section section;
   section.title = "Published tables and figures: rows by verdict";
-  section.header = {"table", "reproduced", "order of magnitude", "not reproducible", "input"};
+  section.header = {"table", "reproduced", "order of magnitude", "not reproducible", "input", "not in the paper"};
   for (const ReproducedTable& table : tables) {
     section.rows.push_back({table.id + "  " + table.title});
-    for (const Reproducibility verdict : {Reproducibility::kReproduced, Reproducibility::kOrderOfMagnitude,
-                                          Reproducibility::kNotReproducible, Reproducibility::kInput}) {
+    for (const Reproducibility verdict :
+         {Reproducibility::kReproduced, Reproducibility::kOrderOfMagnitude, Reproducibility::kNotReproducible,
+          Reproducibility::kInput, Reproducibility::kAddition}) {
       section.rows.back().push_back(std::to_string(table.Count(verdict)));
     }
   }

@@ -218,7 +218,7 @@ ReproducedTable Figure10(Reproduction* reproduction) {
                 "published RMS per axis of 0.21, 0.44, 0.21 mm make a Maxwell sigma of 0.31 mm, not 0.14",
                 Reproducibility::kOrderOfMagnitude);
   table.State("lengths follow Maxwell", "tend to, with few data",
-              "gap " + Fixed(maxwell.gap, 2) + ", P = " + Fixed(maxwell.p_value, 3),
+              "gap " + Fixed(maxwell.gap, 2) + ", P at most " + Fixed(maxwell.p_value, 3),
               maxwell.p_value > 0.01 ? Reproducibility::kReproduced : Reproducibility::kNotReproducible,
               "Maxwell needs equal normal errors along the axes; what joint 1 leaves is neither");
   return table;

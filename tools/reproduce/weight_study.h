@@ -21,6 +21,7 @@
 #include <string>
 #include <vector>
 
+#include "estimator/noise/residual_noise.h"
 #include "models/forward_model.h"
 
 namespace sagitta {
@@ -68,7 +69,7 @@ struct WeightMethod {
   double lambda = 1.0;
   double sigma0 = 1e-5;  // m; 0: w = 1 / s
   int iterations = 10;
-  double floor = 1e-7;  // m, kResidualFloor: of a residual read as a sigma: the last digit of the instrument
+  double floor = kResidualFloor;  // m, of a residual read as a sigma
 };
 
 struct WeightedFit {

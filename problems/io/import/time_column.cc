@@ -5,6 +5,7 @@
 
 #include "problems/interruption.h"
 #include "problems/io/pattern.h"
+#include "problems/io/units.h"
 
 namespace sagitta {
 namespace {
@@ -39,7 +40,7 @@ std::optional<double> SecondsOfStamp(const std::string& cell) {
   if (year < 1980 || year > 2100 || month < 1 || month > 12 || day < 1 || day > 31) return std::nullopt;
   if (hour > 23 || minute > 59 || second > 60) return std::nullopt;
   const auto& digits = match[static_cast<size_t>(fraction)];
-  const double part = digits.matched ? std::stod("0." + digits.str()) : 0.0;
+  const double part = digits.matched ? ParseNumber("0." + digits.str()).value_or(0.0) : 0.0;
   return 86400.0 * DaysSince1970(year, month, day) + 3600.0 * hour + 60.0 * minute + second + part;
 }
 
