@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "estimator/agreement/agreement.h"
 #include "estimator/baselines/compare_methods.h"
@@ -80,6 +81,20 @@ std::string NameBelowItsBound(const ParameterSet& parameters) {
   return "";
 }
 
+// The problem keeps what is known of its noise now (CalibrationResiduals).
+void KeepFoundNoise(Calibration* result) {
+  const SigmaReport& sigma = result->estimate.sigma;
+  result->problem.found_noise.sigma = sigma.stated ? 0.0 : sigma.estimated;
+  result->problem.found_noise.factor = sigma.stated && sigma.scaled ? sigma.a_posteriori : 1.0;
+}
+
+// Results of what is not usable would be numbers without a meaning.
+void CheckIsUsable(const Estimate& estimate, const std::string& what) {
+  if (IsUsable(estimate.status)) return;
+  const std::string why = estimate.message.empty() ? "" : ": " + estimate.message;
+  throw std::invalid_argument(what + ": the estimate is not usable, " + StatusName(estimate.status) + why);
+}
+
 // All that judges a usable estimate. rows: that were fitted, or null.
 void JudgeCalibration(const CalibrateOptions& options, std::shared_ptr<const RowBatches> rows, Calibration* result) {
   const auto say = [&](const std::string& what) {
@@ -147,10 +162,15 @@ Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& option
     return result;
   }
   JudgeCalibration(options, std::move(resolved.rows), &result);
+  KeepFoundNoise(&result);
   return result;
 }
 
 Calibration ExtendedCalibration(const Diagnosis& diagnosis, std::uint64_t seed) {
+  if (diagnosis.final.problem == nullptr) {
+    throw std::invalid_argument("ExtendedCalibration: the diagnosis has no model, " +
+                                std::string(StatusName(diagnosis.status)));
+  }
   Calibration extended{*diagnosis.final.problem, diagnosis.final.estimate, {}};
   const FittedStream fitted(extended.problem);
   FoldPlan folds = PlanFolds(extended.problem, fitted, seed);
@@ -158,12 +178,14 @@ Calibration ExtendedCalibration(const Diagnosis& diagnosis, std::uint64_t seed) 
       CheckAgreement(extended.problem, fitted, {seed, RandomHalves(extended.problem)}, &folds.rows, &extended.estimate);
   AddTo(diagnosis.choice, &between);
   extended.trust = JudgeTrust(extended.problem, fitted, folds, &extended.estimate, between);
+  KeepFoundNoise(&extended);
   return extended;
 }
 
 // Held-out points say what it lacks; folds and halves of a model with hundreds of weights would cost as much again as
 // the diagnosis.
 nlohmann::ordered_json LearntEstimateToJson(const Diagnosis& diagnosis, const Provenance& provenance) {
+  if (diagnosis.learnt == nullptr) throw std::invalid_argument("LearntEstimateToJson: the diagnosis learnt nothing");
   const CalibrationProblem& problem = *diagnosis.learnt->model.problem;
   Estimate estimate = diagnosis.learnt->model.estimate;
   const Trust trust = JudgeByHoldout(problem, &estimate);
@@ -173,12 +195,14 @@ nlohmann::ordered_json LearntEstimateToJson(const Diagnosis& diagnosis, const Pr
 }
 
 nlohmann::ordered_json CalibrationToJson(const Calibration& calibration, const Provenance& provenance) {
+  CheckIsUsable(calibration.estimate, "CalibrationToJson");
   nlohmann::ordered_json json = EstimateToJson(calibration.problem, calibration.estimate, provenance);
   AddTrustTo(calibration.estimate, calibration.trust, &json);
   return json;
 }
 
 void WriteCalibration(const Calibration& calibration, const std::string& folder, const Provenance& provenance) {
+  CheckIsUsable(calibration.estimate, "WriteCalibration");
   const CalibrationProblem& problem = calibration.problem;
   const Estimate& estimate = calibration.estimate;
   std::vector<NamedText> files;
@@ -190,6 +214,7 @@ void WriteCalibration(const Calibration& calibration, const std::string& folder,
 }
 
 KnownRobot KnownFrom(const Calibration& calibration) {
+  CheckIsUsable(calibration.estimate, "KnownFrom");
   return ReadEstimateText(DumpJson(CalibrationToJson(calibration, {})), "estimate",
                           calibration.problem.robot().own_effects);
 }

@@ -10,7 +10,8 @@
 //
 // Units are SI (m, rad, N, kg, s); a rotation's standard deviation is that of a left perturbation, R = exp(delta)
 // R_hat. Input that cannot be used throws InputError {file, line, key, what, hint}, an option out of its range one
-// whose key is Struct.field; a numerical failure is a Status with a message, never an exception. Nothing here prints.
+// whose key is Struct.field; a numerical failure is a Status with a message, never an exception. What asks for results
+// that do not exist, of a calibration that is not usable for example, is std::invalid_argument. Nothing here prints.
 #pragma once
 
 #include <cstdint>
@@ -63,7 +64,9 @@ void CheckOptions(const CalibrateOptions& options);
 
 // What Calibrate found.
 struct Calibration {
-  CalibrationProblem problem;  // with the noise that was found and outliers excluded: judge and refit with this one
+  // With the noise that was found (per row, or found_noise for all of them) and outliers excluded: judge, refit and
+  // AddToProblem with this one.
+  CalibrationProblem problem;
   Estimate estimate;
   Trust trust;  // of a usable estimate: what its verdict says, and on what grounds; else the suspect rows
 };
@@ -74,16 +77,18 @@ struct Calibration {
 Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& options = {});
 
 // The extended model of a usable diagnosis, judged as Calibrate judges: verdict, cross-validation, suspect rows, model
-// error in the intervals.
+// error in the intervals. Throws std::invalid_argument where the diagnosis has no model.
 Calibration ExtendedCalibration(const Diagnosis& diagnosis, std::uint64_t seed = 1);
 
 // estimate.learnt.json as written. diagnosis.learnt: not null.
 nlohmann::ordered_json LearntEstimateToJson(const Diagnosis& diagnosis, const Provenance& provenance);
 
-// estimate.json as written: the estimate, its verdict, cross-validation and suspect rows.
+// estimate.json as written: the estimate, its verdict, cross-validation and suspect rows. This and the next two throw
+// std::invalid_argument where the estimate is not usable.
 nlohmann::ordered_json CalibrationToJson(const Calibration& calibration, const Provenance& provenance);
 
 // estimate.json, robot.calibrated.yaml and residuals.csv (FORMATS section 4) in a folder that is made if it is absent.
+// Rows that are of no file have the columns of problems/io/rows_in_memory.h in tables.
 void WriteCalibration(const Calibration& calibration, const std::string& folder, const Provenance& provenance = {});
 
 // What prediction needs of a calibration: as ReadEstimateFile gives it of an estimate.json.

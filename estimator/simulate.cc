@@ -6,6 +6,7 @@
 #include "problems/latent_model.h"
 #include "problems/problem_checks.h"
 #include "problems/range.h"
+#include "problems/structure_checks.h"
 
 namespace sagitta {
 namespace {
@@ -63,6 +64,7 @@ Measurements Simulate(const KnownRobot& known, const Measurements& given, const 
                       const SimulateOptions& options) {
   CheckOptions(options);
   CheckExperiment(experiment);
+  CheckStructure(known.robot, given);
   Measurements rows = given;
   AddKnownRotations(known, &rows);
   CalibrationProblem problem = PredictionProblem(known, rows);

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <map>
 #include <numeric>
+#include <stdexcept>
 
 #include "models/constants.h"
 #include "models/effects/catalogue.h"
@@ -195,7 +196,18 @@ void ForwardModel::Prepare(ShotInput* shot) const {
   *shot = std::move(alone[0]);
 }
 
+namespace {
+
+void CheckJointValues(const Chain& chain, const Eigen::VectorXd& q) {
+  if (q.size() == chain.num_joints()) return;
+  throw std::invalid_argument("ForwardModel: " + std::to_string(q.size()) + " joint values, the robot has " +
+                              std::to_string(chain.num_joints()) + " joints");
+}
+
+}  // namespace
+
 void ForwardModel::Prepare(std::vector<ShotInput>* campaign) const {
+  for (const ShotInput& shot : *campaign) CheckJointValues(chain(), shot.conditions.q);
   std::vector<std::vector<double>> memories;  // of each effect
   for (size_t i = 0; i < robot_.effects.size(); ++i)
     memories.push_back(MemoriesOf(robot_, *definitions_[i], robot_.effects[i], *campaign));

@@ -99,7 +99,9 @@ class ForwardModel {
   std::vector<double> NominalValues() const;
 
   // Fills the terms of the shots of a campaign: compliances and effects of this model. Effects that remember the
-  // shots before do so in the order of time, where every shot states it, else in the order given.
+  // shots before do so in the order of time, where every shot states it, else in the order given. Throws
+  // std::invalid_argument where a shot has another number of joint values than the robot has joints; every function
+  // below does so for a shot that is not prepared.
   void Prepare(std::vector<ShotInput>* campaign) const;
   // The same for a shot with nothing before it.
   void Prepare(ShotInput* shot) const;
@@ -112,7 +114,9 @@ class ForwardModel {
   // Whether the marker rides on the arm: markers on the world or the foot do not grow with it.
   bool Grows(const MarkerInFrame& marker) const { return marker.frame > chain().BaseFrame(); }
 
-  // A marker point in the station frame; the templated reference for Predict.
+  // A marker point in the station frame; the templated reference for Predict, as are the next two. They iterate the
+  // equilibrium a fixed number of times and do not judge it: where a load folds the arm, what comes out is the last
+  // iterate, which means nothing. Predict and Equilibrate say whether there is an equilibrium.
   template <typename T>
   Vector3<T> PointInStation(const ShotInput& shot, const T* theta, const MarkerInFrame& marker, const Vector3<T>& point,
                             const Matrix3<T>& rotation, const Vector3<T>& translation) const;

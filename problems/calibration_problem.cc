@@ -11,6 +11,7 @@
 #include "problems/problem_checks.h"
 #include "problems/split.h"
 #include "problems/spring_tie.h"
+#include "problems/structure_checks.h"
 
 namespace sagitta {
 namespace {
@@ -294,6 +295,7 @@ CalibrationProblem CalibrationProblem::WithEffects(const std::vector<EffectSpec>
 }
 
 CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experiment experiment) {
+  CheckStructure(robot, data);
   CheckExperiment(experiment);
   SplitConfigurations(experiment.validation, &data);
   CheckLoadStates(&data);
@@ -325,6 +327,7 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
 
 CalibrationProblem MakeKnownProblem(const Robot& robot, Measurements data, Experiment experiment,
                                     const KnownPlaces& places) {
+  CheckStructure(robot, data, MarkerlessRows::kAllowed);
   for (const auto& [name, marker] : places.markers) experiment.markers[name] = marker;
   // Rows need not have every station and marker of the calibration.
   KeepNamed(data.stations, &experiment.stations);

@@ -78,6 +78,12 @@ class CalibrationProblem {
   // Noise that is found, not stated (from repeats, or by the estimator): one root
   // per observation, in place of what is stated. Empty: as stated.
   NoiseRoots resolved_noise;
+  // What an estimate of this problem says of the noise as a whole. Fits do not use it: they find it again.
+  struct FoundNoise {
+    double sigma = 0.0;   // m (of rotations rad), of every coordinate where nothing states a noise; 0: not found
+    double factor = 1.0;  // by which the noise is larger than SqrtCovariance
+  };
+  FoundNoise found_noise;
   // By which the noise is another than stated, of whatever row, as far as that was found; in resolved_noise too.
   double stated_noise_factor = 1.0;
   // Roots the fit weighs with in place of the noise's (estimator/noise/weighting.h): the
@@ -117,10 +123,9 @@ class CalibrationProblem {
   std::shared_ptr<const std::vector<int>> fitted_;  // found when the problem was made; null: the data may have changed
 };
 
-// Reads nothing: puts robot, data and experiment together, marks the split and
-// checks what only all three show (joint counts, unknown names, fewer equations
-// than unknowns, a station or marker that only validation rows have, a load
-// without a point or a force). Throws InputError.
+// Reads nothing: checks that robot and data fit together (structure_checks.h), puts them together with the experiment,
+// marks the split and checks what only all three show (unknown names, fewer equations than unknowns, a station or
+// marker that no fitted row has, a load without a point or a force). Throws InputError.
 CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experiment experiment);
 
 // Where stations and markers are, from an estimate or a truth.

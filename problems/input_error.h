@@ -9,7 +9,8 @@ namespace sagitta {
 
 class InputError : public std::runtime_error {
  public:
-  // Any part may be empty (line 0: none). `hint` says what to do about it.
+  // Any part may be empty (line 0: none). `hint` says what to do about it. file: of a row that is of no file, what it
+  // is called instead (Measurements::SourceOf).
   struct Where {
     std::string file;
     int line = 0;

@@ -20,9 +20,7 @@ constexpr double kSameWeight = 0.02;
 
 [[noreturn]] void FailAt(const Measurements& data, const Shot& shot, const std::string& key, const std::string& what,
                          const std::string& hint) {
-  const Observation& observation = data.observations[shot.observations.front()];
-  const MeasurementFile& file = data.files[observation.file];
-  throw InputError({file.path, file.rows[observation.row].line, key}, what, hint);
+  throw InputError(data.WhereOf(shot, key), what, hint);
 }
 
 Vector3<double> Gravity(const Experiment& experiment) { return experiment.gravity * experiment.gravity_direction; }

@@ -76,10 +76,38 @@ std::string Measurements::Cell(const Observation& observation, const std::string
   return index < 0 ? "" : std::string(file.rows[observation.row].cells[index]);
 }
 
+namespace {
+
+// What distinguishes rows that no file numbers.
+std::string InMemory(const Measurements& data, const Shot& shot) {
+  std::string words = "configuration " + data.configurations[shot.configuration].id;
+  if (!shot.visit.empty()) words += ", visit " + shot.visit;
+  if (!shot.repeat.empty()) words += ", repeat " + shot.repeat;
+  if (shot.load != kNoLoad) words += ", load " + shot.load;
+  if (data.stations.size() > 1) words += ", station " + data.stations[shot.station];
+  return words;
+}
+
+}  // namespace
+
 std::string Measurements::SourceOf(const Observation& observation) const {
-  if (observation.file < 0) return "";
+  if (observation.file < 0) {
+    const std::string marker = observation.marker < 0 ? "" : ", marker " + markers[observation.marker];
+    return InMemory(*this, shots[observation.shot]) + marker;
+  }
   const MeasurementFile& file = files[observation.file];
   return file.path + ":" + std::to_string(file.rows.LineOf(observation.row));
+}
+
+InputError::Where Measurements::WhereOf(const Observation& observation, const std::string& column) const {
+  if (observation.file < 0) return {SourceOf(observation), 0, column};
+  const MeasurementFile& file = files[observation.file];
+  return {file.path, file.rows.LineOf(observation.row), column};
+}
+
+InputError::Where Measurements::WhereOf(const Shot& shot, const std::string& column) const {
+  if (shot.observations.empty()) return {InMemory(*this, shot), 0, column};
+  return WhereOf(observations[shot.observations.front()], column);
 }
 
 }  // namespace sagitta

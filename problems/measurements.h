@@ -13,6 +13,7 @@
 
 #include "models/reading.h"
 #include "models/wrench.h"
+#include "problems/input_error.h"
 #include "problems/measurement_rows.h"
 
 namespace sagitta {
@@ -74,7 +75,7 @@ struct Observation {
   int marker = -1;
   Vector3<double> point_in_station = Vector3<double>::Zero();  // m; NaN where the file has no x, y, z
   Vector3<double> sigma = Vector3<double>::Zero();             // m; 0: the row states none
-  int file = -1;                                               // index into Measurements::files
+  int file = -1;                                               // index into Measurements::files; -1: of no file
   int row = -1;                                                // index into MeasurementFile::rows
   bool excluded = false;                                       // an outlier: neither fitted nor judged by
 
@@ -128,10 +129,14 @@ struct Measurements {
   // Adds the rotation of the pose to an observation that is a point.
   Observation& AddRotation(int point);
   bool IsValidation(const Observation& observation) const { return ConfigurationOf(observation).is_validation; }
-  // The cell of an observation's row, "" if its file has no such column.
+  // The cell of an observation's row, "" if its file has no such column or it is of no file.
   std::string Cell(const Observation& observation, const std::string& column) const;
-  // "file:line" of an observation.
+  // "file:line" of an observation; where it is of no file, its configuration and marker in words.
   std::string SourceOf(const Observation& observation) const;
+  // The same for an error at a column of the row.
+  InputError::Where WhereOf(const Observation& observation, const std::string& column) const;
+  // Of a shot: of its first row, or, without rows, its configuration in words.
+  InputError::Where WhereOf(const Shot& shot, const std::string& column) const;
 };
 
 }  // namespace sagitta

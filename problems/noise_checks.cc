@@ -146,8 +146,7 @@ void SayRotationSigmas(CalibrationProblem* problem) {
     if (observation.is_point()) continue;
     ++(observation.rotation().sigma.minCoeff() > 0.0 ? stated : unstated);
     if (is_stated || stated == 0) continue;
-    const MeasurementFile& file = problem->data().files[observation.file];
-    throw InputError({file.path, file.rows[observation.row].line, "sigma_x_mm"},
+    throw InputError(problem->data().WhereOf(observation, "sigma_x_mm"),
                      "the rotations state standard deviations, the points none: nothing says how the two compare",
                      "add sigma_x_mm, sigma_y_mm, sigma_z_mm, or state noise: {sigma_mm: …}");
   }
@@ -167,8 +166,7 @@ void CheckSigmas(const CalibrationProblem& problem) {
   for (size_t i = 0; i < problem.data().observations.size(); ++i) {
     if (IsStated(problem.SqrtCovariance(static_cast<int>(i)))) continue;
     const Observation& observation = problem.data().observations[i];
-    const MeasurementFile& file = problem.data().files[observation.file];
-    throw InputError({file.path, file.rows[observation.row].line, "sigma_x_mm"},
+    throw InputError(problem.data().WhereOf(observation, "sigma_x_mm"),
                      "other rows state standard deviations, this one has none",
                      "add the columns, state noise: {sigma_mm: …}, or give --sigma_mm");
   }

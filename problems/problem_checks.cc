@@ -127,9 +127,8 @@ void CheckEffectColumns(const CalibrationProblem& problem) {
                                   &problem.data().markers, 0};
       const std::string column = MissingColumn(*FindEffect(problem.robot(), spec.effect), context);
       if (column.empty()) continue;
-      const Observation& first = problem.data().observations[problem.data().shots[s].observations.front()];
-      const MeasurementFile& file = problem.data().files[first.file];
-      throw InputError({file.path, file.rows[first.row].line, column}, "effect " + spec.Path() + " needs this column",
+      throw InputError(problem.data().WhereOf(problem.data().shots[s], column),
+                       "effect " + spec.Path() + " needs this column",
                        "add it, or remove the effect from the robot file");
     }
   }
@@ -180,6 +179,41 @@ void CheckCompensator(const CalibrationProblem& problem) {
   }
 }
 
+void CheckFittedReadings(const CalibrationProblem& problem) {
+  for (const int i : problem.CalibrationObservations()) {
+    const Observation& row = problem.data().observations[i];
+    const bool is_read = row.is_point() ? row.point_in_station.allFinite() : row.rotation().in_station.allFinite();
+    if (is_read) continue;
+    throw InputError(problem.data().WhereOf(row, row.is_point() ? "x_mm" : "rx_mrad"),
+                     "the reading of a row that is to be fitted is no number",
+                     "leave the row out, or exclude it (Measurements::ExcludeRow)");
+  }
+}
+
+namespace {
+
+// Of a marker or station that no fitted row has: why. is_listed_only: no other row has it either.
+[[noreturn]] void FailUnfitted(const std::string& file, const std::string& kind, const std::string& name,
+                               const std::string& unknown, bool is_listed_only) {
+  if (is_listed_only) {
+    throw InputError({file, 0, kind}, kind + " '" + name + "' is listed, and no row has it", "remove it from the list");
+  }
+  throw InputError({file, 0, kind}, kind + " '" + name + "' has validation rows only",
+                   unknown + " cannot be estimated; move some of its configurations to calibration");
+}
+
+bool AnyRowOfStation(const Measurements& data, int station) {
+  return std::any_of(data.observations.begin(), data.observations.end(),
+                     [&](const Observation& row) { return data.shots[row.shot].station == station; });
+}
+
+bool AnyRowOfMarker(const Measurements& data, int marker) {
+  return std::any_of(data.observations.begin(), data.observations.end(),
+                     [&](const Observation& row) { return row.marker == marker; });
+}
+
+}  // namespace
+
 void CheckEnoughData(const CalibrationProblem& problem) {
   std::set<int> configurations;
   int latest = -1;
@@ -196,13 +230,13 @@ void CheckEnoughData(const CalibrationProblem& problem) {
   const std::string file = problem.data().files.empty() ? "" : problem.data().files[0].path;
   for (size_t s = 0; s < station_seen.size(); ++s) {
     if (station_seen[s]) continue;
-    throw InputError({file, 0, "station"}, "station '" + problem.data().stations[s] + "' has validation rows only",
-                     "its base pose cannot be estimated; move some of its configurations to calibration");
+    FailUnfitted(file, "station", problem.data().stations[s], "its base pose",
+                 !AnyRowOfStation(problem.data(), static_cast<int>(s)));
   }
   for (size_t m = 0; m < marker_seen.size(); ++m) {
     if (marker_seen[m]) continue;
-    throw InputError({file, 0, "marker"}, "marker '" + problem.data().markers[m] + "' has validation rows only",
-                     "its point cannot be estimated; move some of its configurations to calibration");
+    FailUnfitted(file, "marker", problem.data().markers[m], "its point",
+                 !AnyRowOfMarker(problem.data(), static_cast<int>(m)));
   }
   const int unknowns = problem.parameters.EstimatedCoordinates().size();
   if (unknowns == 0) throw InputError({file, 0, ""}, "nothing is free: there is nothing to estimate");

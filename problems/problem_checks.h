@@ -36,6 +36,9 @@ std::string UnlevelledStationWithWeights(const CalibrationProblem& problem);
 // A spring can neither have no length nor be pressed through zero.
 void CheckCompensator(const CalibrationProblem& problem);
 
+// What is fitted was read: rows without x, y, z may be predicted and planned with, no more.
+void CheckFittedReadings(const CalibrationProblem& problem);
+
 // What no estimate can come from.
 void CheckEnoughData(const CalibrationProblem& problem);
 

@@ -54,7 +54,7 @@ void TakeNoise(const CalibrationProblem& problem, const Estimate& joint, Estimat
 
 double PredictedRate(const CalibrationProblem& problem, const Estimate& joint) {
   if (!IsUsable(joint.status)) return kNotKnown;
-  const ResidualSelection residuals = CalibrationResiduals(problem);
+  const ResidualSelection residuals = FittedResiduals(problem);
   return PredictTwoStepRate(
       Linearize(problem, joint.parameters, residuals.observations, joint.estimated, residuals.noise), joint.parameters);
 }
@@ -86,7 +86,7 @@ std::string MethodObstacle(const CalibrationProblem& problem, Method method) {
   if (!problem.latent.empty() || problem.experiment().repeatability.IsEstimated()) {
     return name + " knows no joint deviations (repeatability)";
   }
-  if (!IsDiagonal(CalibrationResiduals(problem).noise)) {
+  if (!IsDiagonal(FittedResiduals(problem).noise)) {
     return KnowsAxesOnly(name);
   }
   return "";

@@ -328,7 +328,7 @@ namespace {
 // What is fitted, put side by side once.
 struct Fitted {
   Fitted(const CalibrationProblem& problem, const JointOptions& options)
-      : residuals(CalibrationResiduals(problem, kFallbackSigma)),
+      : residuals(FittedResiduals(problem, kFallbackSigma)),
         equations(problem, residuals.observations, residuals.noise, LatentTreatment::kMarginalise,
                   options.num_threads) {
     residuals.granularity = options.granularity;

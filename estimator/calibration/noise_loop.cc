@@ -17,6 +17,7 @@
 #include "estimator/report/calibration_words.h"
 #include "estimator/report/noise_words.h"
 #include "estimator/statistics/distributions.h"
+#include "problems/problem_checks.h"
 
 namespace sagitta {
 namespace {
@@ -332,6 +333,7 @@ bool FindsNoise(const CalibrationProblem& problem) {
 
 ResolvedEstimate EstimateWithNoise(CalibrationProblem problem, const JointOptions& options) {
   CheckOptions(options);
+  CheckFittedReadings(problem);
   if (!FindsNoise(problem)) {
     ResolvedEstimate plain = EstimatePlainly(std::move(problem), options);
     DescribeNoise(plain.problem, &plain.estimate);

@@ -81,7 +81,7 @@ CalibrationProblem RereadInUnits(const CalibrationProblem& problem, const UnitRe
   Measurements& data = *reread.mutable_data();
   std::vector<bool> done(data.configurations.size());
   for (Observation& observation : data.observations) {
-    if (!concerned[observation.file]) continue;
+    if (observation.file < 0 || !concerned[observation.file]) continue;
     if (!reading.is_joint) {
       observation.point_in_station *= reading.factor;
       continue;

@@ -10,6 +10,7 @@
 #include "estimator/statistics/distributions.h"
 #include "models/constants.h"
 #include "models/dense_algebra.h"
+#include "problems/input_error.h"
 #include "problems/interruption.h"
 #include "problems/range.h"
 #include "problems/text.h"
@@ -195,9 +196,34 @@ double Radius95(const Matrix3<double>& covariance, const Vector3<double>& mean, 
   return std::sqrt(expected * FQuantile(0.95, freedom, kInfinity));
 }
 
+namespace {
+
+// A target without a shot stands nowhere, without pose and joint values it is none.
+void CheckTargets(const CompensationInput& input, const std::vector<Target>& targets) {
+  const size_t shots = input.problem.data().shots.size();
+  if (targets.size() > shots) {
+    throw InputError(
+        {},
+        std::to_string(targets.size()) + " targets and " + std::to_string(shots) + " shots: each target needs its own",
+        "make the input of these targets (MakeCompensationInput)");
+  }
+  for (size_t i = 0; i < targets.size(); ++i) {
+    const Target& target = targets[i];
+    const std::string item = "target " + (target.name.empty() ? std::to_string(i) : target.name);
+    if (!target.q && !target.flange_in_base) throw InputError({"", 0, item}, "it has neither a pose nor joint values");
+    if (target.q && target.q->size() != input.nominal.num_joints()) {
+      throw InputError({"", 0, item}, std::to_string(target.q->size()) + " joint values, the robot has " +
+                                          std::to_string(input.nominal.num_joints()) + " joints");
+    }
+  }
+}
+
+}  // namespace
+
 std::vector<CompensatedTarget> Compensate(const CompensationInput& input, const std::vector<Target>& targets,
                                           int threads, const std::function<void(size_t done)>& progress) {
   CheckIn(allowed::kThreads, threads, "threads");
+  CheckTargets(input, targets);
   const Compensator compensator(input);
   // In their order: a path of poses stays on the branch it is on.
   std::vector<FlangeSolution> nominal(targets.size());

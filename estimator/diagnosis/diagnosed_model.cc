@@ -7,6 +7,7 @@
 #include "estimator/explanations/compensator_shapes.h"
 #include "estimator/explanations/typical_units.h"
 #include "estimator/least_squares/refit.h"
+#include "problems/problem_checks.h"
 
 namespace sagitta {
 namespace {
@@ -58,6 +59,7 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
 }  // namespace
 
 DiagnosedModel FitFully(const CalibrationProblem& problem, const JointOptions& options) {
+  CheckFittedReadings(problem);
   auto own = std::make_shared<CalibrationProblem>(problem);
   return {own, EstimateJointly(*own, options)};
 }

@@ -180,7 +180,7 @@ Inspection::RmsOfReadings LinearRms(const LinearState& state, const NoiseRoots& 
 }
 
 void FillNoise(const LinearState& state, Inspection* inspection) {
-  const ResidualSelection rows = CalibrationResiduals(state.problem, kUnstatedSigma);
+  const ResidualSelection rows = FittedResiduals(state.problem, kUnstatedSigma);
   const Inspection::RmsOfReadings stated =
       RmsOf(state.problem, rows.observations, [&](size_t k) { return rows.noise[k].squaredNorm(); });
   inspection->sigma_is_stated = state.problem.sigma_is_stated();

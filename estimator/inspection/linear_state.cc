@@ -50,7 +50,7 @@ Linearization WithColumns(const Linearization& all, const std::vector<int>& lost
 }
 
 void LinearizeAt(LinearState* state) {
-  const ResidualSelection residuals = CalibrationResiduals(state->problem, kUnstatedSigma);
+  const ResidualSelection residuals = FittedResiduals(state->problem, kUnstatedSigma);
   std::vector<int> requested;
   for (int i = 0; i < state->parameters.num_coordinates(); ++i) {
     if (state->parameters.coordinates()[i].free) requested.push_back(i);
@@ -108,7 +108,7 @@ void TakeLinearStep(LinearState* state) {
 
 LinearState Align(const CalibrationProblem& problem, bool misfit, std::vector<Finding>* findings) {
   LinearState state{problem, NominalValues(problem), {}, {}, 1.0, {}};
-  const ResidualSelection rows = CalibrationResiduals(problem, kUnstatedSigma);
+  const ResidualSelection rows = FittedResiduals(problem, kUnstatedSigma);
   std::vector<int> outliers;
   std::vector<Finding> found;
   for (int round = 0;; ++round) {

@@ -39,9 +39,11 @@ void KeepShot(const Measurements& all, int s, int configuration, KeptRows* kept)
   for (const int i : all.shots[s].observations) {
     Observation observation = all.observations[i];
     observation.shot = static_cast<int>(kept->data.shots.size());
-    MeasurementFile& file = kept->data.files[observation.file];
-    file.rows.Append(all.files[observation.file].rows[observation.row]);
-    observation.row = static_cast<int>(file.rows.size()) - 1;
+    if (observation.file >= 0) {
+      MeasurementFile& file = kept->data.files[observation.file];
+      file.rows.Append(all.files[observation.file].rows[observation.row]);
+      observation.row = static_cast<int>(file.rows.size()) - 1;
+    }
     shot.observations.push_back(static_cast<int>(kept->data.observations.size()));
     kept->data.observations.push_back(observation);
     kept->observations.push_back(i);

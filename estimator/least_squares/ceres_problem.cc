@@ -7,6 +7,7 @@
 
 #include "estimator/least_squares/constrained_blocks.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/loss_function.h"
 #include "estimator/least_squares/shot_cost.h"
 #include "estimator/least_squares/spring_tie_cost.h"
 
@@ -23,8 +24,8 @@ std::vector<int> ActiveModelParameters(const ParameterSet& parameters) {
 }
 
 void AddShot(const CalibrationProblem& problem, const ResidualSelection& selection, size_t first, size_t last,
-             const std::vector<int>& active, ParameterSet* parameters, ceres::Problem* ceres_problem,
-             LatentBlocks* latents) {
+             const std::vector<int>& active, ceres::LossFunction* loss, ParameterSet* parameters,
+             ceres::Problem* ceres_problem, LatentBlocks* latents) {
   const int shot_index = problem.data().observations[selection.observations[first]].shot;
   const Shot& shot = problem.data().shots[shot_index];
   std::vector<double*> blocks = {parameters->station_translation(shot.station).values.data(),
@@ -46,7 +47,7 @@ void AddShot(const CalibrationProblem& problem, const ResidualSelection& selecti
   ceres_problem->AddResidualBlock(ShotCost::Create(&problem.model(), problem.shot_inputs()[shot_index],
                                                    std::move(markers), parameters->ModelValues(), active, latent_joints)
                                       .release(),
-                                  nullptr, blocks);
+                                  loss, blocks);
 }
 
 // One residual (value - prior) / sigma per estimated coordinate that has one.
@@ -64,21 +65,31 @@ void AddPriors(const ParameterSet* parameters, ceres::Problem* ceres_problem) {
 }
 
 // delta_j / sigma_j per visit that is observed.
-void AddLatentPriors(const LatentModel& latent, LatentBlocks* latents, ceres::Problem* ceres_problem) {
-  const ceres::Matrix weight = latent.sigmas.cwiseInverse().asDiagonal();
+void AddLatentPriors(const Eigen::VectorXd& sigmas, LatentBlocks* latents, ceres::Problem* ceres_problem) {
+  const ceres::Matrix weight = sigmas.cwiseInverse().asDiagonal();
   for (std::vector<double>& block : *latents) {
     if (!ceres_problem->HasParameterBlock(block.data())) continue;
-    ceres_problem->AddResidualBlock(new ceres::NormalPrior(weight, ceres::Vector::Zero(latent.size())), nullptr,
+    ceres_problem->AddResidualBlock(new ceres::NormalPrior(weight, ceres::Vector::Zero(sigmas.size())), nullptr,
                                     block.data());
   }
 }
 
 }  // namespace
 
-ResidualSelection CalibrationResiduals(const CalibrationProblem& problem, double fallback) {
+ResidualSelection FittedResiduals(const CalibrationProblem& problem, double fallback) {
   ResidualSelection selection;
   selection.observations = problem.CalibrationObservations();
   selection.noise = FitRoots(problem, selection.observations, fallback);
+  return selection;
+}
+
+ResidualSelection CalibrationResiduals(const CalibrationProblem& problem, double fallback) {
+  const double found = problem.found_noise.sigma;
+  ResidualSelection selection = FittedResiduals(problem, found > 0.0 ? found : fallback);
+  selection.loss = problem.experiment().method.loss;
+  if (!problem.weight_roots.empty()) return selection;
+  selection.deviation_factor = problem.found_noise.factor;
+  for (Matrix3<double>& root : selection.noise) root *= problem.found_noise.factor;
   return selection;
 }
 
@@ -87,17 +98,21 @@ void AddToProblem(const CalibrationProblem& problem, const ResidualSelection& se
   const std::vector<int> active = ActiveModelParameters(*parameters);
   if (latents != nullptr) latents->assign(problem.latent.num_visits, std::vector<double>(problem.latent.size(), 0.0));
   const auto shot_of = [&](size_t k) { return problem.data().observations[selection.observations[k]].shot; };
+  const bool is_whole_shot = selection.granularity == CostGranularity::kShot && selection.loss == LossKind::kNone;
+  ceres::LossFunction* const loss = MakeLossFunction(selection.loss);
   for (size_t first = 0; first < selection.observations.size();) {
     size_t last = first + 1;
-    if (selection.granularity == CostGranularity::kShot) {
+    if (is_whole_shot) {
       while (last < selection.observations.size() && shot_of(last) == shot_of(first)) ++last;
     }
-    AddShot(problem, selection, first, last, active, parameters, ceres_problem, latents);
+    AddShot(problem, selection, first, last, active, loss, parameters, ceres_problem, latents);
     first = last;
   }
   AddPriors(parameters, ceres_problem);
   AddSpringTie(parameters, ceres_problem);
-  if (latents != nullptr && !problem.latent.empty()) AddLatentPriors(problem.latent, latents, ceres_problem);
+  if (latents != nullptr && !problem.latent.empty()) {
+    AddLatentPriors(selection.deviation_factor * problem.latent.sigmas, latents, ceres_problem);
+  }
   ConstrainBlocks(*parameters, ceres_problem);
 }
 

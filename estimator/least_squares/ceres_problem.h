@@ -21,11 +21,23 @@ struct ResidualSelection {
   std::vector<int> observations;  // indices into Measurements::observations
   NoiseRoots noise;               // one per observation, m
   CostGranularity granularity = CostGranularity::kShot;
+  // Of the whitened distance of each marker (noise/robust.h): with one every reading is a cost of its own, whatever the
+  // granularity.
+  LossKind loss = LossKind::kNone;
+  double deviation_factor = 1.0;  // of the standard deviations of the joints' deviations
 };
 
-// All calibration observations with their noise; standard deviation
-// `fallback` (m) where none is stated.
+// All calibration observations as the problem weighs them, with its loss, for a solve of one's own:
+//
+//   a noise is stated, or was found per row   that, and where Calibrate found it to be larger, that factor too, of the
+//                                             joints' deviations as well
+//   none is stated                            the common standard deviation that Calibrate found; of a problem that was
+//                                             not calibrated `fallback` (m)
+//   weights other than the noise's            these: ceres::Covariance then is no covariance of the estimate
 ResidualSelection CalibrationResiduals(const CalibrationProblem& problem, double fallback = 1e-3);
+
+// The same as the fits of this library begin with: they find noise and loss again.
+ResidualSelection FittedResiduals(const CalibrationProblem& problem, double fallback = 1e-3);
 
 // Latent joint deviations: one block of latent.size() values per visit.
 using LatentBlocks = std::vector<std::vector<double>>;

@@ -122,7 +122,21 @@ void Normalise(ParameterSet* parameters) {
   }
 }
 
+// A start whose loads fold the arm has none. Ceres would log that as an error, whatever its logging_type, and a library
+// prints nothing. Later steps to such a place are refused by their cost, without a word.
+bool HasCost(const ceres::Solver::Options& solver, ceres::Problem& problem) {
+  ceres::Problem::EvaluateOptions evaluate;
+  evaluate.num_threads = solver.num_threads;
+  double cost = 0.0;
+  return problem.Evaluate(evaluate, &cost, nullptr, nullptr, nullptr);
+}
+
 MinimizeSummary RunSolver(ceres::Solver::Options solver, ceres::Problem* problem, ParameterSet* parameters) {
+  if (!HasCost(solver, *problem)) {
+    MinimizeSummary folded;
+    folded.message = "Residual and Jacobian evaluation failed.";
+    return folded;
+  }
   StopWhenInterrupted stop;
   solver.callbacks.push_back(&stop);
   ceres::Solver::Summary summary;

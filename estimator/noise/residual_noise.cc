@@ -43,6 +43,9 @@ RowGroups GroupRows(const Measurements& data, ResidualGroup by) {
     if (by == ResidualGroup::kMarkerAxis) name = data.markers[observation.marker] + "/";
     if (by == ResidualGroup::kStationAxis) name = data.stations[shot.station] + "/";
     if (by == ResidualGroup::kResidual) name = data.SourceOf(observation) + "/";
+    if (by == ResidualGroup::kResidual && observation.file < 0) {  // words may fit several rows
+      name += std::to_string(groups.group.size() / 3 + 1) + "/";
+    }
     for (int axis = 0; axis < 3; ++axis) {
       const std::string full = name + "xyz"[axis];
       const auto [entry, is_new] = index.emplace(full, static_cast<int>(index.size()));

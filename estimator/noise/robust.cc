@@ -13,8 +13,6 @@
 namespace sagitta {
 namespace {
 
-constexpr double kHuber = 2.1;
-constexpr double kCauchy = 2.67;
 constexpr int kAlignRounds = 6;
 constexpr double kFarFromMedian = 6.0;  // left out of the next alignment
 constexpr double kFollows = 0.05;       // share of its own noise that a point still shows
@@ -102,21 +100,16 @@ void CheckVisit(const Linearization& raw, const std::vector<double>& weights, do
 
 }  // namespace
 
-double LossTuning(LossKind loss) {
-  if (loss == LossKind::kHuber) return kHuber;
-  return loss == LossKind::kCauchy ? kCauchy : std::numeric_limits<double>::infinity();
-}
-
 double LossWeight(LossKind loss, double distance) {
-  if (loss == LossKind::kHuber) return distance > kHuber ? kHuber / distance : 1.0;
-  if (loss == LossKind::kCauchy) return 1.0 / (1.0 + distance * distance / (kCauchy * kCauchy));
+  if (loss == LossKind::kHuber) return distance > kHuberTuning ? kHuberTuning / distance : 1.0;
+  if (loss == LossKind::kCauchy) return 1.0 / (1.0 + distance * distance / (kCauchyTuning * kCauchyTuning));
   return 1.0;
 }
 
 double LossDerivative(LossKind loss, double distance) {
-  if (loss == LossKind::kHuber) return distance > kHuber ? 0.0 : 1.0;
+  if (loss == LossKind::kHuber) return distance > kHuberTuning ? 0.0 : 1.0;
   if (loss != LossKind::kCauchy) return 1.0;
-  const double t = distance * distance / (kCauchy * kCauchy);
+  const double t = distance * distance / (kCauchyTuning * kCauchyTuning);
   return (1.0 - t) / ((1.0 + t) * (1.0 + t));
 }
 

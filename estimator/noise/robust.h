@@ -18,10 +18,10 @@
 
 #include "estimator/estimate/noise_report.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/loss_function.h"
 
 namespace sagitta {
 
-double LossTuning(LossKind loss);
 double LossWeight(LossKind loss, double distance);      // psi / r
 double LossDerivative(LossKind loss, double distance);  // psi'
 

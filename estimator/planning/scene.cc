@@ -106,7 +106,9 @@ class SceneRows {
     const std::vector<std::vector<int>> shots = ShotsByConfiguration(from);
     std::vector<int> added;
     for (const int c : configurations) added.push_back(Add(from, c, shots[c], {}, "", {}));
-    for (size_t k = first; k < rows.observations.size(); ++k) rows.observations[k].file += files;
+    for (size_t k = first; k < rows.observations.size(); ++k) {
+      if (rows.observations[k].file >= 0) rows.observations[k].file += files;
+    }
     return added;
   }
 

@@ -1,6 +1,7 @@
 // Sets of explanations that a search has met, by members and by weight.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <set>
 #include <vector>

@@ -160,8 +160,8 @@ void DescribeOutliers(const CalibrationProblem& problem, Estimate* estimate) {
             Significant(1e3 * outlier.size, 3) + " mm";
     if (outlier.swapped_with >= 0) {
       const Observation& other = data.observations[outlier.swapped_with];
-      list += ", exchanged with " + data.markers[other.marker] + " of line " +
-              std::to_string(data.files[other.file].rows[other.row].line);
+      list += ", exchanged with " + data.markers[other.marker];
+      if (other.file >= 0) list += " of line " + std::to_string(data.files[other.file].rows[other.row].line);
     }
     list += ")";
   }

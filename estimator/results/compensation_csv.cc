@@ -13,6 +13,7 @@
 #include "problems/io/files.h"
 #include "problems/loads.h"
 #include "problems/problem_checks.h"
+#include "problems/structure_checks.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -106,11 +107,19 @@ void SetAfterMoments(CalibrationProblem* problem) {
 }  // namespace
 
 CompensationInput MakeCompensationInput(const KnownRobot& known, const Targets& targets) {
+  if (targets.shots.shots.size() != targets.rows.size()) {
+    throw InputError({},
+                     "targets: " + std::to_string(targets.rows.size()) + " rows and " +
+                         std::to_string(targets.shots.shots.size()) + " shots, each row needs its shot",
+                     "read them by TargetsFromTable");
+  }
+  CheckStructure(known.robot, targets.shots, MarkerlessRows::kAllowed);
   for (const std::string& name : targets.shots.stations) {
     if (known.base_in_station.count(name) > 0) continue;
     std::vector<std::string> names;
     for (const auto& [station, pose] : known.base_in_station) names.push_back(station);
-    throw InputError({targets.shots.files[0].path, 0, "station"}, "no pose of station '" + name + "' in " + known.file,
+    const std::string file = targets.shots.files.empty() ? "" : targets.shots.files[0].path;
+    throw InputError({file, 0, "station"}, "no pose of station '" + name + "' in " + known.file,
                      SpellingHint(name, names));
   }
   CheckLoadsAreKnown(known, targets.shots);

@@ -18,6 +18,7 @@
 #include "problems/io/json_reader.h"
 #include "problems/io/robot_file.h"
 #include "problems/problem_checks.h"
+#include "problems/structure_checks.h"
 
 namespace sagitta {
 
@@ -245,26 +246,21 @@ std::vector<std::string> KeysOf(const Map& map) {
   return keys;
 }
 
-InputError::Where WhereOf(const Measurements& data, const Observation& observation, const std::string& key) {
-  const MeasurementFile& file = data.files[observation.file];
-  return {file.path, file.rows[observation.row].line, key};
-}
-
 void CheckRows(const KnownRobot& known, const Measurements& data) {
   for (const Observation& observation : data.observations) {
     const Shot& shot = data.shots[observation.shot];
     const std::string& station = data.stations[shot.station];
     const std::string& marker = data.markers[observation.marker];
     if (known.base_in_station.count(station) == 0) {
-      throw InputError(WhereOf(data, observation, "station"), "no pose of station '" + station + "' in " + known.file,
+      throw InputError(data.WhereOf(observation, "station"), "no pose of station '" + station + "' in " + known.file,
                        StationIsNew(SpellingHint(station, KeysOf(known.base_in_station))));
     }
     if (known.markers.count(marker) == 0) {
-      throw InputError(WhereOf(data, observation, "marker"), "no point of marker '" + marker + "' in " + known.file,
+      throw InputError(data.WhereOf(observation, "marker"), "no point of marker '" + marker + "' in " + known.file,
                        SpellingHint(marker, KeysOf(known.markers)));
     }
     if (!observation.is_point() && !known.markers.at(marker).rotvec) {
-      throw InputError(WhereOf(data, observation, "marker"),
+      throw InputError(data.WhereOf(observation, "marker"),
                        "the row is a pose, and no rotation of marker '" + marker + "' is in " + known.file,
                        "leave the columns of the rotation out, or calibrate with poses");
     }
@@ -336,6 +332,7 @@ void AddKnownRotations(const KnownRobot& known, Measurements* data) {
 }
 
 CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data) {
+  CheckStructure(known.robot, data);
   CheckRows(known, data);
   CheckLoadsAreKnown(known, data);
   Experiment loading = known.loading;

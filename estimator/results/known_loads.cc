@@ -13,17 +13,14 @@ void CheckLoadsAreKnown(const KnownRobot& known, const Measurements& data) {
   for (const Shot& shot : data.shots) {
     if (!IsLoaded(shot) || known.loading.loads.count(shot.load) > 0) continue;
     if (known.loading.load_point && !shot.wrench.IsZero()) continue;
-    const Observation& row = data.observations[shot.observations.front()];
-    const MeasurementFile& file = data.files[row.file];
     if (known.loading.load_point) {
       throw InputError(
-          {file.path, file.rows[row.row].line, "load"},
+          data.WhereOf(shot, "load"),
           "load '" + shot.load + "' has no weight here: the row states no wrench, and " + known.file + " no mass of it",
           "add its force and moment: fx_N, fy_N, fz_N, mx_Nm, my_Nm, mz_Nm" +
               (loads.empty() ? "" : "; or " + SpellingHint(shot.load, loads)));
     }
-    throw InputError({file.path, file.rows[row.row].line, "load"},
-                     "load '" + shot.load + "' is none of those in " + known.file,
+    throw InputError(data.WhereOf(shot, "load"), "load '" + shot.load + "' is none of those in " + known.file,
                      loads.empty() ? "it knows no load: calibrate with this one" : SpellingHint(shot.load, loads));
   }
 }

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "models/constants.h"
+#include "problems/io/rows_in_memory.h"
 #include "problems/split.h"
 #include "problems/text.h"
 
@@ -39,13 +41,20 @@ std::string JointCell(const std::string& column, const ProposedPose& pose) {
 constexpr char kConfigColumn[] = "config";
 constexpr char kVisitColumn[] = "visit";
 
-// Columns of all files; again: poses are visited once more, which a column has to say.
-std::vector<std::string> HeaderOfNext(const Measurements& data, bool again) {
+// Columns of all files, and of joint values where rows are of none; again: poses are visited once more, which a column
+// has to say.
+std::vector<std::string> HeaderOfNext(const Measurements& data, const Chain& chain, bool again) {
   std::vector<std::string> header;
   for (const MeasurementFile& file : data.files) {
     for (const std::string& column : file.header) {
       if (std::find(header.begin(), header.end(), column) == header.end()) header.push_back(column);
     }
+  }
+  const bool has_joints =
+      std::any_of(header.begin(), header.end(), [](const std::string& column) { return JointOf(column) >= 0; });
+  for (int j = 0; j < chain.num_joints() && !has_joints; ++j) {
+    const char* unit = chain.joints[j].type == JointType::kRevolute ? "_deg" : "_mm";
+    header.push_back("q" + std::to_string(j + 1) + unit);
   }
   if (again && std::find(header.begin(), header.end(), kVisitColumn) == header.end()) header.push_back(kVisitColumn);
   return header;
@@ -108,9 +117,10 @@ std::string NextRow(const Measurements& data, int like, const std::vector<std::s
 
 std::string NextToCsv(const Diagnosis& d) {
   const CalibrationProblem& problem = *d.baseline.problem;
-  const Measurements& data = problem.data();
+  std::optional<Measurements> made;
+  const Measurements& data = WithCells(problem.data(), &made);
   const ValidationSpec& validation = problem.experiment().validation;
-  const std::vector<std::string> header = HeaderOfNext(data, d.next->again);
+  const std::vector<std::string> header = HeaderOfNext(data, problem.robot().chain, d.next->again);
   const std::vector<std::string> names =
       NamesThatAreFitted(validation, data, "next", static_cast<int>(d.next->poses.size()));
   std::string text = Joined(header, ",") + "\n";

@@ -4,10 +4,12 @@
 #include <charconv>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/parallel.h"
+#include "problems/io/rows_in_memory.h"
 #include "problems/io/text_checks.h"
 
 namespace sagitta {
@@ -169,7 +171,8 @@ void RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added, 
   struct Piece {
     std::string csv, numbers;
   };
-  const CsvLines lines(data, added);
+  std::optional<Measurements> made;
+  const CsvLines lines(WithCells(data, &made), added);
   const int count = static_cast<int>(data.observations.size());
   std::vector<Piece> pieces(static_cast<size_t>(num_threads == 1 ? 1 : kPiecesOfWriter * num_threads));
   write(lines.Header());

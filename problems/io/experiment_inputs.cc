@@ -46,6 +46,9 @@ void CheckFilesExist(const Experiment& experiment) {
 
 // An experiment file stands alone, wherever it was put.
 Experiment ExperimentOf(const std::vector<std::string>& paths) {
+  if (paths.empty()) {
+    throw InputError({}, "no file is given", "give ROBOT.yaml MEAS.csv…, or a file with schema: sagitta/experiment/1");
+  }
   const auto experiment_file = std::find_if(paths.begin(), paths.end(), IsExperimentFile);
   if (experiment_file != paths.end()) {
     if (paths.size() == 1) {

@@ -161,6 +161,11 @@ std::string MeasurementsToCsv(const Measurements& data) {
   csv += "\n";
   for (const Observation& observation : data.observations) {
     if (!observation.is_point()) continue;  // in the line of its point
+    if (observation.file < 0) {
+      throw InputError(data.WhereOf(observation, ""),
+                       "the row is of no file: the columns of its joint values are not known",
+                       "write these rows yourself (docs/FORMATS.md, section 2)");
+    }
     const MeasurementRows::Cells cells = data.files[observation.file].rows[observation.row].cells;
     for (size_t c = 0; c < columns.size(); ++c) {
       if (c > 0) csv += ",";

@@ -12,7 +12,8 @@ namespace sagitta {
 // source has them, else at the end. Several source files give one table with
 // every column of any of them, empty where a row's own file lacks it; a quantity
 // that the files state in different units is written in the unit seen first.
-// A missing point (NaN) is an empty cell.
+// A missing point (NaN) is an empty cell. Throws InputError for a row that is of no file: the columns of its joint
+// values are not known.
 std::string MeasurementsToCsv(const Measurements& data);
 
 // The points have this standard deviation on every axis, m, whatever the rows said; 0: they are exact, and their

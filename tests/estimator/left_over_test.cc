@@ -80,7 +80,7 @@ TEST(CorrectedTargets, NeedNoColumnsOfWhatMovesNoFlange) {
   const Targets targets = TargetsAt(3);
   const auto solved = [&] { return Compensate(MakeCompensationInput(known, targets), targets.rows, 1); };
   const std::vector<CompensatedTarget> plain = solved();
-  known.robot.effects = {{"station_drift", "S1", {}, std::vector<double>(3, 1e-8)},
+  known.robot.effects = {{"station_drift", "S1", {}, std::vector<double>(6, 1e-8)},
                          {"marker_shift", "P1", {{"after_s", "100"}}, std::vector<double>(3, 1e-3)}};
   const std::vector<CompensatedTarget> with_drift = solved();
   known.robot.effects.push_back({"joint_slip", "A2", {{"after_s", "5000"}}, {2e-3}});

@@ -87,12 +87,14 @@ TEST_F(ProblemChecksTest, WhatIsFittedFollowsTheData) {
 }
 
 TEST_F(ProblemChecksTest, TargetsOfEffectsAreInTheData) {
-  const auto refused = [&](const std::string& effect, const std::string& target) {
-    robot_.effects = {{effect, target, {}, {}}};
+  const auto refused = [&](const std::string& effect, const std::string& target,
+                           const std::map<std::string, std::string>& settings = {}) {
+    robot_.effects = {{effect, target, settings, {}}};
     return Refusal();
   };
   EXPECT_TRUE(SaysInOrder(refused("station_scale", "S9"), {"robot.yaml", "station_scale", "no 'S9'", "S1"}));
-  EXPECT_TRUE(SaysInOrder(refused("marker_shift", "P9"), {"robot.yaml", "marker_shift", "no 'P9'", "P1"}));
+  EXPECT_TRUE(SaysInOrder(refused("marker_shift", "P9", {{"after_s", "100"}}),
+                          {"robot.yaml", "marker_shift", "no 'P9'", "P1"}));
   EXPECT_TRUE(SaysInOrder(refused("payload", "crate"), {"robot.yaml", "payload", "no 'crate'"}));
 }
 

@@ -1,0 +1,220 @@
+// Robots and rows that do not fit together are refused with the item's name, whoever made them: readers of files see to
+// most of it, callers with data in memory may not.
+#include "problems/structure_checks.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "models/effects/catalogue.h"
+#include "problems/calibration_problem.h"
+#include "problems/input_error.h"
+#include "tests/support/in_memory.h"
+
+namespace sagitta::structure_checks_test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Given {
+  Robot robot = test::ArmInMemory();
+  Measurements data = test::ReadingsInMemory(test::ArmInMemory());
+  Experiment experiment;
+};
+
+// What MakeCalibrationProblem says of it; "" where it refuses nothing.
+std::string Refusal(const std::function<void(Given*)>& spoil) {
+  Given given;
+  spoil(&given);
+  try {
+    MakeCalibrationProblem(given.robot, given.data, given.experiment);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Structure, RowsOfNoFileAreSound) {
+  EXPECT_EQ(Refusal([](Given*) {}), "");
+}
+
+TEST(Structure, OneJointValuePerJoint) {
+  EXPECT_THAT(Refusal([](Given* g) { g->data.configurations[3].q.conservativeResize(5); }),
+              AllOf(HasSubstr("configuration c3"), HasSubstr("5 joint values"), HasSubstr("6 joints")));
+  EXPECT_THAT(Refusal([](Given* g) { g->data.configurations[3].q.resize(0); }), HasSubstr("configuration c3"));
+  EXPECT_THAT(Refusal([](Given* g) { g->data.shots[2].joint_torques = Eigen::VectorXd::Ones(2); }),
+              AllOf(HasSubstr("shot 2"), HasSubstr("2 joint torques")));
+  EXPECT_THAT(Refusal([](Given* g) {
+                g->data.shots[2].approach = {1, 0};
+              }),
+              AllOf(HasSubstr("shot 2"), HasSubstr("2 directions of approach")));
+  EXPECT_THAT(Refusal([](Given* g) { g->data.shots[2].approach = {7, 0, 0, 0, 0, 0}; }), HasSubstr("shot 2"));
+}
+
+TEST(Structure, EveryIndexLeadsSomewhere) {
+  for (const int wrong : {-1, 99999}) {
+    EXPECT_THAT(Refusal([&](Given* g) { g->data.observations[4].shot = wrong; }),
+                AllOf(HasSubstr("observation 4"), HasSubstr("shot " + std::to_string(wrong))));
+    EXPECT_THAT(Refusal([&](Given* g) { g->data.observations[4].marker = wrong; }),
+                AllOf(HasSubstr("observation 4"), HasSubstr("marker " + std::to_string(wrong))));
+    EXPECT_THAT(Refusal([&](Given* g) { g->data.shots[4].configuration = wrong; }),
+                AllOf(HasSubstr("shot 4"), HasSubstr("configuration " + std::to_string(wrong))));
+    EXPECT_THAT(Refusal([&](Given* g) { g->data.shots[4].station = wrong; }),
+                AllOf(HasSubstr("shot 4"), HasSubstr("station " + std::to_string(wrong))));
+    EXPECT_THAT(Refusal([&](Given* g) { g->data.shots[4].observations.push_back(wrong); }),
+                AllOf(HasSubstr("shot 4"), HasSubstr("observation " + std::to_string(wrong))));
+  }
+  EXPECT_THAT(Refusal([](Given* g) { g->data.observations[4].file = 0; }),
+              AllOf(HasSubstr("observation 4"), HasSubstr("file 0 does not exist, there are 0")));
+  EXPECT_THAT(Refusal([](Given* g) {
+                g->data.files.resize(1);
+                g->data.observations[4].file = 0;
+                g->data.observations[4].row = 3;
+              }),
+              AllOf(HasSubstr("observation 4"), HasSubstr("row of its file 3")));
+}
+
+// Targets have no marker; what is fitted has one.
+TEST(Structure, ARowOfTheFlangeIsOnlyKnown) {
+  Given given;
+  given.data.markers.clear();
+  for (Observation& row : given.data.observations) row.marker = -1;
+  EXPECT_NO_THROW(MakeKnownProblem(given.robot, given.data, given.experiment, {}));
+  EXPECT_THROW(MakeCalibrationProblem(given.robot, given.data, given.experiment), InputError);
+  given.data.observations[4].marker = 2;
+  EXPECT_THROW(MakeKnownProblem(given.robot, given.data, given.experiment, {}), InputError);
+}
+
+TEST(Structure, ShotsListTheirRows) {
+  EXPECT_THAT(Refusal([](Given* g) { g->data.shots[1].observations.clear(); }),
+              AllOf(HasSubstr("observation 3"), HasSubstr("shot 1")));
+  EXPECT_THAT(Refusal([](Given* g) { g->data.shots[1].observations.push_back(4); }),
+              AllOf(HasSubstr("observation 4"), HasSubstr("more than once")));
+  EXPECT_THAT(Refusal([](Given* g) { g->data.observations[4].shot = 7; }),
+              AllOf(HasSubstr("shot 1"), HasSubstr("observation 4, which is of shot 7")));
+}
+
+TEST(Structure, NamesAreThereAndDiffer) {
+  EXPECT_THAT(Refusal([](Given* g) { g->data = Measurements(); }), HasSubstr("no row"));
+  EXPECT_THAT(Refusal([](Given* g) { g->robot = Robot(); }), HasSubstr("no joint"));
+  EXPECT_THAT(Refusal([](Given* g) { g->data.markers[1] = "M1"; }), AllOf(HasSubstr("markers"), HasSubstr("'M1'")));
+  EXPECT_THAT(Refusal([](Given* g) { g->data.stations.push_back("S1"); }), HasSubstr("stations"));
+  EXPECT_THAT(Refusal([](Given* g) { g->robot.chain.joints[1].name = "A1"; }),
+              AllOf(HasSubstr("joints of the robot"), HasSubstr("'A1'")));
+  EXPECT_THAT(Refusal([](Given* g) { g->data.markers.push_back("M4"); }), HasSubstr("marker 'M4' is listed"));
+  EXPECT_THAT(Refusal([](Given* g) { g->data.stations.push_back("S4"); }), HasSubstr("station 'S4' is listed"));
+}
+
+TEST(Structure, AChainWithADefectIsRefused) {
+  const auto move_joint = [](int to) {
+    return [to](Given* g) {
+      for (ElementaryTransform& transform : g->robot.chain.transforms) {
+        if (transform.joint == 1) transform.joint = to;
+      }
+    };
+  };
+  EXPECT_THAT(Refusal(move_joint(0)), HasSubstr("joint 'A1' is on more than one transform"));
+  EXPECT_THAT(Refusal(move_joint(17)), HasSubstr("joint 17 does not exist"));
+  EXPECT_THAT(Refusal([](Given* g) { g->robot.chain.couplings = {{2, 9, 1.0}}; }), HasSubstr("driver 9"));
+  EXPECT_THAT(Refusal([](Given* g) { g->robot.compliances = {{9, {{0.0, 1e-6}}, false}}; }), HasSubstr("joint 9"));
+  EXPECT_THAT(Refusal([](Given* g) { g->robot.compliances = {{1, {}, false}}; }), HasSubstr("no value"));
+  EXPECT_THAT(
+      Refusal([](Given* g) { g->robot.gravity_compensator = GravityCompensator{9, 0.1, 0.1, 0.1, 0.5, 1e4, true}; }),
+      AllOf(HasSubstr("gravity compensator"), HasSubstr("joint 9")));
+}
+
+TEST(Structure, EffectsAreKnownAndWhole) {
+  const auto with = [](const EffectSpec& spec) { return Refusal([&](Given* g) { g->robot.effects = {spec}; }); };
+  EXPECT_EQ(with({"joint_harmonic", "A1", {{"order", "1"}}, {}}), "");
+  EXPECT_THAT(with({"nope", "A1", {}, {}}), HasSubstr("there is no effect 'nope'"));
+  EXPECT_THAT(with({"joint_harmonic", "A9", {{"order", "1"}}, {}}), HasSubstr("no joint 'A9'"));
+  EXPECT_THAT(with({"joint_harmonic", "A1", {{"order", "abc"}}, {}}), HasSubstr("'order' cannot be 'abc'"));
+  EXPECT_THAT(with({"joint_harmonic", "A1", {{"order", "1"}, {"ordre", "2"}}, {}}), HasSubstr("no setting 'ordre'"));
+  EXPECT_THAT(with({"joint_coupling", "A3", {{"driver", "A9"}}, {}}), HasSubstr("no joint 'A9'"));
+  EXPECT_THAT(with({"hysteresis", "A1", {}, {}}), HasSubstr("setting 'width_deg' is missing"));
+  EXPECT_THAT(with({"joint_harmonic", "A1", {{"order", "1"}}, {1e-5}}), HasSubstr("1 values"));
+  EXPECT_THAT(Refusal([](Given* g) {
+                g->robot.effects.assign(2, EffectSpec{"joint_harmonic", "A1", {{"order", "1"}}, {}});
+              }),
+              HasSubstr("stands twice"));
+}
+
+// An effect of the catalogue under another name.
+EffectDefinition OwnEffect(const std::string& name) {
+  EffectDefinition definition = *FindEffect("joint_harmonic");
+  definition.name = name;
+  return definition;
+}
+
+TEST(Structure, AnOwnEffectHasANameOfItsOwn) {
+  const EffectDefinition mine = OwnEffect("mine"), same_name = OwnEffect("joint_harmonic");
+  EffectDefinition empty = OwnEffect("empty");
+  empty.apply = nullptr;
+  EXPECT_EQ(Refusal([&](Given* g) { g->robot.own_effects = {&mine}; }), "");
+  EXPECT_THAT(Refusal([&](Given* g) { g->robot.own_effects = {&same_name}; }),
+              AllOf(HasSubstr("own effect 'joint_harmonic'"), HasSubstr("catalogue")));
+  EXPECT_THAT(Refusal([&](Given* g) { g->robot.own_effects = {&mine, &mine}; }), HasSubstr("twice"));
+  EXPECT_THAT(Refusal([&](Given* g) { g->robot.own_effects = {&empty}; }), HasSubstr("lacks"));
+  EXPECT_THAT(Refusal([](Given* g) { g->robot.own_effects = {nullptr}; }), HasSubstr("null"));
+}
+
+TEST(Structure, NumbersAreNumbers) {
+  for (const double wrong : {kNan, kInfinity, -kInfinity, 1e200}) {
+    EXPECT_THAT(Refusal([&](Given* g) { g->data.configurations[3].q[2] = wrong; }), HasSubstr("configuration c3"));
+    EXPECT_THAT(Refusal([&](Given* g) { g->robot.chain.transforms[2].nominal = wrong; }), HasSubstr("transform 2"));
+    EXPECT_THAT(Refusal([&](Given* g) {
+                  g->robot.compliances = {{1, {{0.0, wrong}}, false}};
+                }),
+                HasSubstr("compliance 0"));
+    EXPECT_THAT(Refusal([&](Given* g) {
+                  g->robot.effects = {{"joint_harmonic", "A1", {{"order", "1"}}, {wrong, 0.0}}};
+                }),
+                HasSubstr("joint_harmonic"));
+    EXPECT_THAT(Refusal([&](Given* g) { g->data.shots[5].wrench.force.x() = wrong; }), HasSubstr("shot 5"));
+    EXPECT_THAT(Refusal([&](Given* g) { g->data.observations[4].sigma.x() = wrong; }), HasSubstr("observation 4"));
+  }
+  EXPECT_THAT(Refusal([](Given* g) { g->data.observations[4].sigma.x() = -1e-5; }), HasSubstr("negative"));
+  for (const double wrong : {kInfinity, -kInfinity, 1e200}) {
+    EXPECT_THAT(Refusal([&](Given* g) { g->data.observations[4].point_in_station.x() = wrong; }),
+                HasSubstr("observation 4"));
+  }
+  // Not measured: it can be planned and predicted with.
+  EXPECT_EQ(Refusal([](Given* g) { g->data.observations[4].point_in_station.x() = kNan; }), "");
+}
+
+TEST(RowsOfNoFile, AreNamedByWhatTheyAre) {
+  Measurements data = test::ReadingsInMemory(test::ArmInMemory());
+  EXPECT_EQ(data.SourceOf(data.observations[4]), "configuration c1, marker M2");
+  data.shots[1].repeat = "2";
+  data.shots[1].load = "W";
+  data.stations.push_back("S2");
+  EXPECT_EQ(data.SourceOf(data.observations[4]), "configuration c1, repeat 2, load W, station S1, marker M2");
+  EXPECT_EQ(data.WhereOf(data.shots[0], "load").file, "configuration c0, station S1, marker M1");
+  EXPECT_EQ(data.WhereOf(Shot(data.shots[0]), "load").key, "load");
+}
+
+TEST(RowsOfNoFile, ErrorsNameThem) {
+  EXPECT_THAT(Refusal([](Given* g) { g->data.observations[4].sigma.setZero(); }),
+              AllOf(HasSubstr("configuration c1, marker M2"), HasSubstr("this one has none")));
+  EXPECT_THAT(Refusal([](Given* g) {
+                for (Shot& shot : g->data.shots) shot.load = "W";
+                g->data.shots[2].wrench.force.z() = -300.0;
+              }),
+              AllOf(HasSubstr("configuration c0"), HasSubstr("no stated point")));
+  EXPECT_THAT(Refusal([](Given* g) { g->experiment.torques_measured = true; }),
+              AllOf(HasSubstr("configuration c0"), HasSubstr("measured joint torques")));
+  EXPECT_THAT(Refusal([](Given* g) {
+                g->robot.effects = {{"thermal_growth", "robot", {}, {}}};
+              }),
+              AllOf(HasSubstr("configuration c0"), HasSubstr("temperature_degC")));
+}
+
+}  // namespace
+}  // namespace sagitta::structure_checks_test
