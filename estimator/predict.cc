@@ -12,7 +12,7 @@
 #include "estimator/results/measured_joints.h"
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
-#include "estimator/statistics/distributions.h"
+#include "models/effects/catalogue.h"
 #include "models/matrix_functions.h"
 #include "problems/failure.h"
 
