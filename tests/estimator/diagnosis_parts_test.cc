@@ -74,6 +74,7 @@ TEST(Candidates, WhatCannotBeTestedIsListedWithItsReason) {
   const CalibrationProblem healthy = *Healthy(1).problem;
   Robot robot = healthy.robot();
   robot.chain.joints[2].type = JointType::kPrismatic;
+  robot.chain.transforms[robot.chain.JointTransform(2)].motion = Motion::kTranslation;
   CalibrationProblem problem = MakeCalibrationProblem(robot, healthy.data(), healthy.experiment());
   for (ShotInput& shot : *problem.mutable_shot_inputs()) {
     shot.conditions.has_time = true;

@@ -128,6 +128,7 @@ TEST(VarianceComponents, WhatIsStatedForTheOtherKindStays) {
   const Measured setup = MakeMeasured(false, 700);
   Robot robot = setup.problem.robot();
   robot.chain.joints[2].type = JointType::kPrismatic;
+  robot.chain.transforms[robot.chain.JointTransform(2)].motion = Motion::kTranslation;
   Experiment experiment = setup.problem.experiment();
   experiment.repeatability = RepeatabilitySpec();
   experiment.repeatability.angle.estimate = true;
