@@ -1,9 +1,10 @@
 #include "problems/structure_checks.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <set>
+#include <system_error>
 
 #include "models/effects/catalogue.h"
 #include "problems/input_error.h"
@@ -121,16 +122,22 @@ void CheckOwnEffects(const Robot& robot) {
   }
 }
 
+// As EffectSpec reads it: all of the text, with a decimal point in every locale.
+template <typename Number>
+bool IsA(const std::string& text, Number* number) {
+  const char* end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, *number);
+  return read.ec == std::errc() && read.ptr == end;
+}
+
 bool IsWholeNumber(const std::string& text) {
-  char* end = nullptr;
-  std::strtol(text.c_str(), &end, 10);
-  return !text.empty() && *end == '\0';
+  int number = 0;
+  return IsA(text, &number);
 }
 
 bool IsPlainNumber(const std::string& text) {
-  char* end = nullptr;
-  const double number = std::strtod(text.c_str(), &end);
-  return !text.empty() && *end == '\0' && std::abs(number) < 1e15;
+  double number = 0.0;
+  return IsA(text, &number) && std::abs(number) < 1e15;
 }
 
 // Choices are among those there are, numbers read as such. Joints: CheckJointsOfEffects.

@@ -317,7 +317,8 @@ class Session {
     d_.next = ProposeMeasuring();
     d_.gap_map = MapGap(d_.baseline, d_.final);
     d_.gap = JudgeGap(d_.baseline, d_.final, NoiseFloor(), IsSigmaStated(problem_));
-    if (selected_.empty() && d_.gap.after < d_.gap.before) d_.gap.closed = kNotKnown;  // noise closes nothing
+    // Other noise closes nothing.
+    if (selected_.empty() && d_.gap.after != d_.gap.before) d_.gap.closed = d_.gap.closed_ci95.low = kNotKnown;
     d_.groups = GroupEffects(d_.effects, lacking_, d_.baseline, d_.final, NoiseFloor(), joint_);
     for (EffectGroup& group : d_.groups) {
       const double probability = sagitta::ProbabilityOf(group.effect, *evidence_, weighed_models_);

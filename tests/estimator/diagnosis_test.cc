@@ -344,6 +344,7 @@ TEST(Diagnosis, StatedRepeatabilityBesideAWrongSigmaIsNoFinding) {
   const double floor = diagnosis.gap.floor, rms = HoldoutRms(diagnosis.final);
   EXPECT_NEAR(diagnosis.gap.after, std::sqrt(std::max(0.0, rms * rms - floor * floor)), 1e-12);
   EXPECT_FALSE(diagnosis.gap.closed > 0.0);
+  EXPECT_TRUE(diagnosis.gap.after == diagnosis.gap.before || std::isnan(diagnosis.gap.closed_ci95.low));
   EXPECT_TRUE(diagnosis.noise.scale_differs);
   EXPECT_FALSE(diagnosis.noise.HasUndeclaredRepeatability());
   EXPECT_LT(diagnosis.noise.low, 2.0);
