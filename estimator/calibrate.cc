@@ -85,7 +85,7 @@ std::string NameBelowItsBound(const ParameterSet& parameters) {
 void KeepFoundNoise(Calibration* result) {
   const SigmaReport& sigma = result->estimate.sigma;
   result->problem.found_noise.sigma = sigma.stated ? 0.0 : sigma.estimated;
-  result->problem.found_noise.factor = sigma.stated && sigma.scaled ? sigma.a_posteriori : 1.0;
+  result->problem.found_noise.factor = TimesStated(result->estimate);
 }
 
 // Results of what is not usable would be numbers without a meaning.

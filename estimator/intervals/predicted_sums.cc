@@ -68,14 +68,22 @@ std::vector<int> ArrivalsOf(const CalibrationProblem& problem, const std::vector
   return arrivals;
 }
 
+RowStream StreamOfArrivals(const CalibrationProblem& problem, const std::vector<int>& observations) {
+  const auto metres = [](const std::vector<int>& listed) {
+    return NoiseRoots(listed.size(), Matrix3<double>::Identity());
+  };
+  return RowStream(problem, observations, metres, LatentTreatment::kIgnore, ArrivalsOf(problem, observations));
+}
+
 void ForEachArrival(const CalibrationProblem& problem, const RowPiece& piece, const std::vector<int>& observations,
-                    const ArrivalVisit& visit) {
+                    const std::function<bool(int position)>& has, const ArrivalVisit& visit) {
   std::vector<int> listed;
   for (const int k : piece.positions) listed.push_back(observations[k]);
   const std::vector<int> arrivals = ArrivalsOf(problem, listed);
   std::map<int, std::vector<int>> places_of;
   for (size_t i = 0; i < arrivals.size(); ++i) places_of[arrivals[i]].push_back(static_cast<int>(i));
   for (const auto& [arrival, places] : places_of) {
+    if (!has(piece.positions[places.front()])) continue;
     std::vector<int> positions, rows;
     for (const int i : places) {
       positions.push_back(piece.positions[i]);

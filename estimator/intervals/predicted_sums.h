@@ -31,14 +31,17 @@ class PredictedSums {
   double trace_ = 0.0, square_ = 0.0;       // of N
 };
 
-// The arrival of each observation: of one whole come the rows of a stream that keeps these together.
+// The arrival of each observation.
 std::vector<int> ArrivalsOf(const CalibrationProblem& problem, const std::vector<int>& observations);
 
-// Calls visit(positions, J, L) for every arrival among the rows of a piece, three rows of each position. observations:
-// the list that positions are in.
+// Rows of the listed observations in m, each arrival's in one piece.
+RowStream StreamOfArrivals(const CalibrationProblem& problem, const std::vector<int>& observations);
+
+// Calls visit(positions, J, L) for every arrival among the rows of a piece of such a stream, three rows of each
+// position; not for those of which `has` of the first position says no. observations: the list that positions are in.
 using ArrivalVisit = std::function<void(const std::vector<int>& positions, const RowMajorMatrix& jacobian,
                                         const Eigen::MatrixXd& latent)>;
 void ForEachArrival(const CalibrationProblem& problem, const RowPiece& piece, const std::vector<int>& observations,
-                    const ArrivalVisit& visit);
+                    const std::function<bool(int position)>& has, const ArrivalVisit& visit);
 
 }  // namespace sagitta

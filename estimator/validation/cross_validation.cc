@@ -160,20 +160,12 @@ void ForEachPoint(
 void ForEachQuotedArrival(const CalibrationProblem& problem, const Division& whole, const FittedStream& fitted,
                           const std::vector<int>& quoted,
                           const std::function<bool(size_t place, const Share& share)>& has, const ArrivalVisit& visit) {
-  const auto metres = [](const std::vector<int>& listed) {
-    return NoiseRoots(listed.size(), Matrix3<double>::Identity());
-  };
-  RowStream(problem, quoted, metres, LatentTreatment::kIgnore, ArrivalsOf(problem, quoted))
-      .ForEachShared(
-          whole.parameters, whole.columns, fitted.num_threads(), [&](const RowPiece& piece, const Share& share) {
-            ForEachArrival(
-                problem, piece, quoted,
-                [&](const std::vector<int>& places, const RowMajorMatrix& jacobian, const Eigen::MatrixXd& latent) {
-                  if (has(static_cast<size_t>(places.front()), share)) {
-                    visit(places, jacobian, latent);
-                  }
-                });
-          });
+  StreamOfArrivals(problem, quoted)
+      .ForEachShared(whole.parameters, whole.columns, fitted.num_threads(),
+                     [&](const RowPiece& piece, const Share& share) {
+                       const auto is_own = [&](int place) { return has(static_cast<size_t>(place), share); };
+                       ForEachArrival(problem, piece, quoted, is_own, visit);
+                     });
 }
 
 // m, where all of these are the same number on every axis; else 0.

@@ -47,16 +47,13 @@ UnseenPoints JudgeHoldout(const CalibrationProblem& problem, const Estimate& est
   UnseenPoints holdout = MeasureUnseen(
       problem, observations, ResidualsOf(problem.data(), observations, estimate.predicted(Eigen::all, observations)));
   if (observations.empty()) return holdout;
-  const auto metres = [](const std::vector<int>& listed) {
-    return NoiseRoots(listed.size(), Matrix3<double>::Identity());
-  };
   std::vector<int> columns = estimate.estimated;
   columns.insert(columns.end(), estimate.held.coordinates.begin(), estimate.held.coordinates.end());
   PredictedSums sums(static_cast<int>(columns.size()));
-  const RowStream stream(problem, observations, metres, LatentTreatment::kIgnore, ArrivalsOf(problem, observations));
+  const RowStream stream = StreamOfArrivals(problem, observations);
   const bool valid = stream.ForEach(estimate.parameters, columns, [&](const RowPiece& piece) {
     ForEachArrival(
-        problem, piece, observations,
+        problem, piece, observations, [](int) { return true; },
         [&](const std::vector<int>& positions, const RowMajorMatrix& jacobian, const Eigen::MatrixXd& latent) {
           std::vector<int> listed;
           for (const int k : positions) listed.push_back(observations[k]);
