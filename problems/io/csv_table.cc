@@ -279,7 +279,7 @@ CsvTable CsvTableOf(const std::string& name, std::vector<std::string> header,
   return table;
 }
 
-CsvTable ReadCsvTable(const std::string& path) { return ParseCsvTable(ReadTextFile(path), path); }
+CsvTable ReadCsvTable(const std::string& path) { return ParseCsvTable(*SharedText(path), path); }
 
 CsvTable ParseCsvTable(const std::string& text, const std::string& path) {
   if (const int bad_line = LineOfInvalidUtf8(text))

@@ -74,7 +74,8 @@ Experiment ExperimentOf(const std::vector<std::string>& paths) {
 InputFile DescribeInput(const std::string& path) { return {path, Sha256(ReadTextFile(path))}; }
 
 bool IsExperimentFile(const std::string& path) {
-  const std::string text = ReadTextFile(path);
+  const std::shared_ptr<const std::string> kept = SharedText(path);
+  const std::string& text = *kept;
   if (text.find("schema") == std::string::npos) return false;  // of long files of measurements no lines are made
   for (const std::string& line : SplitText(text, '\n')) {
     const size_t first = line.find_first_not_of(" \t{\"");

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <system_error>
 #include <vector>
 
@@ -48,7 +49,7 @@ Identity IdentityOf(const std::string& path) {
 }
 
 struct Session {
-  std::map<std::string, std::string> bytes;  // by path
+  std::map<std::string, std::shared_ptr<const std::string>> texts;  // by path
   std::vector<Identity> inputs, outputs;
 };
 
@@ -128,21 +129,23 @@ std::string ReadOwnFile(const std::string& path) {
   return ReadAll(descriptor, path);
 }
 
-std::string ReadTextFile(const std::string& path) {
-  if (session == nullptr) return ReadOwnFile(path);
-  const auto known = session->bytes.find(path);
-  if (known != session->bytes.end()) return known->second;
+std::shared_ptr<const std::string> SharedText(const std::string& path) {
+  if (session == nullptr) return std::make_shared<const std::string>(ReadOwnFile(path));
+  const auto known = session->texts.find(path);
+  if (known != session->texts.end()) return known->second;
   const Identity input = IdentityOf(path);
   for (const Identity& output : session->outputs) {
     if (input.IsSameAs(output)) FailInputIsOutput(input, output);
   }
-  std::string bytes = ReadOwnFile(path);
+  const auto text = std::make_shared<const std::string>(ReadOwnFile(path));
   session->inputs.push_back(input);
-  return session->bytes[path] = std::move(bytes);
+  return session->texts[path] = text;
 }
 
+std::string ReadTextFile(const std::string& path) { return *SharedText(path); }
+
 void ForgetText(const std::string& path) {
-  if (session != nullptr) session->bytes.erase(path);
+  if (session != nullptr) session->texts.erase(path);
 }
 
 int LineOfInvalidUtf8(const std::string& bytes) {

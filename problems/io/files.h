@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
 namespace sagitta {
@@ -26,6 +27,8 @@ void DeclareOutput(const std::string& path);
 
 // At most limits::kFileBytes. Throws InputError when the file is absent, longer, or cannot be read.
 std::string ReadTextFile(const std::string& path);
+// The same without a copy of what the session keeps: a table may be long.
+std::shared_ptr<const std::string> SharedText(const std::string& path);
 
 // Nobody reads it again: the session keeps that it is an input, not what may be long.
 void ForgetText(const std::string& path);
