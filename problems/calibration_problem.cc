@@ -285,6 +285,7 @@ CalibrationProblem CalibrationProblem::WithEffects(const std::vector<EffectSpec>
   if (adds_compensator)
     problem.parameters.coordinate(problem.parameters.FindCoordinate(CompensatorPart::kL)).free = false;
   problem.latent = latent;  // found, not as stated
+  problem.found_noise = found_noise;
   problem.resolved_noise = resolved_noise;
   problem.stated_noise_factor = stated_noise_factor;
   problem.weight_roots = weight_roots;

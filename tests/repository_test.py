@@ -14,6 +14,9 @@ MAX_LINES = 500
 PLAIN_NAME = re.compile(r'[\w.+/-]+', re.ASCII)
 EMPTY = {'__init__.py', 'py.typed'}
 GENERATED = {'.git', 'build', 'results', '__pycache__'}
+# Of C: it reads 1.5 as 1 where a program around the library has set a locale with a comma.
+READS_BY_LOCALE = re.compile(r'\b(?:sto(?:d|f|ld)|strto(?:d|f|ld)|atof|sscanf)\(')
+SOURCES = ('models/', 'problems/', 'estimator/', 'tools/', 'python/')
 SHARED_PARENTS = {'/', '/tmp', '/opt', '/srv', '/mnt', '/usr/src', '/usr/local/src'}
 
 
@@ -53,6 +56,8 @@ def defects(name, machine_path):
     if path.suffix in ('.cc', '.h') and len(lines) > MAX_LINES:
         yield '%s: %d lines, more than %d' % (name, len(lines), MAX_LINES)
     for number, line in enumerate(lines, 1):
+        if name.startswith(SOURCES) and path.suffix in ('.cc', '.h') and READS_BY_LOCALE.search(line):
+            yield '%s:%d: a number read in the program\'s locale; ParseNumber reads the same in all' % (name, number)
         if machine_path.search(line):
             yield '%s:%d: a path of one machine: %s' % (name, number, line.strip()[:80])
 

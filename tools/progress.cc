@@ -9,6 +9,7 @@
 
 #include "problems/interruption.h"
 #include "problems/io/pattern.h"
+#include "problems/io/units.h"
 
 namespace sagitta {
 namespace {
@@ -27,8 +28,8 @@ double ShareIn(const std::string& what) {
   static const std::regex kCount = MakePattern("([0-9]+) of ([0-9]+)");
   std::smatch found;
   if (!SearchPattern(what, &found, kCount)) return 0.0;
-  const double all = std::stod(found[2]);
-  return all > 0.0 ? std::min(1.0, std::stod(found[1]) / all) : 0.0;
+  const double all = ParseNumber(found[2].str()).value();
+  return all > 0.0 ? std::min(1.0, ParseNumber(found[1].str()).value() / all) : 0.0;
 }
 
 }  // namespace

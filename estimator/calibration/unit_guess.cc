@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <string_view>
 #include <vector>
 
 #include "estimator/report/calibration_words.h"
 #include "models/constants.h"
 #include "problems/input_error.h"
+#include "problems/io/units.h"
 
 namespace sagitta {
 namespace {
@@ -57,7 +57,7 @@ double LargestNumber(const MeasurementFile& file, const std::vector<std::string>
   for (const std::string& column : columns) {
     const int index = file.FindColumn(column);
     for (const MeasurementFile::Row& row : file.rows) {
-      largest = std::max(largest, std::abs(std::strtod(std::string(row.cells[index]).c_str(), nullptr)));
+      largest = std::max(largest, std::abs(ParseNumber(row.cells[index]).value_or(0.0)));
     }
   }
   return largest;

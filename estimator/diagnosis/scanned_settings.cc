@@ -8,6 +8,7 @@
 #include "estimator/diagnosis/refit_order.h"
 #include "estimator/statistics/distributions.h"
 #include "models/effects/catalogue.h"
+#include "problems/io/units.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -37,7 +38,7 @@ const SettingDefinition* ScannedDefinition(const Robot& robot, const EffectSpec&
 // What is listed, and one more on either side as far from the last as that from the one before.
 std::vector<double> ListedValues(const SettingDefinition& setting) {
   std::vector<double> values;
-  for (const std::string& choice : setting.choices) values.push_back(std::stod(choice));
+  for (const std::string& choice : setting.choices) values.push_back(ParseNumber(choice).value());
   std::sort(values.begin(), values.end());
   const size_t n = values.size();
   if (n < 2) return values;

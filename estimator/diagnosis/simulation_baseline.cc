@@ -1,13 +1,14 @@
 #include "estimator/diagnosis/simulation_baseline.h"
 
 #include <cmath>
-#include <cstdlib>
+#include <optional>
 
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/calibration/unit_guess.h"
 #include "estimator/least_squares/linearization.h"
 #include "models/constants.h"
 #include "problems/input_error.h"
+#include "problems/io/units.h"
 
 namespace sagitta {
 namespace {
@@ -17,14 +18,13 @@ Vector3<double> SimulatedPoint(const Measurements& data, const Observation& obse
   for (int axis = 0; axis < 3; ++axis) {
     const std::string column = std::string("sim_") + "xyz"[axis] + "_mm";
     const std::string cell = data.Cell(observation, column);
-    char* end = nullptr;
-    const double value = std::strtod(cell.c_str(), &end);
-    if (cell.empty() || *end != '\0' || !std::isfinite(value)) {
+    const std::optional<double> value = ParseNumber(cell);
+    if (!value) {
       throw InputError({data.SourceOf(observation), 0, column},
                        cell.empty() ? "the row states no simulated point" : "'" + cell + "' is no number",
                        "--simulation=columns needs sim_x_mm, sim_y_mm, sim_z_mm in every row");
     }
-    point[axis] = kMillimetre * value;
+    point[axis] = kMillimetre * *value;
   }
   return point;
 }

@@ -95,7 +95,7 @@ std::vector<Candidate> RefinedMoments(const CalibrationProblem& problem, const P
     std::vector<Candidate> around;
     for (const Candidate& centre : centres) {
       const std::string setting = MomentOf(problem.robot(), centre.spec);
-      const double moment = std::stod(centre.spec.settings.at(setting));
+      const double moment = centre.spec.NumberSetting(setting, 0.0);
       const auto after = static_cast<size_t>(std::lower_bound(times.begin(), times.end(), moment) - times.begin());
       for (size_t off = finer; off < stride; off += finer) {
         for (const size_t i : {after - off, after + off}) {

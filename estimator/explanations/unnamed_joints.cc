@@ -144,7 +144,7 @@ class JointFunctions : public UnnamedList {
     if (!(most > 0.0)) return std::nullopt;
     spec.settings["unit"] = AsSetting(most);
     GroupedFunctions functions;
-    functions.Append(own / std::stod(spec.settings["unit"]), "time", {});
+    functions.Append(own / spec.NumberSetting("unit", 1.0), "time", {});
     return std::make_pair(spec, functions);
   }
 

@@ -6,6 +6,7 @@
 #include "estimator/report/explanations_words.h"
 #include "models/constants.h"
 #include "models/effects/pose_functions.h"
+#include "problems/io/units.h"
 
 namespace sagitta {
 namespace {
@@ -131,7 +132,7 @@ class PlaceFunctions : public UnnamedList {
     GroupedFunctions functions;
     for (const double each : best) {
       const std::string period = AsSetting(each);
-      functions.Append(Wave(2.0 * kPi / std::stod(period) * time), "time", {{"period_s", period}},
+      functions.Append(Wave(2.0 * kPi / ParseNumber(period).value() * time), "time", {{"period_s", period}},
                        "learnt_station_wave", listed);
     }
     return functions;
@@ -194,7 +195,7 @@ class PlaceFunctions : public UnnamedList {
     Field field = FieldOf(std::vector<bool>(problem_.data().shots.size(), true));
     field.settings["reach"] = AsSetting(field.places(fitted_, Eigen::all).rowwise().norm().maxCoeff());
     for (auto place : field.places.rowwise()) {
-      place = WithinReach(place.transpose(), std::stod(field.settings["reach"])).transpose();
+      place = WithinReach(place.transpose(), ParseNumber(field.settings["reach"]).value()).transpose();
     }
     EffectSpec turn{"learnt_station_motion", name, field.settings, {}};
     turn.settings.merge(VectorSettings("about_", 1e3 * parameters_.BaseInStation(station).translation, "_mm"));
@@ -203,7 +204,7 @@ class PlaceFunctions : public UnnamedList {
     if (!RangeOf(load).Varies()) return;
     turn.settings["per_N"] = AsSetting(RangeOf(load).high);
     GroupedFunctions loaded = OfPlace(field, true);
-    loaded.columns.array().colwise() *= load.array() / std::stod(turn.settings["per_N"]);
+    loaded.columns.array().colwise() *= load.array() / turn.NumberSetting("per_N", 1.0);
     AddTurns(station, loaded, "load", turn);
   }
 
@@ -450,7 +451,8 @@ class PlaceFunctions : public UnnamedList {
     GroupedFunctions functions;
     for (const GroupedFunctions::Group& group : of_down_.groups) {
       const Eigen::MatrixXd unloaded = of_down_.columns.middleCols(group.first, group.count);
-      functions.Append(load.asDiagonal() * unloaded / std::stod(settings["per_N"]), group.kind, group.settings);
+      functions.Append(load.asDiagonal() * unloaded / ParseNumber(settings["per_N"]).value(), group.kind,
+                       group.settings);
     }
     UnnamedFunction gives("flange", {"gravity"}, PlateGivesWay(), plate, {});
     for (const int m : markers) {

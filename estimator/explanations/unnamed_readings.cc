@@ -11,6 +11,7 @@
 #include "models/constants.h"
 #include "models/effects/bump.h"
 #include "models/sight.h"
+#include "problems/io/units.h"
 
 namespace sagitta {
 namespace {
@@ -155,7 +156,7 @@ class ReadingFunctions : public UnnamedList {
 
   // Waves of one period, of each marker.
   std::vector<GroupedFunctions> WavesOf(const std::string& period_mm, double listed) const {
-    const double period = 1e-3 * std::stod(period_mm);
+    const double period = 1e-3 * ParseNumber(period_mm).value();
     std::vector<GroupedFunctions> of_source;
     for (const int marker : markers_) {
       GroupedFunctions functions;

@@ -2,7 +2,10 @@
 
 #include <ceres/normal_prior.h>
 
+#include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "estimator/least_squares/constrained_blocks.h"
@@ -21,6 +24,29 @@ std::vector<int> ActiveModelParameters(const ParameterSet& parameters) {
     if (parameters.coordinates()[parameters.model_parameter(i).first_coordinate].estimated()) active.push_back(i);
   }
   return active;
+}
+
+// Ceres would read beyond the memory of what does not belong together.
+void CheckBelongTogether(const CalibrationProblem& problem, const ResidualSelection& selection,
+                         const ParameterSet& parameters) {
+  const auto fail = [](const std::string& what) { throw std::invalid_argument("AddToProblem: " + what); };
+  const auto rows = static_cast<int>(problem.data().observations.size());
+  for (const int row : selection.observations) {
+    if (row < 0 || row >= rows) {
+      fail("there is no observation " + std::to_string(row) + ", the problem has " + std::to_string(rows));
+    }
+  }
+  if (selection.noise.size() != selection.observations.size()) {
+    fail("a noise for each of " + std::to_string(selection.observations.size()) +
+         " observations is expected, there are " + std::to_string(selection.noise.size()));
+  }
+  const std::vector<ParameterBlock>& own = problem.parameters.blocks();
+  const auto is_alike = [](const ParameterBlock& a, const ParameterBlock& b) {
+    return a.name == b.name && a.values.size() == b.values.size();
+  };
+  if (!std::equal(own.begin(), own.end(), parameters.blocks().begin(), parameters.blocks().end(), is_alike)) {
+    fail("the parameters are those of another problem: begin with a copy of CalibrationProblem::parameters");
+  }
 }
 
 void AddShot(const CalibrationProblem& problem, const ResidualSelection& selection, size_t first, size_t last,
@@ -95,6 +121,7 @@ ResidualSelection CalibrationResiduals(const CalibrationProblem& problem, double
 
 void AddToProblem(const CalibrationProblem& problem, const ResidualSelection& selection, ParameterSet* parameters,
                   ceres::Problem* ceres_problem, LatentBlocks* latents) {
+  CheckBelongTogether(problem, selection, *parameters);
   const std::vector<int> active = ActiveModelParameters(*parameters);
   if (latents != nullptr) latents->assign(problem.latent.num_visits, std::vector<double>(problem.latent.size(), 0.0));
   const auto shot_of = [&](size_t k) { return problem.data().observations[selection.observations[k]].shot; };

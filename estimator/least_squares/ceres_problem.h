@@ -48,7 +48,8 @@ using LatentBlocks = std::vector<std::vector<double>>;
 // are not estimated (fixed or held) are held constant. Where the problem states
 // a repeatability, `latents` receives one block per visit, each with its prior;
 // eliminate these first (bundle adjustment). Null: joints are assumed to be exact.
-// `problem` and `latents` must outlive `ceres_problem`.
+// `problem` and `latents` must outlive `ceres_problem`. Throws std::invalid_argument where a selected observation is
+// not there, has no noise, or the blocks are not those of `problem`.
 void AddToProblem(const CalibrationProblem& problem, const ResidualSelection& selection, ParameterSet* parameters,
                   ceres::Problem* ceres_problem, LatentBlocks* latents = nullptr);
 

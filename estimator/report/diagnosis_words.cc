@@ -14,6 +14,7 @@
 #include "estimator/report/inspection_words.h"
 #include "models/effects/catalogue.h"
 #include "models/gravity_compensator.h"
+#include "problems/io/units.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -38,7 +39,7 @@ std::string SettingsInWords(const EffectDefinition* definition, const EffectSpec
                                                return setting.kind == SettingDefinition::Kind::kMoment &&
                                                       setting.name == name;
                                              });
-    words += is_moment ? ", " + std::to_string(std::lround(std::stod(text))) + " s after the first row"
+    words += is_moment ? ", " + std::to_string(std::lround(ParseNumber(text).value())) + " s after the first row"
                        : ", " + name + " " + text;
   }
   return words;

@@ -191,6 +191,26 @@ double CostByDefinition(const CalibrationProblem& problem, LossKind loss) {
   return cost;
 }
 
+TEST(ResidualsOfACalibration, BelongToTheirProblem) {
+  const CalibrationProblem problem = ProblemOf(Rows());
+  const auto words = [&](const ResidualSelection& selection, ParameterSet parameters) {
+    return WordsOf([&] {
+      ceres::Problem ceres_problem;
+      AddToProblem(problem, selection, &parameters, &ceres_problem);
+    });
+  };
+  const ResidualSelection whole = CalibrationResiduals(problem);
+  EXPECT_EQ(words(whole, problem.parameters), "");
+  ResidualSelection selection = whole;
+  selection.observations.back() = static_cast<int>(problem.data().observations.size());
+  EXPECT_THAT(words(selection, problem.parameters), HasSubstr("there is no observation"));
+  selection = whole;
+  selection.noise.pop_back();
+  EXPECT_THAT(words(selection, problem.parameters), HasSubstr("a noise for each"));
+  const CalibrationProblem other = problem.WithEffects({{"joint_harmonic", "A2", {{"order", "1"}}, {}}});
+  EXPECT_THAT(words(whole, other.parameters), HasSubstr("another problem"));
+}
+
 TEST(ResidualsOfACalibration, CarryTheLoss) {
   for (const LossKind loss : {LossKind::kNone, LossKind::kHuber, LossKind::kCauchy}) {
     Experiment experiment;
