@@ -5,11 +5,11 @@
 #include <numeric>
 
 #include "estimator/calibration/load_remedy.h"
-#include "estimator/diagnosis/diagnosed_model.h"
 #include "estimator/inspection/known_lint.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/report/inspection_known_words.h"
 #include "estimator/results/measured_joints.h"
+#include "estimator/results/remembering_effects.h"
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
 #include "models/effects/catalogue.h"
@@ -19,19 +19,9 @@
 namespace sagitta {
 namespace {
 
-// Effects that carry on from shot to shot; "" where none does. A body that follows its thermometer late is assumed to
-// have followed it before the first row.
 std::string MemoryInWords(const KnownRobot& known) {
-  std::vector<std::string> names;
-  for (const EffectSpec& spec : known.robot.effects) {
-    const EffectDefinition* definition = FindEffect(known.robot, spec.effect);
-    const bool carries_on = definition->remember != nullptr && definition->driven_by != EffectDriver::kTemperature;
-    const bool acts = std::any_of(known.parameters.begin(), known.parameters.end(), [&spec](const auto& parameter) {
-      return IsParameterOf(spec, parameter.first) && parameter.second.value != 0.0;
-    });
-    if (carries_on && acts) names.push_back(spec.Path());
-  }
-  return names.empty() ? "" : BeginAtTheFirstRow(names);
+  const std::vector<std::string> effects = RememberingEffects(known);
+  return effects.empty() ? "" : BeginAtTheFirstRow(effects);
 }
 
 // m: no instrument sees less; exact simulations have no noise compared with which anything is little.
@@ -200,7 +190,8 @@ Validation Validate(const KnownRobot& known, const Measurements& rows) {
   validation.p_value = PValueOf(known, validation, prediction.together);
   const double excess = validation.after.rms / validation.predicted_rms;
   if (validation.p_value < problem.experiment().significance)
-    validation.refutation = RowsRefuteTheEstimate(validation.after.rms, excess, validation.p_value);
+    validation.refutation =
+        RowsRefuteTheEstimate(validation.after.rms, excess, validation.p_value, RememberingEffects(known));
   validation.warnings = rows.warnings;
   const std::string outside = OutsideMeasuredInWords(known, rows.configurations);
   if (!outside.empty()) validation.warnings.push_back(outside);

@@ -211,14 +211,25 @@ void ForwardModel::Prepare(std::vector<ShotInput>* campaign) const {
   std::vector<std::vector<double>> memories;  // of each effect
   for (size_t i = 0; i < robot_.effects.size(); ++i)
     memories.push_back(MemoriesOf(robot_, *definitions_[i], robot_.effects[i], *campaign));
-  std::vector<double> memory(robot_.effects.size());
   for (size_t s = 0; s < campaign->size(); ++s) {
-    for (size_t i = 0; i < memory.size(); ++i) memory[i] = memories[i][s];
-    AddTerms(memory, &(*campaign)[s]);
+    ShotInput& shot = (*campaign)[s];
+    shot.memory.resize(memories.size());
+    for (size_t i = 0; i < memories.size(); ++i) shot.memory[i] = memories[i][s];
+    AddTerms(&shot);
   }
 }
 
-void ForwardModel::AddTerms(const std::vector<double>& memory, ShotInput* shot) const {
+void ForwardModel::PrepareAgain(ShotInput* shot) const {
+  CheckJointValues(chain(), shot->conditions.q);
+  if (shot->prepared && shot->memory.size() == robot_.effects.size()) return AddTerms(shot);
+  Prepare(shot);
+}
+
+bool ForwardModel::Remembers() const {
+  return std::any_of(definitions_.begin(), definitions_.end(), [](const auto* effect) { return effect->remember; });
+}
+
+void ForwardModel::AddTerms(ShotInput* shot) const {
   shot->terms = ShotTerms();
   shot->prepared = true;
   const Eigen::VectorXd coupled = chain().CoupledJointValues(shot->conditions.q);
@@ -235,8 +246,9 @@ void ForwardModel::AddTerms(const std::vector<double>& memory, ShotInput* shot) 
     shot->terms.torques.push_back({e, chain().transforms[e].sign * shot->conditions.joint_torques[j]});
   }
   for (size_t i = 0; i < robot_.effects.size(); ++i) {
-    definitions_[i]->apply({&robot_, &robot_.effects[i], &shot->conditions, &markers_, first_of_effect_[i], memory[i]},
-                           &shot->terms);
+    definitions_[i]->apply(
+        {&robot_, &robot_.effects[i], &shot->conditions, &markers_, first_of_effect_[i], shot->memory[i]},
+        &shot->terms);
   }
 }
 

@@ -52,6 +52,7 @@ struct ShotInput {
 
   ShotConditions conditions;
   std::vector<AppliedWrench> wrenches;  // load, tool weight
+  std::vector<double> memory;           // of each effect of that model: what the shots before left (MemoriesOf)
   ShotTerms terms;                      // of one model's compliances and effects, by ForwardModel::Prepare
   bool prepared = false;                // false: the model prepares a copy for every call
 };
@@ -105,6 +106,10 @@ class ForwardModel {
   void Prepare(std::vector<ShotInput>* campaign) const;
   // The same for a shot with nothing before it.
   void Prepare(ShotInput* shot) const;
+  // The same for a shot whose joint values were changed by little: what the shots before left stays as it was.
+  void PrepareAgain(ShotInput* shot) const;
+  // Whether an effect of the robot goes with what was done before.
+  bool Remembers() const;
 
   // Transform values v_e of the undeflected arm. `latent` (one per joint, or
   // null) is added on the encoder side.
@@ -156,8 +161,7 @@ class ForwardModel {
     Prepare(&shot);
     return shot;
   }
-  // memory: of each effect, where it has one.
-  void AddTerms(const std::vector<double>& memory, ShotInput* shot) const;
+  void AddTerms(ShotInput* shot) const;
   void PredictTurn(const ShotInput& shot, const double* theta, const std::vector<int>& column_of,
                    const Equilibrium& equilibrium, const Matrix3<double>& base_rotation, const MarkerInFrame& marker,
                    PointPrediction* prediction) const;

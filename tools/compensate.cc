@@ -7,9 +7,11 @@
 #include <map>
 #include <optional>
 
+#include "estimator/report/compensation_words.h"
 #include "estimator/results/compensation_csv.h"
 #include "estimator/results/measured_joints.h"
 #include "estimator/results/program_compensation.h"
+#include "estimator/results/remembering_effects.h"
 #include "models/constants.h"
 #include "problems/input_error.h"
 #include "problems/interruption.h"
@@ -81,6 +83,11 @@ ProgramScene SceneFromFlags(const KnownRobot& known) {
   return scene;
 }
 
+void SayWhatTheWayDoes(const KnownRobot& known) {
+  const std::vector<std::string> effects = RememberingEffects(known);
+  if (!effects.empty()) std::cout << "Warning: " << TargetsAreAWay(effects) << "\n";
+}
+
 int RunProgram(const CommandLine& line) {
   ExpectArguments(line, CompensateCommand(), 1, 1);
   if (FLAGS_program_out.empty()) {
@@ -112,6 +119,7 @@ int RunProgram(const CommandLine& line) {
   OutputFile::WriteTogether(outputs);
   std::cout << SummaryOf(result) << "Program: " << FLAGS_program_out << "\n";
   if (any) std::cout << FlangeOfTheMarkers();
+  SayWhatTheWayDoes(known);
   const std::string model_error = ModelErrorInWords(known);
   if (!model_error.empty()) std::cout << model_error << "\n";
   return any ? 0 : kNumericalFailure;
@@ -152,6 +160,7 @@ int RunCompensate(const CommandLine& line) {
   }
   out.Write(csv);
   Summarise(results, FLAGS_out);
+  SayWhatTheWayDoes(known);
   if (outside > 0) std::cout << TargetsOutsideMeasured(outside) << "\n";
   const std::string model_error = ModelErrorInWords(known);
   if (!model_error.empty()) std::cout << model_error << "\n";

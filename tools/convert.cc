@@ -1,14 +1,11 @@
 // sagitta convert: robot files between formats.
 #include <gflags/gflags.h>
 
-#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
-#include <random>
 
 #include "models/dh_from_chain.h"
-#include "models/forward_model.h"
 #include "problems/failure.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
@@ -24,6 +21,7 @@
 #include "tools/commands.h"
 #include "tools/convert_options.h"
 #include "tools/report/command_words.h"
+#include "tools/same_motion.h"
 
 DEFINE_string(
     as, "",
@@ -194,30 +192,6 @@ std::string LeftOut(const Robot& robot) {
   return Joined(parts);
 }
 
-// The largest distance of the flanges and of points 1 m from them, over random joint values.
-double LargestDifference(const Chain& a, const Chain& b, std::uint64_t seed) {
-  const ForwardModel models[2] = {ForwardModel(a), ForwardModel(b)};
-  std::mt19937_64 random(seed);
-  double largest = 0.0;
-  for (int trial = 0; trial < 200; ++trial) {
-    Eigen::VectorXd q(a.num_joints());
-    for (int j = 0; j < q.size(); ++j) q[j] = 2.0 * static_cast<double>(random() >> 11) * 0x1.0p-53 - 1.0;
-    for (int j = 0; j < q.size(); ++j) q[j] *= a.joints[j].type == JointType::kRevolute ? M_PI : 1.0;
-    Pose<double> flange[2];
-    for (int m = 0; m < 2; ++m) {
-      const std::vector<double> no_errors(models[m].num_parameters(), 0.0);
-      ChainState<double> state;
-      EvaluateChain(models[m].chain(), models[m].TransformValues(q, no_errors.data()).data(), &state);
-      flange[m] = state.frames.back();
-    }
-    for (int i = 0; i < 3; ++i) {
-      const Vector3<double> arm = Vector3<double>::Unit(i);
-      largest = std::max(largest, (flange[0] * arm - flange[1] * arm).norm());
-    }
-  }
-  return largest;
-}
-
 // Reads what is about to be written as any reader of it would.
 Robot ReadBack(const std::string& text, const std::string& out, const WriteOptions& written_by) {
   RobotReadOptions options;
@@ -243,6 +217,14 @@ std::string MimicsOf(const Chain& chain) {
   return lines;
 }
 
+// Values of effects stay as they are, so what they count from has to.
+void CheckEffects(const std::string& in, const Robot& read, const Robot& back) {
+  const std::vector<EffectInOtherFrame> other = EffectsInOtherFrames(read, back, FLAGS_seed);
+  if (other.empty()) return;
+  throw InputError({in, 0, "effects"}, CountsFromTurnedAxes(other.front().path, other.front().distance),
+                   KeepItsDescription());
+}
+
 int RunConvert(const CommandLine& line) {
   ExpectArguments(line, ConvertCommand(), FLAGS_out.empty() ? 2 : 1, 2);
   if (line.arguments.size() == 2 && !FLAGS_out.empty()) {
@@ -255,12 +237,13 @@ int RunConvert(const CommandLine& line) {
   const RobotReading reading = ReadAnyRobot(in, options.read);
   const Written written = WrittenAs(reading.robot, out, options);
   constexpr double kSame = 1e-9;  // m
-  const double difference =
-      LargestDifference(reading.robot.chain, ReadBack(written.text, out, options).chain, FLAGS_seed);
+  const Robot back = ReadBack(written.text, out, options);
+  const double difference = LargestDifference(reading.robot.chain, back.chain, FLAGS_seed);
   if (written.is_exact && difference > kSame) {
     throw Failure("the file written would differ from the robot read by " + FormatNumber(1e3 * difference) +
                   " mm; nothing is written");
   }
+  if (back.effects.size() == reading.robot.effects.size()) CheckEffects(in, reading.robot, back);
   file.Write(written.text);
   std::cout << in << ": " << reading.format << ", " << reading.robot.num_joints() << " joints\n";
   const std::string ends = EndsOf(in, options.read.ends);

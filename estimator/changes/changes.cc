@@ -230,7 +230,8 @@ Changes FindChanges(const KnownRobot& old_estimate, const KnownRobot& new_estima
     if (!outcome.arrived || (best && best->log_evidence >= outcome.log_evidence)) continue;
     best = outcome;
   }
-  if (!best) throw Failure(TooFarApart(old_estimate.file, new_estimate.file));
+  const bool is_settled = best && !(best->posterior.IsFull() && best->left_p < kUnexplained);
+  if (!is_settled) throw Failure(TooFarApart(old_estimate.file, new_estimate.file));
   comparison.MoveTo(best->applied);
   Changes result;
   result.notes = comparison.notes();

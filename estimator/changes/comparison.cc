@@ -113,7 +113,12 @@ EstimateComparison::EstimateComparison(const KnownRobot& old_estimate, const Kno
   old_.loading.repeatability = RepeatabilitySpec();
   if (any_turns) old_.loading.repeatability.angle.common = 1.0;
   if (any_slides) old_.loading.repeatability.length.common = 1.0;
+  const ConditionOrigins of_new = new_.loading.origins.value_or(ConditionOrigins());
   new_.loading = old_.loading;
+  // At one temperature, that of the old campaign; where one of them states none, each at its own.
+  if (new_.loading.origins && new_.loading.origins->mean_temperature != 0.0 && of_new.mean_temperature != 0.0) {
+    new_.loading.origins->mean_temperature = of_new.mean_temperature;
+  }
   const Measurements rows = RowsOfBoth(old_, new_, own_);
   problems_.push_back(PredictionProblem(old_, rows));
   problems_.push_back(PredictionProblem(new_, rows));

@@ -11,9 +11,8 @@
 namespace sagitta {
 namespace {
 
-constexpr double kNegligible = 12.0;    // a set e^-12 below the best is not followed
-constexpr size_t kBeam = 12;            // sets that are followed at a time
-constexpr long kMostChangedGroups = 6;  // in a set, but for what is anywhere
+constexpr double kNegligible = 12.0;  // a set e^-12 below the best is not followed
+constexpr size_t kBeam = 12;          // sets that are followed at a time
 
 // Group and index of its scale, sorted.
 using GroupSet = std::vector<std::pair<int, int>>;
@@ -213,6 +212,11 @@ void Search::AddMembers(GroupSet set, SparsePosterior* posterior) const {
 }
 
 }  // namespace
+
+bool SparsePosterior::IsFull() const {
+  const auto is_near = [](const Member& member) { return !member.anywhere; };
+  return std::count_if(best.begin(), best.end(), is_near) >= kMostChangedGroups;
+}
 
 SparsePosterior SearchSparse(const Eigen::MatrixXd& columns, const Eigen::VectorXd& left,
                              const std::vector<SparseGroup>& groups, const Eigen::VectorXd& applied,

@@ -26,6 +26,9 @@ constexpr double kLargeSize = 500.0;
 // A metre and a radian of what is typically 0.2 mm and 0.2 mrad: anywhere.
 constexpr double kAnySize = 5000.0;
 
+// Of a set, but for what is anywhere: so many are looked for.
+constexpr int kMostChangedGroups = 6;
+
 // What a change can be beyond kChangeScales.
 enum class BeyondTypical { kNone, kLarge, kAnywhere };
 
@@ -53,6 +56,9 @@ struct SparsePosterior {
     Eigen::MatrixXd covariance;
   };
   std::vector<Member> best;
+
+  // Whether the best set holds as many as are looked for: there may be more.
+  bool IsFull() const;
 };
 
 // applied: b, one per column; empty: nothing has been.

@@ -24,6 +24,7 @@ constexpr int kKinematicStarts = 48;
 // Degrees of freedom beyond which chi-square's skewness, sqrt(8 / nu), moves its quantiles by less than a thousandth of
 // a standard deviation.
 constexpr double kNextToNormal = 1e6;
+constexpr int kRoundsOfTheWay = 3;
 
 // Columns of the estimate's parameters that act on the arm: index into names, index of the model's parameter.
 struct ArmParameters {
@@ -49,12 +50,15 @@ class Compensator {
         nominal_model_(input.nominal),
         nominal_(nominal_model_, nominal_model_.NominalValues()),
         loaded_(input.problem.model(), input.problem.parameters.ModelValues()),
+        shots_(input.problem.shot_inputs()),
         names_(input.uncertainty.estimated) {
     names_.insert(names_.end(), input.uncertainty.held.begin(), input.uncertainty.held.end());
     active_ = FindArmParameters(input.problem.model(), names_);
   }
 
   FlangeSolution Nominal(const Target& target, const Eigen::VectorXd& previous) const;
+  // Joint values of each target, on the way from one to the next: what effects remember of it.
+  void SetWay(const std::vector<const Eigen::VectorXd*>& way);
   CompensatedTarget Compensate(int shot, const Target& target, const FlangeSolution& nominal) const;
 
  private:
@@ -64,7 +68,7 @@ class Compensator {
   bool LoadedAt(int shot, const Eigen::VectorXd& q, const std::vector<int>& parameters, FlangeState* state) const {
     const int station = input_.problem.data().shots[shot].station;
     const Matrix3<double> base = input_.problem.parameters.BaseInStation(station).rotation;
-    return loaded_.At(q, input_.problem.shot_inputs()[shot], base, parameters, state);
+    return loaded_.At(q, shots_[shot], base, parameters, state);
   }
   void AddUncertainty(int shot, const Pose<double>& goal, CompensatedTarget* result) const;
   std::string Words(const Target& target, const CompensatedTarget& result) const;
@@ -73,9 +77,15 @@ class Compensator {
   const CompensationInput& input_;
   ForwardModel nominal_model_;
   LoadedArm nominal_, loaded_;
+  std::vector<ShotInput> shots_;  // of the targets
   std::vector<std::string> names_;
   ArmParameters active_;
 };
+
+void Compensator::SetWay(const std::vector<const Eigen::VectorXd*>& way) {
+  for (size_t i = 0; i < way.size(); ++i) shots_[i].conditions.q = *way[i];
+  input_.problem.model().Prepare(&shots_);
+}
 
 // Joint values of the nominal robot for a target: as stated, or by inverse kinematics from the joint values stated
 // next to the pose, from the row before, and from many starts.
@@ -224,7 +234,7 @@ std::vector<CompensatedTarget> Compensate(const CompensationInput& input, const 
                                           int threads, const std::function<void(size_t done)>& progress) {
   CheckIn(allowed::kThreads, threads, "threads");
   CheckTargets(input, targets);
-  const Compensator compensator(input);
+  Compensator compensator(input);
   // In their order: a path of poses stays on the branch it is on.
   std::vector<FlangeSolution> nominal(targets.size());
   Eigen::VectorXd previous;
@@ -234,12 +244,27 @@ std::vector<CompensatedTarget> Compensate(const CompensationInput& input, const 
     if (nominal[i].status == TargetStatus::kOk) previous = nominal[i].q;
   }
   std::vector<CompensatedTarget> results(targets.size());
-  std::atomic<size_t> done{0};
-  ParallelFor(static_cast<int>(targets.size()), threads, [&](int i, int worker) {
-    results[i] = compensator.Compensate(i, targets[i], nominal[i]);
-    const size_t now = ++done;
-    if (progress && worker == 0) progress(now);
-  });
+  std::vector<const Eigen::VectorXd*> way;
+  for (const FlangeSolution& solution : nominal) way.push_back(&solution.q);
+  const auto solve_all = [&] {
+    std::atomic<size_t> done{0};
+    ParallelFor(static_cast<int>(targets.size()), threads, [&](int i, int worker) {
+      results[i] = compensator.Compensate(i, targets[i], nominal[i]);
+      const size_t now = ++done;
+      if (progress && worker == 0) progress(now);
+    });
+  };
+  if (!input.problem.model().Remembers()) {
+    solve_all();
+    return results;
+  }
+  // What an effect remembers is of the joint values that are commanded. These differ from the nominal ones by some
+  // mrad, of which a play operator of 1 deg changes by a tenth: the second time round it is next to nothing.
+  for (int round = 0; round < kRoundsOfTheWay; ++round) {
+    compensator.SetWay(way);
+    solve_all();
+    for (size_t i = 0; i < results.size(); ++i) way[i] = &results[i].solution.q;
+  }
   return results;
 }
 

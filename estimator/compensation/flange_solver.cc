@@ -189,7 +189,7 @@ const char* StatusName(TargetStatus status) {
 bool LoadedArm::At(const Eigen::VectorXd& q, ShotInput shot, const Matrix3<double>& base_rotation,
                    const std::vector<int>& parameters, FlangeState* state) const {
   shot.conditions.q = q;
-  model_.Prepare(&shot);
+  model_.PrepareAgain(&shot);
   shot.terms.station.clear();  // what the instrument sees is no matter of where the flange is
   shot.terms.sights.clear();
   constexpr int kNoMarker = -2;

@@ -291,6 +291,8 @@ void AddTests(const Measurements& data, const PlanRequest& request, const Drawin
   if (is_drawn) {
     scene->tests.clear();
     drawing->Draw(kRandomTests, request.seed + 1, "T", scene->feasible.get(), rows, &scene->tests, nullptr, nullptr);
+    const size_t drawn = scene->tests.size();
+    if (drawn > 0 && drawn < kRandomTests) scene->words.push_back(FewTestPosesDrawn(drawn));
   }
   if (scene->tests.empty()) {
     throw InputError({"", 0, "--tests"}, "there is no test pose to be accurate at", "give --tests=FILE.csv");

@@ -14,6 +14,9 @@ namespace {
 
 // Of the certificate, relative to the cost: of the plan that is handed out, and on the way there.
 constexpr double kTolerance = 0.01, kOnTheWay = 0.03;
+constexpr double kNextToBest = 0.95;  // efficiency from which on a plan is not chosen again from what its poses became
+constexpr double kWorthATurn = 1e-3;  // of the cost
+constexpr int kMostTurns = 5;
 constexpr int kShortList = 2000;  // candidates of the curve
 constexpr int kMostStarts = 40;   // of searches for candidates other than those drawn
 
@@ -206,22 +209,40 @@ void PlanSearch::MovePoses(FoundPlan* found) {
   found->cost = criterion_.Cost(found->covariance);
 }
 
-FoundPlan PlanSearch::At(int poses) {
-  CheckSupply(poses);
-  if (request_.progress) request_.progress("best " + std::to_string(poses) + " poses");
-  if (may_move() && criterion_.HasCertificate() && found_given_measured_ == 0) FindGivenMeasured(poses);
+FoundPlan PlanSearch::ChosenOf(int poses, const ApproximateDesign& approximate) const {
+  const ExactDesign exact = Exact(poses, approximate, request_.starts, 20);
   FoundPlan found;
-  found.approximate = Approximate(poses, may_move() ? kOnTheWay : kTolerance);
-  ExactDesign exact = Exact(poses, found.approximate, request_.starts, 20);
+  found.approximate = approximate;
   found.picks = exact.picks;
   found.covariance = exact.covariance;
   found.cost = exact.cost;
   for (const int pick : found.picks) found.poses.push_back(candidates_[pick]);
+  return found;
+}
+
+bool PlanSearch::IsNextToBest(const FoundPlan& found) const {
+  return criterion_.HasCertificate() && criterion_.Efficiency(found.cost, found.approximate.bound) > kNextToBest;
+}
+
+FoundPlan PlanSearch::At(int poses) {
+  CheckSupply(poses);
+  if (request_.progress) request_.progress("best " + std::to_string(poses) + " poses");
+  if (may_move() && criterion_.HasCertificate() && found_given_measured_ == 0) FindGivenMeasured(poses);
+  FoundPlan found = ChosenOf(poses, Approximate(poses, may_move() ? kOnTheWay : kTolerance));
   if (request_.found) request_.found({poses, Rms(found.covariance)});
-  if (may_move()) {
-    if (request_.progress) request_.progress("moving " + std::to_string(poses) + " poses");
-    MovePoses(&found);
-    found.approximate = Approximate(poses, kTolerance);
+  if (!may_move()) return found;
+  if (request_.progress) request_.progress("moving " + std::to_string(poses) + " poses");
+  MovePoses(&found);
+  found.approximate = Approximate(poses, kTolerance);
+  // Where few poses are feasible what moved is most of what there is to choose from.
+  for (int turn = 0; turn < kMostTurns && !IsNextToBest(found); ++turn) {
+    FoundPlan anew = ChosenOf(poses, found.approximate);
+    MovePoses(&anew);
+    anew.approximate = Approximate(poses, kTolerance);
+    const double saved = found.cost - anew.cost;
+    if (saved > 0.0) found = anew;
+    found.approximate = anew.approximate;
+    if (!(saved > kWorthATurn * std::abs(found.cost))) break;
   }
   return found;
 }

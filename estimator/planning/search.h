@@ -46,6 +46,9 @@ class PlanSearch {
   // Candidates that gain more than those drawn, found from the best of them; twice, for what they change.
   void FindGivenMeasured(int poses);
   ExactDesign Exact(int poses, const ApproximateDesign& approximate, int starts, int rounds) const;
+  // The best of the candidates.
+  FoundPlan ChosenOf(int poses, const ApproximateDesign& approximate) const;
+  bool IsNextToBest(const FoundPlan& found) const;
   void MovePoses(FoundPlan* found);
   // Exact plans of a few starts and rounds, for the curve; its RMS.
   double Quick(int poses);

@@ -33,6 +33,15 @@ std::string OutOfReach(bool joints_are_given, double position, double rotation) 
          "reach it; the nearest pose is " + Left(position, rotation) + " off";
 }
 
+std::string TargetsAreAWay(const std::vector<std::string>& effects) {
+  return Enumerate(effects) + (effects.size() == 1 ? " depends" : " depend") +
+         " on the way to a target: they are corrected for being gone to in the order given (by time where all state "
+         "one), "
+         "straight from one to the next, the first as if nothing had been before it; on another way they are off by "
+         "more "
+         "than u95";
+}
+
 std::string LoadFoldsArm() { return "the load folds the arm: no equilibrium of load and compliances was found"; }
 
 std::string IterationUnsettled(double position, double rotation) {

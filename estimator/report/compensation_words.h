@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace sagitta {
 
@@ -13,6 +14,8 @@ std::string CloseToSingularity(bool is_met, double position, double rotation, do
 std::string WouldLeaveLimits(const std::string& joints, double position, double rotation);
 std::string OutOfReach(bool joints_are_given, double position, double rotation);
 std::string LoadFoldsArm();
+// Of effects with a memory.
+std::string TargetsAreAWay(const std::vector<std::string>& effects);
 std::string IterationUnsettled(double position, double rotation);
 
 // Why a pose of a program has no joint solution.

@@ -34,8 +34,9 @@ std::string CalibrationLeftOpen(double held_rms, const std::vector<std::string>&
 std::string BeginAtTheFirstRow(const std::vector<std::string>& effects);
 // "p = 0.03"; below what a number holds "p < 1e-300".
 std::string PValueInWords(double p_value);
-// rms: over coordinates, m; excess: of what was predicted.
-std::string RowsRefuteTheEstimate(double rms, double excess, double p_value);
+// rms: over coordinates, m; excess: of what was predicted; remembering: effects that go with what was done before.
+std::string RowsRefuteTheEstimate(double rms, double excess, double p_value,
+                                  const std::vector<std::string>& remembering);
 // RMS distances, m.
 std::string WorseThanNominalOnThese(double calibrated, double nominal);
 

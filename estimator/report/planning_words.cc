@@ -94,6 +94,11 @@ std::string FewTestPoses(size_t poses, bool are_drawn) {
          ": the accuracy predicted holds there (state others: --tests=FILE, or random).";
 }
 
+std::string FewTestPosesDrawn(size_t poses) {
+  return "Only " + (poses == 1 ? std::string("one test pose") : std::to_string(poses) + " test poses") +
+         " could be drawn that keep to the cell: the accuracy predicted holds there (state others: --tests=FILE).";
+}
+
 std::string BodiesAreNotStated() {
   return "collisions of the arm's body with itself and the cell (no capsules are stated)";
 }

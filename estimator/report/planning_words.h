@@ -23,6 +23,7 @@ std::string PlacesAreStated();
 std::string PatternsLeftOut(int left_out, int offered);
 // are_drawn: the accuracy is asked at drawn poses in place of these.
 std::string FewTestPoses(size_t poses, bool are_drawn);
+std::string FewTestPosesDrawn(size_t poses);
 
 // What is not checked of each pose: `what` follows.
 std::string BodiesAreNotStated();

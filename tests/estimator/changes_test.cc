@@ -4,9 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "estimator/changes/comparison.h"
 #include "estimator/changes/sparse_search.h"
 #include "estimator/sagitta.h"
+#include "problems/failure.h"
 #include "problems/input_error.h"
 #include "tests/support/loaded_kr270.h"
 #include "tests/support/moved_kr270.h"
@@ -237,6 +240,34 @@ TEST(ChangesTest, WhatNoChangeExplainsIsSaid) {
   const Changes changes = FindChanges(old_estimate, new_estimate);
   ASSERT_FALSE(changes.notes.empty()) << changes.words;
   EXPECT_THAT(changes.notes[0], HasSubstr("more is left"));
+}
+
+// All lengths and zeros of another arm of the type differ: the six largest of them explain the points no better than
+// any six do.
+TEST(ChangesTest, AnotherArmOfTheTypeIsNoListOfSixChanges) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal(0.0, 3e-4);
+  Kr270Truth other;
+  for (double& error : other.errors) error += normal(random);
+  EXPECT_THROW(FindChanges(Estimated({}, 1), Estimated(other, 2)), Failure);
+}
+
+// The same points at 15 and at 25 degC are those of two arms, of which the one measured warmer is the smaller one: in a
+// model with its growth that is what changed, and without temperatures nothing is.
+TEST(ChangesTest, EstimatesWithTemperaturesAreComparedAtOne) {
+  KnownRobot old_estimate = Estimated({}, 1), new_estimate = Estimated({}, 2);
+  for (KnownRobot* known : {&old_estimate, &new_estimate}) {
+    known->robot.effects.push_back({"thermal_growth", "robot", {}, {11.5e-6}});
+    known->parameters["effect/thermal_growth/robot/growth"] = {11.5e-6, 11.5e-6};
+    known->loading.origins.emplace();
+  }
+  EXPECT_EQ(NamesOf(FindChanges(old_estimate, new_estimate)), "");
+  old_estimate.loading.origins->mean_temperature = 15.0;
+  EXPECT_EQ(NamesOf(FindChanges(old_estimate, new_estimate)), "");
+  new_estimate.loading.origins->mean_temperature = 25.0;
+  const Changes changes = FindChanges(old_estimate, new_estimate);
+  ASSERT_EQ(NamesOf(changes), "scale/lengths ") << changes.words;
+  EXPECT_NEAR(changes.changes[0].value, -115.0, changes.changes[0].ci95[1] - changes.changes[0].ci95[0]);
 }
 
 // A column is the derivative of the exact move, to the second order. Joint 3

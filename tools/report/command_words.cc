@@ -170,6 +170,17 @@ std::string MovesAsBefore(double difference) {
          " mm at 1 m from the flange";
 }
 
+std::string CountsFromTurnedAxes(const std::string& effect, double difference) {
+  return "the values of " + effect +
+         " count from the axes of the joint's own frame, which this description turns: the flange would move otherwise "
+         "by up to " +
+         Micrometres(difference) + "; nothing is written";
+}
+
+std::string KeepItsDescription() {
+  return "keep the robot's description (--as=chain), or write it without the effect and estimate that anew";
+}
+
 std::string ChainRuns(const std::string& base, const std::string& tip, const std::vector<std::string>& others) {
   const std::string words = "the chain runs from " + base + " to " + tip;
   return others.empty() ? words : words + ", not to " + Enumerate(others, 6) + " (--tip_link says another)";

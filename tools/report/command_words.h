@@ -60,6 +60,9 @@ std::string WithoutBeta(double rms, double largest, double largest_length_change
 std::string KeepControllersLines();
 std::string ListsAreReplaced(const std::string& file);
 std::string MovesAsBefore(double difference);
+// Of an effect, m.
+std::string CountsFromTurnedAxes(const std::string& effect, double difference);
+std::string KeepItsDescription();
 // Links of a URDF; others: those it could end at.
 std::string ChainRuns(const std::string& base, const std::string& tip, const std::vector<std::string>& others);
 // Joints of a URDF.

@@ -1,0 +1,32 @@
+#include "estimator/results/remembering_effects.h"
+
+#include <algorithm>
+
+#include "estimator/diagnosis/diagnosed_model.h"
+#include "estimator/results/estimate_json.h"
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+// Heat follows a thermometer at once where no lag is stated.
+bool CarriesOn(const EffectDefinition& definition, const EffectSpec& spec) {
+  if (definition.remember == nullptr) return false;
+  return definition.driven_by != EffectDriver::kTemperature || spec.NumberSetting("lag_s", 0.0) > 0.0;
+}
+
+}  // namespace
+
+std::vector<std::string> RememberingEffects(const KnownRobot& known) {
+  std::vector<std::string> paths;
+  for (const EffectSpec& spec : known.robot.effects) {
+    if (!CarriesOn(*FindEffect(known.robot, spec.effect), spec)) continue;
+    const bool acts = std::any_of(known.parameters.begin(), known.parameters.end(), [&spec](const auto& parameter) {
+      return IsParameterOf(spec, parameter.first) && parameter.second.value != 0.0;
+    });
+    if (acts) paths.push_back(spec.Path());
+  }
+  return paths;
+}
+
+}  // namespace sagitta
