@@ -28,7 +28,7 @@ std::optional<FarRows> BlockOfHalf(const CalibrationProblem& problem, const std:
   if (MarkersOf(problem.data(), half) != MarkersOf(problem.data(), rows)) return std::nullopt;
   FarRows found;
   found.parameters = problem.parameters;
-  const double rms = FindStartingValues(problem, half, StartingValueOptions(), &found.parameters);
+  const double rms = FindStartingValues(problem, half, &found.parameters);
   if (!(rms <= SuspiciousMisfit(problem))) return std::nullopt;
   found.limit = kNearHalf * rms;
   const std::vector<double> distances = DistancesFromPoints(problem, rows, found.parameters);

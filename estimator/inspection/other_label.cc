@@ -223,7 +223,7 @@ std::optional<OtherLabel> FindOtherFrame(const CalibrationProblem& problem) {
     for (const int i : points) (problem.data().observations[i].marker == marker ? own : others).push_back(i);
     if (own.size() < kFewestOfMarker || others.size() < own.size()) continue;
     ParameterSet parameters = problem.parameters;
-    if (!(FindStartingValues(problem, others, StartingValueOptions(), &parameters) <= suspicious)) continue;
+    if (!(FindStartingValues(problem, others, &parameters) <= suspicious)) continue;
     const Eigen::Matrix3Xd measured = PointsOfRows(problem, own);
     CalibrationProblem trial = problem;
     const auto misfit_on = [&](int frame) {

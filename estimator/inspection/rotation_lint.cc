@@ -148,7 +148,7 @@ std::optional<Finding> LintRotations(const CalibrationProblem& problem) {
   if (points.empty() || points.size() == rows.size()) return std::nullopt;
   RotationsAsStated as_stated;
   ParameterSet aligned = problem.parameters;
-  as_stated.points = FindStartingValues(problem, points, StartingValueOptions(), &aligned);
+  as_stated.points = FindStartingValues(problem, points, &aligned);
   const bool points_fit = as_stated.points <= SuspiciousMisfit(problem);
   if (!points_fit || !DetermineTheirBase(problem, points, as_stated.points)) return std::nullopt;
   RotationColumns columns;

@@ -203,11 +203,8 @@ class Matching {
           data.observations[i].point_in_station = stated_.observations[from->second].point_in_station;
       }
     }
-    StartingValueOptions options;
-    options.random_marker_starts = 1;
-    options.polished = 1;
     places_ = problem_.parameters;
-    return FindStartingValues(problem_, rows_, options, &places_);
+    return FindStartingValues(problem_, rows_, &places_, StartsTried::kFew);
   }
 
   // One to one, the nearest pairs first, among shots that stand near each other in the order.

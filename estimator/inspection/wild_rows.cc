@@ -81,7 +81,7 @@ Concentrated Concentrate(const CalibrationProblem& problem, const std::vector<in
   Concentrated found;
   for (int step = 0; step < steps; ++step) {
     found.parameters = problem.parameters;
-    FindStartingValues(problem, listed, StartingValueOptions(), &found.parameters);
+    FindStartingValues(problem, listed, &found.parameters);
     found.distances = DistancesFromPoints(problem, points, found.parameters);
     const std::vector<int> next = NearerHalf(problem, points, found.distances);
     if (next == found.half) break;

@@ -68,7 +68,7 @@ double FitPlaces(const CalibrationProblem& problem, const std::vector<int>& rows
   HoldPlaces(problem.data(), rows, false, &only.parameters);
   const std::vector<int> some = SampleOfRows(only);
   ParameterSet fitted = only.parameters;
-  const double rms = FindStartingValues(only, some, StartingValueOptions(), &fitted);
+  const double rms = FindStartingValues(only, some, &fitted);
   *parameters = problem.parameters;
   for (const int s : StationsOf(problem.data(), rows)) parameters->SetBaseInStation(s, fitted.BaseInStation(s));
   for (const int m : MarkersOfRows(problem.data(), rows)) {

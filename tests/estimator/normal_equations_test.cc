@@ -341,7 +341,7 @@ TEST(NormalEquationsOfMany, ASolveMakesNoPassInVain) {
   const ResidualSelection rows = CalibrationResiduals(problem, kFallbackSigma);
   const NormalEquations equations(problem, rows.observations, rows.noise, LatentTreatment::kMarginalise, 1);
   ParameterSet parameters = problem.parameters;
-  FindStartingValues(problem, rows.observations, StartingValueOptions(), &parameters);
+  FindStartingValues(problem, rows.observations, &parameters);
   const MinimizeSummary solved = MinimizeSums(equations, MinimizeOptions(), &parameters);
   EXPECT_TRUE(solved.converged);
   EXPECT_GE(solved.iterations, 1);
