@@ -60,16 +60,10 @@ void CheckNamesDiffer(const std::vector<std::string>& names, const char* what) {
   }
 }
 
-std::vector<std::string> NamesOfJoints(const Chain& chain) {
-  std::vector<std::string> names;
-  for (const Joint& joint : chain.joints) names.push_back(joint.name);
-  return names;
-}
-
 void CheckChain(const Chain& chain) {
   const size_t joints = chain.joints.size();
   if (joints == 0) FailStructure("robot", "it has no joint");
-  CheckNamesDiffer(NamesOfJoints(chain), "joints of the robot");
+  CheckNamesDiffer(JointNames(chain.joints), "joints of the robot");
   for (size_t e = 0; e < chain.transforms.size(); ++e) {
     const ElementaryTransform& transform = chain.transforms[e];
     const std::string item = Numbered("transform", e);
