@@ -311,7 +311,7 @@ Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, 
                  Estimate* estimate, const BetweenParts& between) {
   Trust trust;
   trust.between = between;
-  trust.suspects = FindSuspects(problem, fitted, *estimate);
+  trust.suspects = FindSuspects(problem, *estimate, &fitted);
   trust.cross_validation = CrossValidate(problem, fitted, *estimate, folds);
   trust.holdout = JudgeHoldout(problem, *estimate);
   const std::vector<int> quoted =
