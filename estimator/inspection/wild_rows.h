@@ -33,6 +33,10 @@ constexpr double kFarApart = 10.0;  // of the RMS distance of the rows that fit:
 std::vector<double> DistancesFromPoints(const CalibrationProblem& problem, const std::vector<int>& points,
                                         const ParameterSet& parameters);
 
+// Rows by whether they are within the limit, m; far_median is 0 where none is far. distances: of each row, m.
+FarRows SplitByDistance(const std::vector<int>& rows, const std::vector<double>& distances, double limit,
+                        ParameterSet parameters);
+
 // Nothing where no row is far, or as many as fit.
 std::optional<FarRows> FindFarRows(const CalibrationProblem& problem);
 

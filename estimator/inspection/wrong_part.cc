@@ -1,7 +1,6 @@
 #include "estimator/inspection/wrong_part.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <map>
 #include <set>
@@ -13,7 +12,6 @@
 #include "estimator/inspection/sampled_problem.h"
 #include "estimator/inspection/tried_readings.h"
 #include "estimator/report/inspection_part_words.h"
-#include "estimator/statistics/median.h"
 
 namespace sagitta {
 namespace {
@@ -233,21 +231,11 @@ std::optional<FarRows> FarFromOneEnd(const CalibrationProblem& problem, const st
   for (int step = 0; step < kSteps; ++step) {
     const double rms = FitPlaces(problem, end, &found.parameters);
     if (!(rms <= SuspiciousMisfit(problem))) return std::nullopt;
-    found.limit = kNearHalf * rms;
-    found.near.clear(), found.far.clear(), found.far_distances.clear();
     const std::vector<double> distances = DistancesFromPoints(problem, rows, found.parameters);
-    double squares = 0.0;
-    for (size_t k = 0; k < rows.size(); ++k) {
-      const bool is_far = distances[k] > found.limit;
-      (is_far ? found.far : found.near).push_back(rows[k]);
-      if (is_far) found.far_distances.push_back(distances[k]);
-      if (!is_far) squares += distances[k] * distances[k];
-    }
+    found = SplitByDistance(rows, distances, kNearHalf * rms, found.parameters);
     if (found.far.empty() || found.near.size() < end.size()) return std::nullopt;
-    found.near_rms = std::sqrt(squares / static_cast<double>(found.near.size()));
     end = found.near;
   }
-  found.far_median = Median(found.far_distances);
   return AreApart(found, problem) ? std::optional(found) : std::nullopt;
 }
 
