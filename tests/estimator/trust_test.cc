@@ -8,9 +8,9 @@
 #include "estimator/alignment/aligned_misfit.h"
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/inspection/row_lint.h"
-#include "estimator/intervals/prediction.h"
 #include "estimator/least_squares/refit.h"
 #include "tests/support/loaded_kr270.h"
+#include "tests/support/predicted.h"
 
 namespace sagitta::trust_test {
 namespace {
@@ -359,7 +359,7 @@ TEST(Prediction, TracesAreThoseOfDrawnErrors) {
   for (int i = 0; i < 12; ++i) rows.push_back(i);
   const NoiseRoots instrument(rows.size(), 5e-5 * Matrix3<double>::Identity());
   PredictedSquares traces;
-  PredictionCovariances(problem, UncertaintyOf(estimate), rows, 1.0, instrument, &traces);
+  PredictionCovariances(problem, test::UncertaintyOf(estimate), rows, 1.0, instrument, &traces);
   const Eigen::MatrixXd root = estimate.covariance.llt().matrixL();
   NormalNumbers normal(3);
   constexpr int kDraws = 4000;
