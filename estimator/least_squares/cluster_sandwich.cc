@@ -237,28 +237,14 @@ Eigen::VectorXd ClusterSandwich::DegreesOf(int which, const std::vector<int>& li
       count += sample.rows.rows();
     }
     Eigen::MatrixXd rows(count, columns_);
-    Eigen::Index at = 0;
+    std::vector<Eigen::Index> begins = {0};
+    std::vector<double> weights;
     for (const Sample* sample : own) {
-      rows.middleRows(at, sample->rows.rows()) = sample->rows.leftCols(columns_);
-      at += sample->rows.rows();
+      rows.middleRows(begins.back(), sample->rows.rows()) = sample->rows.leftCols(columns_);
+      begins.push_back(begins.back() + sample->rows.rows());
+      weights.push_back(1.0 / Expected(sample->leverage, of_part));
     }
-    const Eigen::MatrixXd b = TallProduct(rows, root_of_rows);
-    Eigen::MatrixXd unshrunk = b;
-    std::vector<Eigen::MatrixXd> h;
-    at = 0;
-    for (const Sample* sample : own) {
-      const auto of_sample = b.middleRows(at, sample->rows.rows());
-      h.push_back(of_sample * of_sample.transpose());
-      unshrunk.middleRows(at, sample->rows.rows()) += Unshrinking(h.back()) * of_sample;
-      at += sample->rows.rows();
-    }
-    const Eigen::MatrixXd a = TallProduct(unshrunk, root_of_listed);
-    at = 0;
-    for (size_t i = 0; i < own.size(); ++i) {
-      const Eigen::Index n = own[i]->rows.rows();
-      satterthwaite.Add(b.middleRows(at, n), h[i], a.middleRows(at, n), 1.0 / Expected(own[i]->leverage, of_part));
-      at += n;
-    }
+    satterthwaite.AddClusters(TallProduct(rows, root_of_rows), begins, root_of_listed, weights);
   }
   return satterthwaite.Degrees();
 }
