@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "models/effects/catalogue.h"
+#include "models/gravity_compensator.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 
