@@ -139,11 +139,6 @@ RowMajorMatrix ClusterSandwich::RowsOf(const Lane& lane) const {
   return rows;
 }
 
-void ClusterSandwich::Add(const RowStream& stream, const ParameterSet& parameters, const std::vector<int>& columns,
-                          const std::vector<int>& cluster_of) {
-  stream.ForEach(parameters, columns, [&](const RowPiece& piece) { Add(piece, cluster_of); });
-}
-
 void ClusterSandwich::Add(const RowPiece& piece, const std::vector<int>& cluster_of, const Share& share) {
   std::vector<int>& own = scratch_[static_cast<size_t>(share.number)].clusters_of_piece;
   own.clear();
