@@ -24,15 +24,6 @@ double NormalNumbers::operator()() {
   return radius * std::cos(angle);
 }
 
-std::vector<Vector3<double>> SigmaOfRows(const Measurements& rows, const Vector3<double>& otherwise) {
-  std::vector<Vector3<double>> sigma;
-  sigma.reserve(rows.observations.size());
-  for (const Observation& observation : rows.observations) {
-    sigma.push_back((observation.sigma.array() > 0.0).select(observation.sigma, otherwise));
-  }
-  return sigma;
-}
-
 Simulator::Simulator(const CalibrationProblem& problem, const ParameterSet& truth, NoiseRoots roots,
                      double repeatability_scale)
     : problem_(problem),
