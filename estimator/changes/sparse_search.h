@@ -29,11 +29,6 @@ constexpr double kAnySize = 5000.0;
 // What a change can be beyond kChangeScales.
 enum class BeyondTypical { kNone, kLarge, kAnywhere };
 
-struct SparsePrior {
-  double nothing = 0.5;
-  double further = 0.3;
-};
-
 // Columns of one matrix, by index, for one explanation.
 struct SparseGroup {
   std::vector<int> columns;
@@ -57,7 +52,6 @@ struct SparsePosterior {
 
 // applied: b, one per column; empty: nothing has been.
 SparsePosterior SearchSparse(const Eigen::MatrixXd& columns, const Eigen::VectorXd& left,
-                             const std::vector<SparseGroup>& groups, const Eigen::VectorXd& applied = {},
-                             const SparsePrior& prior = {});
+                             const std::vector<SparseGroup>& groups, const Eigen::VectorXd& applied = {});
 
 }  // namespace sagitta
