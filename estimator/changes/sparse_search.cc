@@ -11,11 +11,11 @@
 namespace sagitta {
 namespace {
 
-constexpr double kNegligible = 12.0;  // a set e^-12 below the best is not followed
-// Prior probabilities: that nothing changed, and of each change after the first.
-constexpr double kNothingChanged = 0.5, kFurtherChange = 0.3;
+constexpr double kNegligible = 12.0;    // a set e^-12 below the best is not followed
 constexpr size_t kBeam = 12;            // sets that are followed at a time
 constexpr long kMostChangedGroups = 6;  // in a set, but for what is anywhere
+// Prior probabilities: that nothing changed, and of each change after the first.
+constexpr double kNothingChanged = 0.5, kFurtherChange = 0.3;
 
 // Group and index of its scale, sorted.
 using GroupSet = std::vector<std::pair<int, int>>;
