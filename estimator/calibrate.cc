@@ -111,7 +111,7 @@ void JudgeCalibration(const CalibrateOptions& options, std::shared_ptr<const Row
   if (options.method == Method::kJoint) {
     say("comparing parts of the data");
     between =
-        CheckAgreement(result->problem, fitted, {options.seed, RandomHalves(result->problem)}, &folds.rows, &estimate);
+        CheckAgreement(result->problem, {options.seed, RandomHalves(result->problem)}, &estimate, &fitted, &folds.rows);
   }
   const bool is_held_for_noise = LeftOpen(estimate).size() < estimate.identifiability.unidentifiable.size();
   if (is_held_for_noise) estimate.message = HeldAtStatedNoise(estimate.identifiability.unidentifiable.size());
@@ -174,8 +174,8 @@ Calibration ExtendedCalibration(const Diagnosis& diagnosis, std::uint64_t seed) 
   Calibration extended{*diagnosis.final.problem, diagnosis.final.estimate, {}};
   const FittedStream fitted(extended.problem);
   FoldPlan folds = PlanFolds(extended.problem, fitted, seed);
-  BetweenParts between =
-      CheckAgreement(extended.problem, fitted, {seed, RandomHalves(extended.problem)}, &folds.rows, &extended.estimate);
+  BetweenParts between = CheckAgreement(extended.problem, {seed, RandomHalves(extended.problem)}, &extended.estimate,
+                                        &fitted, &folds.rows);
   AddTo(diagnosis.choice, &between);
   extended.trust = JudgeTrust(extended.problem, fitted, folds, &extended.estimate, between);
   KeepFoundNoise(&extended);

@@ -4,6 +4,12 @@
 
 namespace sagitta {
 
+std::vector<std::string> JointNames(const std::vector<Joint>& joints) {
+  std::vector<std::string> names;
+  for (const Joint& joint : joints) names.push_back(joint.name);
+  return names;
+}
+
 Chain::Chain() = default;
 Chain::Chain(const Chain&) = default;
 Chain::Chain(Chain&&) noexcept = default;

@@ -29,6 +29,9 @@ struct Joint {
   std::optional<double> max;  // rad or m
 };
 
+// In their order.
+std::vector<std::string> JointNames(const std::vector<Joint>& joints);
+
 // What an elementary transform does with respect to its axis.
 enum class Motion { kTranslation, kRotation };
 

@@ -144,8 +144,7 @@ void SetByName(const std::vector<std::string>& names, const char* key, bool free
 }  // namespace
 
 std::vector<std::string> CompliantJoints(const Robot& robot, const Measurements& data, const Experiment& experiment) {
-  std::vector<std::string> all;
-  for (const Joint& joint : robot.chain.joints) all.push_back(joint.name);
+  const std::vector<std::string> all = JointNames(robot.chain.joints);
   const Selection& selection = experiment.estimate.compliance;
   if (selection.kind == Selection::Kind::kDefault)
     return AnyLoaded(data, experiment) ? all : std::vector<std::string>();

@@ -78,8 +78,7 @@ void CheckNames(const CalibrationProblem& problem) {
 }
 
 void CheckJointsOfEffects(const Robot& robot, const Experiment& experiment) {
-  std::vector<std::string> known;
-  for (const Joint& joint : robot.chain.joints) known.push_back(joint.name);
+  const std::vector<std::string> known = JointNames(robot.chain.joints);
   const auto check = [&](const EffectSpec& spec, const std::string& name) {
     if (robot.chain.FindJoint(name) >= 0) return;
     throw InputError({experiment.robot_file, 0, "effects"},

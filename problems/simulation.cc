@@ -4,12 +4,13 @@
 #include <cmath>
 
 #include "models/constants.h"
+#include "models/random_bits.h"
 
 namespace sagitta {
 
 double NormalNumbers::Uniform() {
   // 53 random bits; 1 - u keeps the logarithm finite.
-  return 1.0 - static_cast<double>(random_() >> 11) * 0x1.0p-53;
+  return 1.0 - UnitNumber(random_());
 }
 
 double NormalNumbers::operator()() {
@@ -22,15 +23,6 @@ double NormalNumbers::operator()() {
   spare_ = radius * std::sin(angle);
   has_spare_ = true;
   return radius * std::cos(angle);
-}
-
-std::vector<Vector3<double>> SigmaOfRows(const Measurements& rows, const Vector3<double>& otherwise) {
-  std::vector<Vector3<double>> sigma;
-  sigma.reserve(rows.observations.size());
-  for (const Observation& observation : rows.observations) {
-    sigma.push_back((observation.sigma.array() > 0.0).select(observation.sigma, otherwise));
-  }
-  return sigma;
 }
 
 Simulator::Simulator(const CalibrationProblem& problem, const ParameterSet& truth, NoiseRoots roots,

@@ -68,9 +68,6 @@ struct SimulationTruth {
   std::vector<MarkerInFrame> markers;         // one per Measurements::markers
 };
 
-// The sigma of every observation, m: what its row states, else `otherwise`.
-std::vector<Vector3<double>> SigmaOfRows(const Measurements& rows, const Vector3<double>& otherwise);
-
 // `rows` of an unloaded rigid arm with the points filled in; everything else, stated sigmas included,
 // stays as it is. `sigma` has one entry per observation; 0 means exact.
 Measurements SimulateMeasurements(const Measurements& rows, const SimulationTruth& truth,

@@ -1,10 +1,9 @@
 #include "problems/structure_checks.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <optional>
 #include <set>
-#include <system_error>
 
 #include "models/effects/catalogue.h"
 #include "problems/input_error.h"
@@ -60,16 +59,10 @@ void CheckNamesDiffer(const std::vector<std::string>& names, const char* what) {
   }
 }
 
-std::vector<std::string> NamesOfJoints(const Chain& chain) {
-  std::vector<std::string> names;
-  for (const Joint& joint : chain.joints) names.push_back(joint.name);
-  return names;
-}
-
 void CheckChain(const Chain& chain) {
   const size_t joints = chain.joints.size();
   if (joints == 0) FailStructure("robot", "it has no joint");
-  CheckNamesDiffer(NamesOfJoints(chain), "joints of the robot");
+  CheckNamesDiffer(JointNames(chain.joints), "joints of the robot");
   for (size_t e = 0; e < chain.transforms.size(); ++e) {
     const ElementaryTransform& transform = chain.transforms[e];
     const std::string item = Numbered("transform", e);
@@ -122,29 +115,16 @@ void CheckOwnEffects(const Robot& robot) {
   }
 }
 
-// As EffectSpec reads it: all of the text, with a decimal point in every locale.
-template <typename Number>
-bool IsA(const std::string& text, Number* number) {
-  const char* end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, *number);
-  return read.ec == std::errc() && read.ptr == end;
-}
-
-bool IsWholeNumber(const std::string& text) {
-  int number = 0;
-  return IsA(text, &number);
-}
-
 bool IsPlainNumber(const std::string& text) {
-  double number = 0.0;
-  return IsA(text, &number) && std::abs(number) < 1e15;
+  const std::optional<double> number = SettingAs<double>(text);
+  return number && std::abs(*number) < 1e15;
 }
 
 // Choices are among those there are, numbers read as such. Joints: CheckJointsOfEffects.
 bool SettingFits(const SettingDefinition& setting, const std::string& text) {
   switch (setting.kind) {
     case SettingDefinition::Kind::kInteger:
-      return IsWholeNumber(text);
+      return SettingAs<int>(text).has_value();
     case SettingDefinition::Kind::kNumber:
     case SettingDefinition::Kind::kMoment:
       return IsPlainNumber(text);

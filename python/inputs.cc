@@ -168,12 +168,7 @@ void BindInputs(py::module_& module) {
   BindData<py::class_<ExperimentInputs>>(inputs,
                                          [](const ExperimentInputs& i) -> const Measurements& { return i.data; });
   inputs.def_property_readonly("robot_name", [](const ExperimentInputs& i) { return i.robot.name; })
-      .def_property_readonly("joints",
-                             [](const ExperimentInputs& i) {
-                               std::vector<std::string> names;
-                               for (const Joint& joint : i.robot.chain.joints) names.push_back(joint.name);
-                               return names;
-                             })
+      .def_property_readonly("joints", [](const ExperimentInputs& i) { return JointNames(i.robot.chain.joints); })
       .def_property_readonly("robot_yaml", [](const ExperimentInputs& i) { return RobotToYaml(i.robot); })
       .def("set_sigma",
            [](ExperimentInputs& i, double sigma_mm) {

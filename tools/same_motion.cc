@@ -6,13 +6,14 @@
 
 #include "models/effects/catalogue.h"
 #include "models/forward_model.h"
+#include "models/random_bits.h"
 
 namespace sagitta {
 namespace {
 
 constexpr int kTrials = 200;
 
-double Uniform(std::mt19937_64* random) { return 2.0 * static_cast<double>((*random)() >> 11) * 0x1.0p-53 - 1.0; }
+double Uniform(std::mt19937_64* random) { return 2.0 * UnitNumber((*random)()) - 1.0; }
 
 Vector3<double> UniformVector(std::mt19937_64* random) {
   return Vector3<double>::NullaryExpr([random](Eigen::Index) { return Uniform(random); });

@@ -235,9 +235,10 @@ bool SandwichIsLarger(const Whole& whole, const RobustCovariance& robust, double
   return robust.dof.size() > 0 && IsLarger(*ratio, Median({robust.dof.begin(), robust.dof.end()}));
 }
 
-// fitted, also: or null.
-BetweenParts CompareParts(const CalibrationProblem& problem, const FittedStream* fitted,
-                          const AgreementOptions& options, AlsoSummed* also, Estimate* estimate) {
+}  // namespace
+
+BetweenParts CheckAgreement(const CalibrationProblem& problem, const AgreementOptions& options, Estimate* estimate,
+                            const FittedStream* fitted, AlsoSummed* also) {
   Whole whole(problem, *estimate, fitted);
   AgreementReport& report = estimate->agreement;
   report = AgreementReport();
@@ -259,17 +260,6 @@ BetweenParts CompareParts(const CalibrationProblem& problem, const FittedStream*
   report.sandwich_advised = !whole.by_sandwich && (larger || repeats_lie);
   DescribeAgreement(problem, &report);
   return between;
-}
-
-}  // namespace
-
-BetweenParts CheckAgreement(const CalibrationProblem& problem, const AgreementOptions& options, Estimate* estimate) {
-  return CompareParts(problem, nullptr, options, nullptr, estimate);
-}
-
-BetweenParts CheckAgreement(const CalibrationProblem& problem, const FittedStream& fitted,
-                            const AgreementOptions& options, AlsoSummed* also, Estimate* estimate) {
-  return CompareParts(problem, &fitted, options, also, estimate);
 }
 
 }  // namespace sagitta

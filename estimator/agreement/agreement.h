@@ -27,10 +27,9 @@ struct AgreementOptions {
 };
 
 // Fills estimate->agreement of a judged estimate (with its intervals), words included. Returns the model error where
-// parts contradict each other.
-BetweenParts CheckAgreement(const CalibrationProblem& problem, const AgreementOptions& options, Estimate* estimate);
-// The same where the rows that were fitted are at hand. also: summed in the same pass where there is one.
-BetweenParts CheckAgreement(const CalibrationProblem& problem, const FittedStream& fitted,
-                            const AgreementOptions& options, AlsoSummed* also, Estimate* estimate);
+// parts contradict each other. fitted: the rows that were fitted where they are at hand; also: summed in the same pass
+// where there is one.
+BetweenParts CheckAgreement(const CalibrationProblem& problem, const AgreementOptions& options, Estimate* estimate,
+                            const FittedStream* fitted = nullptr, AlsoSummed* also = nullptr);
 
 }  // namespace sagitta

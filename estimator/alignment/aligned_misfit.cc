@@ -67,7 +67,7 @@ std::vector<int> SampleOfRows(const CalibrationProblem& problem) {
 namespace {
 
 double AlignTo(const CalibrationProblem& problem, const std::vector<int>& rows, ParameterSet* parameters) {
-  const double rigid = FindStartingValues(problem, rows, StartingValueOptions(), parameters);
+  const double rigid = FindStartingValues(problem, rows, parameters);
   const std::vector<int> points = problem.data().PointsAmong(rows);
   if (points.empty()) return rigid;
   const Eigen::Matrix3Xd errors = ResidualsOf(problem.data(), points, PredictPoints(problem, *parameters, points));
@@ -123,7 +123,7 @@ bool MissesRows(const CalibrationProblem& problem, const AlignedSample& aligned,
 
 std::vector<Matrix3<double>> AlignedOrientations(const CalibrationProblem& problem) {
   ParameterSet parameters = problem.parameters;
-  FindStartingValues(problem, SampleOfRows(problem), StartingValueOptions(), &parameters);
+  FindStartingValues(problem, SampleOfRows(problem), &parameters);
   std::vector<int> all(problem.data().observations.size());
   std::iota(all.begin(), all.end(), 0);
   return OrientationsAt(problem, parameters, problem.data().PointsAmong(all));

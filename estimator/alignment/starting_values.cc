@@ -9,12 +9,14 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/normal_equations.h"
 #include "models/matrix_functions.h"
-#include "problems/range.h"
 
 namespace sagitta {
 namespace {
 
 constexpr double kEqual = 1e-6;  // relative difference of RMS below which starts count as equal
+constexpr int kAlternations = 25;
+constexpr double kMarkerSpread = 0.3;  // m, of the random marker starts
+constexpr unsigned long long kSeedOfStarts = 1;
 
 bool AllFree(const ParameterSet& parameters, const ParameterBlock& block) {
   for (int i = 0; i < block.tangent_size; ++i) {
@@ -198,13 +200,6 @@ Pose<double> RegisterRigid(const Eigen::Matrix3Xd& points, const Eigen::Matrix3X
   return pose;
 }
 
-void CheckOptions(const StartingValueOptions& options) {
-  CheckIn(allowed::kStarts, options.random_marker_starts, "StartingValueOptions.random_marker_starts");
-  CheckIn(allowed::kIterations, options.alternations, "StartingValueOptions.alternations");
-  CheckIn(allowed::kStarts, options.polished, "StartingValueOptions.polished");
-  CheckIn(allowed::kLength, options.marker_spread, "StartingValueOptions.marker_spread");
-}
-
 namespace {
 
 // The best start by a sample of the rows.
@@ -213,14 +208,15 @@ struct Start {
   StartCandidate best;
 };
 
-Start StartOfSample(const CalibrationProblem& problem, const std::vector<int>& observations,
-                    const StartingValueOptions& options, const ParameterSet& given) {
+Start StartOfSample(const CalibrationProblem& problem, const std::vector<int>& observations, StartsTried tried,
+                    const ParameterSet& given) {
+  const int random_starts = tried == StartsTried::kFew ? 1 : 6, polished = tried == StartsTried::kFew ? 1 : 2;
   const std::vector<int> looked_at = RowsOfStarts(problem, observations);
   std::vector<FramedObservation> framed = EvaluateFrames(problem, looked_at, given);
-  std::mt19937_64 random(options.seed);
-  std::normal_distribution<double> normal(0.0, options.marker_spread);
+  std::mt19937_64 random(kSeedOfStarts);
+  std::normal_distribution<double> normal(0.0, kMarkerSpread);
   std::vector<StartCandidate> candidates;
-  for (int start = 0; start <= options.random_marker_starts; ++start) {
+  for (int start = 0; start <= random_starts; ++start) {
     ParameterSet trial = given;
     for (int m = 0; start > 0 && m < trial.num_markers(); ++m) {
       // One draw after the other: the order of arguments is the compiler's.
@@ -228,7 +224,7 @@ Start StartOfSample(const CalibrationProblem& problem, const std::vector<int>& o
       const Vector3<double> guess(x, y, z);
       if (AllFree(trial, trial.marker(m))) trial.SetMarkerPoint(m, guess);
     }
-    for (int i = 0; i < options.alternations; ++i) {
+    for (int i = 0; i < kAlternations; ++i) {
       RegisterStations(framed, &trial);
       AverageMarkers(framed, &trial);
     }
@@ -239,7 +235,7 @@ Start StartOfSample(const CalibrationProblem& problem, const std::vector<int>& o
   // without random markers counts.
   candidates[0].rms *= 1.0 - kEqual;
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.rms < b.rms; });
-  candidates.resize(std::min<size_t>(candidates.size(), options.polished));
+  candidates.resize(std::min<size_t>(candidates.size(), polished));
   const NormalEquations equations = EquationsOf(problem, looked_at);
   for (StartCandidate& candidate : candidates) PolishStart(equations, framed, &candidate);
   StartCandidate* best = &candidates[0];
@@ -252,9 +248,8 @@ Start StartOfSample(const CalibrationProblem& problem, const std::vector<int>& o
 }  // namespace
 
 double FindStartingValues(const CalibrationProblem& problem, const std::vector<int>& observations,
-                          const StartingValueOptions& options, ParameterSet* parameters) {
-  CheckOptions(options);
-  Start start = StartOfSample(problem, observations, options, *parameters);
+                          ParameterSet* parameters, StartsTried tried) {
+  Start start = StartOfSample(problem, observations, tried, *parameters);
   const bool are_all = start.framed.size() == observations.size();
   if (!are_all) PolishStart(EquationsOf(problem, observations), start.framed, &start.best);
   *parameters = start.best.parameters;
@@ -262,11 +257,9 @@ double FindStartingValues(const CalibrationProblem& problem, const std::vector<i
   return DistanceRms(EvaluateFrames(problem, observations, *parameters), *parameters);
 }
 
-void FindStartingValues(const CalibrationProblem& problem, const NormalEquations& equations,
-                        const StartingValueOptions& options, ParameterSet* parameters) {
-  CheckOptions(options);
+void FindStartingValues(const CalibrationProblem& problem, const NormalEquations& equations, ParameterSet* parameters) {
   const std::vector<int>& observations = equations.batches().observations();
-  Start start = StartOfSample(problem, observations, options, *parameters);
+  Start start = StartOfSample(problem, observations, StartsTried::kSeveral, *parameters);
   if (start.framed.size() < observations.size()) PolishStart(equations, start.framed, &start.best);
   *parameters = start.best.parameters;
 }

@@ -16,24 +16,15 @@ namespace sagitta {
 
 class NormalEquations;
 
-struct StartingValueOptions {
-  int random_marker_starts = 6;
-  int alternations = 25;
-  int polished = 2;            // how many of the best starts are polished
-  double marker_spread = 0.3;  // m, of the random marker starts
-  unsigned long long seed = 1;
-};
-// Throws InputError that names the option (problems/range.h).
-void CheckOptions(const StartingValueOptions& options);
+enum class StartsTried { kSeveral, kFew };  // kFew: one random start, the best one is polished
 
 // Sets base and markers of `parameters` (its model values are kept); what is
 // fixed keeps its value. Returns the RMS of the 3-D distances, m.
 double FindStartingValues(const CalibrationProblem& problem, const std::vector<int>& observations,
-                          const StartingValueOptions& options, ParameterSet* parameters);
+                          ParameterSet* parameters, StartsTried tried = StartsTried::kSeveral);
 
 // The same of all rows of `equations`, where these are at hand; they count joints as exact.
-void FindStartingValues(const CalibrationProblem& problem, const NormalEquations& equations,
-                        const StartingValueOptions& options, ParameterSet* parameters);
+void FindStartingValues(const CalibrationProblem& problem, const NormalEquations& equations, ParameterSet* parameters);
 
 // The pose that maps `points` best onto `targets` (3 x N, least squares, no
 // scale, no reflection).

@@ -312,8 +312,7 @@ MinimizeSummary SolveAtRest(const CalibrationProblem& problem, const ResidualSel
 }  // namespace
 
 double AlignNominal(const CalibrationProblem& problem, ParameterSet* parameters) {
-  const double misfit =
-      FindStartingValues(problem, problem.CalibrationObservations(), StartingValueOptions(), parameters);
+  const double misfit = FindStartingValues(problem, problem.CalibrationObservations(), parameters);
   DropImplausibleTie(parameters);
   return misfit;
 }
@@ -386,7 +385,7 @@ Estimate EstimateJointly(const CalibrationProblem& problem, const JointOptions& 
   ReportStage(options, AligningNominal());
   const Fitted fitted(problem, options);
   ParameterSet start = problem.parameters;
-  FindStartingValues(problem, fitted.exact_joints(), StartingValueOptions(), &start);
+  FindStartingValues(problem, fitted.exact_joints(), &start);
   DropImplausibleTie(&start);
   if (options.fitted != nullptr) *options.fitted = fitted.equations.shared_batches();
   return EstimateFitted(problem, fitted, start, options);

@@ -256,7 +256,8 @@ RobustCovariance SandwichOfFit(const CalibrationProblem& problem, const Lineariz
   ClusterSandwich sandwich(columns, 1 + *std::max_element(clusters.begin(), clusters.end()), solution.covariance,
                            {fit});
   const RowStream stream(problem, observations, RootsOfFit(problem), LatentTreatment::kMarginalise, clusters);
-  sandwich.Add(stream, estimate.parameters, estimate.estimated, clusters);
+  stream.ForEach(estimate.parameters, estimate.estimated,
+                 [&](const RowPiece& piece) { sandwich.Add(piece, clusters); });
   return sandwich.Result(0, PriorsOf(estimate.parameters, estimate.estimated).jacobian);
 }
 

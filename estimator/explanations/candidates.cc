@@ -20,8 +20,7 @@ bool AnyLoad(const CalibrationProblem& problem) {
                      [](const ShotInput& shot) { return !shot.wrenches.empty() || !shot.terms.torques.empty(); });
 }
 
-// Names of all joints, or of all but one.
-std::vector<std::string> JointsBut(const CalibrationProblem& problem, const std::string& one = "") {
+std::vector<std::string> JointsBut(const CalibrationProblem& problem, const std::string& one) {
   std::vector<std::string> names;
   for (const Joint& joint : problem.robot().chain.joints) {
     if (joint.name != one) names.push_back(joint.name);
@@ -41,7 +40,7 @@ std::vector<std::string> HeldErrors(const CalibrationProblem& problem) {
 std::vector<std::string> TargetsOf(const EffectDefinition& definition, const CalibrationProblem& problem) {
   switch (definition.target) {
     case EffectTarget::kJoint:
-      return JointsBut(problem);
+      return JointNames(problem.robot().chain.joints);
     case EffectTarget::kError:
       return HeldErrors(problem);
     case EffectTarget::kBase:

@@ -65,7 +65,7 @@ ExplainedErrors ExplainByErrors(const CalibrationProblem& problem, const std::ve
   const Unknowns unknowns = UnknownsOf(problem);
   ParameterSet parameters = problem.parameters;
   ExplainedErrors found;
-  found.left = FindStartingValues(problem, readings, StartingValueOptions(), &parameters);
+  found.left = FindStartingValues(problem, readings, &parameters);
   const double precision = kPrecision * Reach(problem);
   if (unknowns.columns.empty() || !(precision > 0.0)) return found;
   const NoiseRoots noise(rows.size(), precision * Matrix3<double>::Identity());

@@ -190,7 +190,7 @@ std::optional<LoadDirection> FindLoadDirection(const CalibrationProblem& problem
   const bool any = std::any_of(problem.data().shots.begin(), problem.data().shots.end(), IsLoaded);
   if (!any) return std::nullopt;
   ParameterSet aligned = problem.parameters;
-  FindStartingValues(problem, SampleOfRows(problem), StartingValueOptions(), &aligned);
+  FindStartingValues(problem, SampleOfRows(problem), &aligned);
   for (int s = 0; s < static_cast<int>(problem.data().stations.size()); ++s) {
     const DeflectionSums sums = LoadedStation(problem, aligned, s).sums();
     if (sums.configurations.size() < kFewestLoaded) continue;

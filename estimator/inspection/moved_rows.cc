@@ -1,13 +1,10 @@
 #include "estimator/inspection/moved_rows.h"
 
 #include <algorithm>
-#include <cmath>
-#include <map>
-#include <set>
+#include <utility>
 
 #include "estimator/alignment/starting_values.h"
 #include "estimator/inspection/reading_lint.h"
-#include "estimator/statistics/median.h"
 
 namespace sagitta {
 namespace {
@@ -15,36 +12,19 @@ namespace {
 // Rows of a half: 18 numbers, twice as many as a base pose and one marker have.
 constexpr std::ptrdiff_t kFewestOfHalf = 6;
 
-// Markers of the rows.
-std::set<int> MarkersOf(const Measurements& data, const std::vector<int>& rows) {
-  std::set<int> markers;
-  for (const int i : rows) markers.insert(data.observations[i].marker);
-  return markers;
-}
-
 // rows: of one station, in order; half: some of them.
 std::optional<FarRows> BlockOfHalf(const CalibrationProblem& problem, const std::vector<int>& rows,
                                    const std::vector<int>& half) {
-  if (MarkersOf(problem.data(), half) != MarkersOf(problem.data(), rows)) return std::nullopt;
-  FarRows found;
-  found.parameters = problem.parameters;
-  const double rms = FindStartingValues(problem, half, StartingValueOptions(), &found.parameters);
+  if (MarkersOfRows(problem.data(), half) != MarkersOfRows(problem.data(), rows)) return std::nullopt;
+  ParameterSet parameters = problem.parameters;
+  const double rms = FindStartingValues(problem, half, &parameters);
   if (!(rms <= SuspiciousMisfit(problem))) return std::nullopt;
-  found.limit = kNearHalf * rms;
-  const std::vector<double> distances = DistancesFromPoints(problem, rows, found.parameters);
-  double squares = 0.0;
+  const double limit = kNearHalf * rms;
+  const std::vector<double> distances = DistancesFromPoints(problem, rows, parameters);
   int changes = 0;
-  for (size_t k = 0; k < rows.size(); ++k) {
-    const bool is_far = distances[k] > found.limit;
-    if (k > 0 && is_far != (distances[k - 1] > found.limit)) ++changes;
-    (is_far ? found.far : found.near).push_back(rows[k]);
-    if (is_far) found.far_distances.push_back(distances[k]);
-    if (!is_far) squares += distances[k] * distances[k];
-  }
+  for (size_t k = 1; k < rows.size(); ++k) changes += (distances[k] > limit) != (distances[k - 1] > limit) ? 1 : 0;
   if (changes != 1) return std::nullopt;
-  found.near_rms = std::sqrt(squares / static_cast<double>(found.near.size()));
-  found.far_median = Median(found.far_distances);
-  return found;
+  return SplitByDistance(rows, distances, limit, std::move(parameters));
 }
 
 }  // namespace
@@ -57,10 +37,8 @@ std::vector<int> InOrderOfMeasurement(const Measurements& data, std::vector<int>
 }
 
 std::optional<FarRows> FindMovedRows(const CalibrationProblem& problem) {
-  std::map<int, std::vector<int>> of_station;
-  for (const int i : problem.data().PointsAmong(problem.CalibrationObservations()))
-    of_station[problem.data().shots[problem.data().observations[i].shot].station].push_back(i);
-  for (const auto& [station, listed] : of_station) {
+  const std::vector<int> points = problem.data().PointsAmong(problem.CalibrationObservations());
+  for (const auto& [station, listed] : ByStation(problem.data(), points)) {
     const std::vector<int> rows = InOrderOfMeasurement(problem.data(), listed);
     const auto middle = static_cast<std::ptrdiff_t>(rows.size() / 2);
     if (middle < kFewestOfHalf) continue;

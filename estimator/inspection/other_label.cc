@@ -2,16 +2,15 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <map>
 #include <set>
 #include <utility>
 
 #include "estimator/alignment/aligned_misfit.h"
 #include "estimator/alignment/starting_values.h"
+#include "estimator/inspection/affine_in_marker.h"
 #include "estimator/inspection/moved_rows.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/least_squares/linearization.h"
@@ -35,33 +34,6 @@ void SetFound(OtherLabel::Kind kind, const std::string& stated, const std::strin
 Vector3<double> ToBase(const Pose<double>& base, const Vector3<double>& point) {
   return base.rotation.transpose() * (point - base.translation);
 }
-
-// p = at_zero + sum_axis m_axis along[axis]: points of the listed rows, affine in their marker's point m.
-struct AffineInMarker {
-  AffineInMarker(const CalibrationProblem& problem, const ParameterSet& at, const std::vector<int>& rows, int marker) {
-    ParameterSet parameters = at;
-    const auto points = [&](const Vector3<double>& point) -> Eigen::Matrix3Xd {
-      parameters.SetMarkerPoint(marker, point);
-      return PredictPoints(problem, parameters, rows);
-    };
-    at_zero = points(Vector3<double>::Zero());
-    for (int axis = 0; axis < 3; ++axis) along[axis] = points(Vector3<double>::Unit(axis)) - at_zero;
-  }
-
-  Eigen::Matrix3Xd At(const Vector3<double>& m) const {
-    return at_zero + m[0] * along[0] + m[1] * along[1] + m[2] * along[2];
-  }
-
-  // Least squares: the columns along the axes are orthonormal in every row.
-  Vector3<double> Best(const Eigen::Matrix3Xd& measured) const {
-    Vector3<double> mean;
-    for (int axis = 0; axis < 3; ++axis) mean[axis] = along[axis].cwiseProduct(measured - at_zero).sum();
-    return mean / static_cast<double>(measured.cols());
-  }
-
-  Eigen::Matrix3Xd at_zero;
-  std::array<Eigen::Matrix3Xd, 3> along;
-};
 
 Eigen::Matrix3Xd PointsOfRows(const CalibrationProblem& problem, const std::vector<int>& rows) {
   Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(rows.size()));
@@ -223,7 +195,7 @@ std::optional<OtherLabel> FindOtherFrame(const CalibrationProblem& problem) {
     for (const int i : points) (problem.data().observations[i].marker == marker ? own : others).push_back(i);
     if (own.size() < kFewestOfMarker || others.size() < own.size()) continue;
     ParameterSet parameters = problem.parameters;
-    if (!(FindStartingValues(problem, others, StartingValueOptions(), &parameters) <= suspicious)) continue;
+    if (!(FindStartingValues(problem, others, &parameters) <= suspicious)) continue;
     const Eigen::Matrix3Xd measured = PointsOfRows(problem, own);
     CalibrationProblem trial = problem;
     const auto misfit_on = [&](int frame) {
@@ -254,12 +226,10 @@ std::optional<OtherLabel> FindOtherFrame(const CalibrationProblem& problem) {
 }
 
 bool AreAllOnePoint(const CalibrationProblem& problem, double* spread) {
-  std::map<int, std::vector<int>> of_station;
-  for (const int i : problem.data().PointsAmong(problem.CalibrationObservations()))
-    of_station[problem.data().shots[problem.data().observations[i].shot].station].push_back(i);
+  const std::vector<int> fitted = problem.data().PointsAmong(problem.CalibrationObservations());
   double squares = 0.0;
   Eigen::Index count = 0;
-  for (const auto& [station, rows] : of_station) {
+  for (const auto& [station, rows] : ByStation(problem.data(), fitted)) {
     Eigen::Matrix3Xd points = PointsOfRows(problem, rows);
     points.colwise() -= Vector3<double>(points.rowwise().mean());
     squares += points.squaredNorm();

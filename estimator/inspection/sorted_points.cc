@@ -2,7 +2,6 @@
 
 #include <Eigen/QR>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -11,11 +10,12 @@
 #include <vector>
 
 #include "estimator/alignment/starting_values.h"
+#include "estimator/inspection/affine_in_marker.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/inspection/tried_readings.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/report/inspection_part_words.h"
-#include "models/constants.h"
+#include "models/geometry.h"
 #include "problems/interruption.h"
 
 namespace sagitta {
@@ -65,14 +65,10 @@ std::optional<SortedShots> FindSortedShots(const Measurements& data) {
   return std::nullopt;
 }
 
-// Directions that lie evenly on the unit sphere: a spiral with equal steps in height and the golden angle in between.
+// Directions that lie evenly on the unit sphere.
 std::vector<Vector3<double>> EvenDirections(int count) {
-  const double golden = kPi * (3.0 - std::sqrt(5.0));
   std::vector<Vector3<double>> directions;
-  for (int k = 0; k < count; ++k) {
-    const double z = 1.0 - (2.0 * k + 1.0) / count, r = std::sqrt(1.0 - z * z);
-    directions.emplace_back(r * std::cos(golden * k), r * std::sin(golden * k), z);
-  }
+  for (int k = 0; k < count; ++k) directions.push_back(OnSpiral(k, 1.0 - (2.0 * k + 1.0) / count));
   return directions;
 }
 
@@ -93,7 +89,9 @@ class Matching {
       of_marker_.push_back(shot.at(sorted.marker));
     }
     std::sort(rows_.begin(), rows_.end());
-    FindFrames();
+    ParameterSet in_base = problem_.parameters;
+    in_base.SetBaseInStation(sorted_.station, Pose<double>());
+    points_ = AffineInMarker(problem_, in_base, of_marker_, sorted_.marker);
   }
 
   // m RMS of the best match.
@@ -122,28 +120,13 @@ class Matching {
     double rms = 1e300;  // along the coordinate, m
   };
 
-  // The marker's points in the base: at_zero + sum_axis m_axis along[axis].
-  void FindFrames() {
-    ParameterSet parameters = problem_.parameters;
-    parameters.SetBaseInStation(sorted_.station, Pose<double>());
-    const auto at = [&](const Vector3<double>& m) -> Eigen::Matrix3Xd {
-      parameters.SetMarkerPoint(sorted_.marker, m);
-      return PredictPoints(problem_, parameters, of_marker_);
-    };
-    at_zero_ = at(Vector3<double>::Zero());
-    for (int axis = 0; axis < 3; ++axis) along_[axis] = at(Vector3<double>::Unit(axis)) - at_zero_;
-  }
-
   // The order and, in turns, what the coordinate is then: c = a' (at_zero + sum m_axis along[axis]) + b, linear in the
   // direction a for a point m of the marker, and in m for a.
   Ranked Rank(Vector3<double> a) const {
-    const Eigen::Index n = at_zero_.cols();
+    const Eigen::Index n = points_.at_zero.cols();
     Vector3<double> m = Vector3<double>::Zero();
-    const auto points = [&]() -> Eigen::Matrix3Xd {
-      return at_zero_ + m[0] * along_[0] + m[1] * along_[1] + m[2] * along_[2];
-    };
     Ranked best;
-    Eigen::VectorXd heights = points().transpose() * a;
+    Eigen::VectorXd heights = points_.At(m).transpose() * a;
     std::vector<int> before;
     for (int round = 0; round < kRanked; ++round) {
       const std::vector<int> order = OrderOf(heights);
@@ -152,13 +135,13 @@ class Matching {
       Eigen::VectorXd stated(n);
       for (Eigen::Index j = 0; j < n; ++j) stated[j] = Coordinate(order[static_cast<size_t>(j)]);
       Eigen::MatrixX4d columns = Eigen::MatrixX4d::Ones(n, 4);
-      columns.leftCols<3>() = points().transpose();
+      columns.leftCols<3>() = points_.At(m).transpose();
       a = Vector3<double>(Eigen::Vector4d(columns.colPivHouseholderQr().solve(stated)).head<3>()).normalized();
-      for (int axis = 0; axis < 3; ++axis) columns.col(axis) = along_[axis].transpose() * a;
-      const Eigen::VectorXd of_marker = stated - at_zero_.transpose() * a;
+      for (int axis = 0; axis < 3; ++axis) columns.col(axis) = points_.along[axis].transpose() * a;
+      const Eigen::VectorXd of_marker = stated - points_.at_zero.transpose() * a;
       const Eigen::Vector4d solved = columns.colPivHouseholderQr().solve(of_marker);
       m = solved.head<3>();
-      heights = points().transpose() * a;
+      heights = points_.At(m).transpose() * a;
       const double rms = (columns * solved - of_marker).norm() / std::sqrt(static_cast<double>(n));
       if (rms < best.rms) best = {order, rms};
     }
@@ -203,11 +186,8 @@ class Matching {
           data.observations[i].point_in_station = stated_.observations[from->second].point_in_station;
       }
     }
-    StartingValueOptions options;
-    options.random_marker_starts = 1;
-    options.polished = 1;
     places_ = problem_.parameters;
-    return FindStartingValues(problem_, rows_, options, &places_);
+    return FindStartingValues(problem_, rows_, &places_, StartsTried::kFew);
   }
 
   // One to one, the nearest pairs first, among shots that stand near each other in the order.
@@ -242,8 +222,7 @@ class Matching {
   CalibrationProblem problem_;  // with the points in another order
   const SortedShots& sorted_;
   std::vector<int> rows_, of_marker_;  // rows of all markers, and of the one that they are sorted by
-  Eigen::Matrix3Xd at_zero_;
-  std::array<Eigen::Matrix3Xd, 3> along_;
+  AffineInMarker points_;              // of that one, in the base
   ParameterSet places_;
 };
 

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <random>
-#include <set>
 #include <utility>
 
 #include "estimator/alignment/aligned_misfit.h"
@@ -81,7 +79,7 @@ Concentrated Concentrate(const CalibrationProblem& problem, const std::vector<in
   Concentrated found;
   for (int step = 0; step < steps; ++step) {
     found.parameters = problem.parameters;
-    FindStartingValues(problem, listed, StartingValueOptions(), &found.parameters);
+    FindStartingValues(problem, listed, &found.parameters);
     found.distances = DistancesFromPoints(problem, points, found.parameters);
     const std::vector<int> next = NearerHalf(problem, points, found.distances);
     if (next == found.half) break;
@@ -143,6 +141,18 @@ Finding DescribeFarRows(const CalibrationProblem& problem, const FarRows& rows) 
 
 }  // namespace
 
+std::set<int> MarkersOfRows(const Measurements& data, const std::vector<int>& rows) {
+  std::set<int> markers;
+  for (const int i : rows) markers.insert(data.observations[i].marker);
+  return markers;
+}
+
+std::map<int, std::vector<int>> ByStation(const Measurements& data, const std::vector<int>& rows) {
+  std::map<int, std::vector<int>> of_station;
+  for (const int i : rows) of_station[data.shots[data.observations[i].shot].station].push_back(i);
+  return of_station;
+}
+
 std::vector<double> DistancesFromPoints(const CalibrationProblem& problem, const std::vector<int>& points,
                                         const ParameterSet& parameters) {
   const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, points);
@@ -154,27 +164,29 @@ std::vector<double> DistancesFromPoints(const CalibrationProblem& problem, const
   return distances;
 }
 
+FarRows SplitByDistance(const std::vector<int>& rows, const std::vector<double>& distances, double limit,
+                        ParameterSet parameters) {
+  FarRows split;
+  split.limit = limit;
+  split.parameters = std::move(parameters);
+  double squares = 0.0;
+  for (size_t k = 0; k < rows.size(); ++k) {
+    const bool is_far = distances[k] > limit;
+    (is_far ? split.far : split.near).push_back(rows[k]);
+    if (is_far) split.far_distances.push_back(distances[k]);
+    if (!is_far) squares += distances[k] * distances[k];
+  }
+  split.near_rms = std::sqrt(squares / static_cast<double>(std::max<size_t>(1, split.near.size())));
+  split.far_median = Median(split.far_distances);
+  return split;
+}
+
 std::optional<FarRows> FindFarRows(const CalibrationProblem& problem) {
   const std::vector<int> points = problem.data().PointsAmong(problem.CalibrationObservations());
   if (points.empty()) return std::nullopt;
   const Concentrated best = BestHalf(problem, points);
-  const std::vector<double>& distances = best.distances;
-  FarRows rows;
-  rows.parameters = best.parameters;
-  rows.limit = kNearHalf * best.rms;
-  std::vector<int> near;
-  for (size_t k = 0; k < points.size(); ++k) {
-    const bool is_far = distances[k] > rows.limit;
-    (is_far ? rows.far : rows.near).push_back(points[k]);
-    if (is_far) {
-      rows.far_distances.push_back(distances[k]);
-    } else {
-      near.push_back(static_cast<int>(k));
-    }
-  }
+  FarRows rows = SplitByDistance(points, best.distances, kNearHalf * best.rms, best.parameters);
   if (rows.far.empty() || rows.near.size() <= rows.far.size()) return std::nullopt;
-  rows.near_rms = RmsOf(distances, near);
-  rows.far_median = Median(rows.far_distances);
   return rows;
 }
 

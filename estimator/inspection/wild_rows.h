@@ -7,7 +7,9 @@
 // some rows of each, and what is found there is followed on all.
 #pragma once
 
+#include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "estimator/inspection/finding.h"
@@ -29,9 +31,17 @@ constexpr double kNearHalf = 5.0;  // of the RMS distance of the half that is al
 
 constexpr double kFarApart = 10.0;  // of the RMS distance of the rows that fit: rows that are clear of them
 
+// Markers of the rows; the rows of every station, in their order.
+std::set<int> MarkersOfRows(const Measurements& data, const std::vector<int>& rows);
+std::map<int, std::vector<int>> ByStation(const Measurements& data, const std::vector<int>& rows);
+
 // m, from the points that are predicted; 1e300 where none can be.
 std::vector<double> DistancesFromPoints(const CalibrationProblem& problem, const std::vector<int>& points,
                                         const ParameterSet& parameters);
+
+// Rows by whether they are within the limit, m; far_median is 0 where none is far. distances: of each row, m.
+FarRows SplitByDistance(const std::vector<int>& rows, const std::vector<double>& distances, double limit,
+                        ParameterSet parameters);
 
 // Nothing where no row is far, or as many as fit.
 std::optional<FarRows> FindFarRows(const CalibrationProblem& problem);

@@ -1,7 +1,6 @@
 #include "estimator/inspection/wrong_part.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <map>
 #include <set>
@@ -13,7 +12,6 @@
 #include "estimator/inspection/sampled_problem.h"
 #include "estimator/inspection/tried_readings.h"
 #include "estimator/report/inspection_part_words.h"
-#include "estimator/statistics/median.h"
 
 namespace sagitta {
 namespace {
@@ -27,12 +25,6 @@ std::set<int> StationsOf(const Measurements& data, const std::vector<int>& rows)
   std::set<int> stations;
   for (const int i : rows) stations.insert(data.shots[data.observations[i].shot].station);
   return stations;
-}
-
-std::set<int> MarkersOfRows(const Measurements& data, const std::vector<int>& rows) {
-  std::set<int> markers;
-  for (const int i : rows) markers.insert(data.observations[i].marker);
-  return markers;
 }
 
 // Base poses and points of the markers that the rows see.
@@ -68,7 +60,7 @@ double FitPlaces(const CalibrationProblem& problem, const std::vector<int>& rows
   HoldPlaces(problem.data(), rows, false, &only.parameters);
   const std::vector<int> some = SampleOfRows(only);
   ParameterSet fitted = only.parameters;
-  const double rms = FindStartingValues(only, some, StartingValueOptions(), &fitted);
+  const double rms = FindStartingValues(only, some, &fitted);
   *parameters = problem.parameters;
   for (const int s : StationsOf(problem.data(), rows)) parameters->SetBaseInStation(s, fitted.BaseInStation(s));
   for (const int m : MarkersOfRows(problem.data(), rows)) {
@@ -233,28 +225,17 @@ std::optional<FarRows> FarFromOneEnd(const CalibrationProblem& problem, const st
   for (int step = 0; step < kSteps; ++step) {
     const double rms = FitPlaces(problem, end, &found.parameters);
     if (!(rms <= SuspiciousMisfit(problem))) return std::nullopt;
-    found.limit = kNearHalf * rms;
-    found.near.clear(), found.far.clear(), found.far_distances.clear();
     const std::vector<double> distances = DistancesFromPoints(problem, rows, found.parameters);
-    double squares = 0.0;
-    for (size_t k = 0; k < rows.size(); ++k) {
-      const bool is_far = distances[k] > found.limit;
-      (is_far ? found.far : found.near).push_back(rows[k]);
-      if (is_far) found.far_distances.push_back(distances[k]);
-      if (!is_far) squares += distances[k] * distances[k];
-    }
+    found = SplitByDistance(rows, distances, kNearHalf * rms, found.parameters);
     if (found.far.empty() || found.near.size() < end.size()) return std::nullopt;
-    found.near_rms = std::sqrt(squares / static_cast<double>(found.near.size()));
     end = found.near;
   }
-  found.far_median = Median(found.far_distances);
   return AreApart(found, problem) ? std::optional(found) : std::nullopt;
 }
 
 std::optional<FarRows> FarFromAnyEnd(const CalibrationProblem& problem) {
   const Measurements& data = problem.data();
-  std::map<int, std::vector<int>> of_station;
-  for (const int i : FittedPoints(problem)) of_station[data.shots[data.observations[i].shot].station].push_back(i);
+  const std::map<int, std::vector<int>> of_station = ByStation(data, FittedPoints(problem));
   for (const size_t share : {2, 4, 8}) {
     for (const auto& [station, rows] : of_station) {
       const auto shot = [&, &own = rows](size_t k) { return data.observations[own[k]].shot; };

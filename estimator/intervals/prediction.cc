@@ -48,22 +48,6 @@ PredictedRows PredictedRowsOf(const CalibrationProblem& problem, const Parameter
   return rows;
 }
 
-std::vector<PredictionCovariance> CovariancesOf(const PredictedRows& rows, const ParameterUncertainty& uncertainty,
-                                                size_t observations, double noise_scale) {
-  std::vector<PredictionCovariance> result(observations);
-  for (size_t k = 0; k < observations; ++k) {
-    CheckInterruption();
-    const Eigen::MatrixXd j = RowBlock(rows.estimated, 3 * k, 3);
-    const Eigen::MatrixXd h = RowBlock(rows.held, 3 * k, 3);
-    const Eigen::MatrixXd l = RowBlock(rows.latent, 3 * k, 3);
-    // J C J', K S K' and L L' of the header, m^2.
-    result[k].parameters = j * uncertainty.covariance * j.transpose();
-    result[k].held = h * uncertainty.second_moment * h.transpose();
-    result[k].arm = noise_scale * noise_scale * (l * l.transpose());
-  }
-  return result;
-}
-
 // Of the points among the listed observations; rows of A by its header.
 PredictedSquares SquaresOf(const CalibrationProblem& problem, const PredictedRows& rows,
                            const ParameterUncertainty& uncertainty, const std::vector<int>& observations,
@@ -97,31 +81,24 @@ Matrix3<double> AddedByRest(const Matrix3<double>& covariance, double rest) {
   return std::max(0.0, rest * rest - covariance.trace()) / 3.0 * Matrix3<double>::Identity();
 }
 
-ParameterUncertainty UncertaintyOf(const Estimate& estimate) {
-  ParameterUncertainty uncertainty;
-  const std::vector<Coordinate>& coordinates = estimate.parameters.coordinates();
-  for (const int i : estimate.estimated) uncertainty.estimated.push_back(coordinates[i].name);
-  for (const int i : estimate.held.coordinates) uncertainty.held.push_back(coordinates[i].name);
-  uncertainty.covariance = estimate.covariance;
-  uncertainty.slopes = estimate.held.slopes;
-  uncertainty.second_moment = estimate.held.second_moment;
-  return uncertainty;
-}
-
-std::vector<PredictionCovariance> PredictionCovariances(const CalibrationProblem& problem,
-                                                        const ParameterUncertainty& uncertainty,
-                                                        const std::vector<int>& observations, double noise_scale) {
-  return CovariancesOf(PredictedRowsOf(problem, uncertainty, observations), uncertainty, observations.size(),
-                       noise_scale);
-}
-
 std::vector<PredictionCovariance> PredictionCovariances(const CalibrationProblem& problem,
                                                         const ParameterUncertainty& uncertainty,
                                                         const std::vector<int>& observations, double noise_scale,
                                                         const NoiseRoots& instrument, PredictedSquares* together) {
   const PredictedRows rows = PredictedRowsOf(problem, uncertainty, observations);
   *together = SquaresOf(problem, rows, uncertainty, observations, noise_scale, instrument);
-  return CovariancesOf(rows, uncertainty, observations.size(), noise_scale);
+  std::vector<PredictionCovariance> result(observations.size());
+  for (size_t k = 0; k < observations.size(); ++k) {
+    CheckInterruption();
+    const Eigen::MatrixXd j = RowBlock(rows.estimated, 3 * k, 3);
+    const Eigen::MatrixXd h = RowBlock(rows.held, 3 * k, 3);
+    const Eigen::MatrixXd l = RowBlock(rows.latent, 3 * k, 3);
+    // J C J', K S K' and L L' of the header, m^2.
+    result[k].parameters = j * uncertainty.covariance * j.transpose();
+    result[k].held = h * uncertainty.second_moment * h.transpose();
+    result[k].arm = noise_scale * noise_scale * (l * l.transpose());
+  }
+  return result;
 }
 
 }  // namespace sagitta

@@ -28,9 +28,6 @@ struct ParameterUncertainty {
   Eigen::MatrixXd second_moment;  // S, SI
 };
 
-// Of an estimate that was judged.
-ParameterUncertainty UncertaintyOf(const Estimate& estimate);
-
 // Covariance of a predicted point, m^2, by where it comes from.
 struct PredictionCovariance {
   Matrix3<double> parameters = Matrix3<double>::Zero();  // m^2
@@ -45,11 +42,8 @@ struct PredictionCovariance {
 Matrix3<double> AddedByRest(const Matrix3<double>& covariance, double rest);
 
 // One per listed observation. Coordinates that the problem does not have (other
-// stations, other markers) do not act. noise_scale: of the stated repeatability.
-std::vector<PredictionCovariance> PredictionCovariances(const CalibrationProblem& problem,
-                                                        const ParameterUncertainty& uncertainty,
-                                                        const std::vector<int>& observations, double noise_scale);
-// The same; instrument: root of one measurement's covariance of each, m. together: of those that are points.
+// stations, other markers) do not act. noise_scale: of the stated repeatability; instrument: root of one measurement's
+// covariance of each, m. together: of those that are points.
 std::vector<PredictionCovariance> PredictionCovariances(const CalibrationProblem& problem,
                                                         const ParameterUncertainty& uncertainty,
                                                         const std::vector<int>& observations, double noise_scale,

@@ -10,6 +10,7 @@
 #include "estimator/least_squares/row_sums.h"
 #include "estimator/least_squares/satterthwaite.h"
 #include "models/batch/shot_program.h"
+#include "models/random_bits.h"
 
 namespace sagitta {
 namespace {
@@ -20,12 +21,9 @@ constexpr double kSampled = 2000.0, kSampledOfPart = 500.0;
 constexpr int kHeldScores = 32;  // rows of lanes that are summed together
 constexpr Eigen::Index kSampledRowsAtOnce = 512;
 
-// In [0, 1), the same for a cluster wherever it is asked (SplitMix64: Steele, Lea and Flood 2014).
+// In [0, 1), the same for a cluster wherever it is asked.
 double Chance(int cluster) {
-  std::uint64_t z = (static_cast<std::uint64_t>(cluster) + 1) * 0x9E3779B97F4A7C15ULL;
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
+  return UnitNumber(MixedBits((static_cast<std::uint64_t>(cluster) + 1) * 0x9E3779B97F4A7C15ULL));
 }
 
 // As few rows with the same products: what a cluster is worth depends on those alone.
@@ -139,11 +137,6 @@ RowMajorMatrix ClusterSandwich::RowsOf(const Lane& lane) const {
   return rows;
 }
 
-void ClusterSandwich::Add(const RowStream& stream, const ParameterSet& parameters, const std::vector<int>& columns,
-                          const std::vector<int>& cluster_of) {
-  stream.ForEach(parameters, columns, [&](const RowPiece& piece) { Add(piece, cluster_of); });
-}
-
 void ClusterSandwich::Add(const RowPiece& piece, const std::vector<int>& cluster_of, const Share& share) {
   std::vector<int>& own = scratch_[static_cast<size_t>(share.number)].clusters_of_piece;
   own.clear();
@@ -237,28 +230,14 @@ Eigen::VectorXd ClusterSandwich::DegreesOf(int which, const std::vector<int>& li
       count += sample.rows.rows();
     }
     Eigen::MatrixXd rows(count, columns_);
-    Eigen::Index at = 0;
+    std::vector<Eigen::Index> begins = {0};
+    std::vector<double> weights;
     for (const Sample* sample : own) {
-      rows.middleRows(at, sample->rows.rows()) = sample->rows.leftCols(columns_);
-      at += sample->rows.rows();
+      rows.middleRows(begins.back(), sample->rows.rows()) = sample->rows.leftCols(columns_);
+      begins.push_back(begins.back() + sample->rows.rows());
+      weights.push_back(1.0 / Expected(sample->leverage, of_part));
     }
-    const Eigen::MatrixXd b = TallProduct(rows, root_of_rows);
-    Eigen::MatrixXd unshrunk = b;
-    std::vector<Eigen::MatrixXd> h;
-    at = 0;
-    for (const Sample* sample : own) {
-      const auto of_sample = b.middleRows(at, sample->rows.rows());
-      h.push_back(of_sample * of_sample.transpose());
-      unshrunk.middleRows(at, sample->rows.rows()) += Unshrinking(h.back()) * of_sample;
-      at += sample->rows.rows();
-    }
-    const Eigen::MatrixXd a = TallProduct(unshrunk, root_of_listed);
-    at = 0;
-    for (size_t i = 0; i < own.size(); ++i) {
-      const Eigen::Index n = own[i]->rows.rows();
-      satterthwaite.Add(b.middleRows(at, n), h[i], a.middleRows(at, n), 1.0 / Expected(own[i]->leverage, of_part));
-      at += n;
-    }
+    satterthwaite.AddClusters(TallProduct(rows, root_of_rows), begins, root_of_listed, weights);
   }
   return satterthwaite.Degrees();
 }

@@ -35,9 +35,6 @@ class ClusterSandwich {
 
   // cluster_of: of each observation of the piece's list.
   void Add(const RowPiece& piece, const std::vector<int>& cluster_of, const Share& share = {});
-  // All rows of a stream whose groups are clusters; cluster_of: of each of its observations.
-  void Add(const RowStream& stream, const ParameterSet& parameters, const std::vector<int>& columns,
-           const std::vector<int>& cluster_of);
 
   // priors: rows of the fit's columns that are no samples and keep the variance they state.
   RobustCovariance Result(int fit, const Eigen::MatrixXd& priors = {});

@@ -70,28 +70,19 @@ RobustCovariance SandwichCovariance(const Linearization& linearization, const st
   Satterthwaite satterthwaite(n);
   Eigen::MatrixXd scores(n, clusters.size());
   for (size_t g = 0, next = 0; g < clusters.size(); g = next) {
-    std::vector<int> rows, first;
+    std::vector<int> rows;
+    std::vector<Eigen::Index> first = {0};
     while (next < clusters.size() && (next == g || rows.size() < kScoreRowsAtOnce)) {
-      first.push_back(static_cast<int>(rows.size()));
       rows.insert(rows.end(), clusters[next].begin(), clusters[next].end());
+      first.push_back(static_cast<Eigen::Index>(rows.size()));
       ++next;
     }
     const Eigen::MatrixXd b = TallProduct(linearization.jacobian(rows, Eigen::all), root);
-    Eigen::MatrixXd unshrunk = b;
-    std::vector<Eigen::MatrixXd> h;
-    for (size_t i = g; i < next; ++i) {
+    const Eigen::MatrixXd unshrunk = satterthwaite.AddClusters(b, first, root.transpose());
+    for (size_t i = g; i < next; ++i) {  // the score is (A_g b_g)' r_g
       const auto own = static_cast<Eigen::Index>(clusters[i].size());
-      const auto own_b = b.middleRows(first[i - g], own);
-      h.push_back(own_b * own_b.transpose());
-      // A_g b_g = b_g + (A_g - 1) b_g, and the score is (A_g b_g)' r_g.
-      unshrunk.middleRows(first[i - g], own) += Unshrinking(h.back()) * own_b;
       scores.col(static_cast<Eigen::Index>(i)) =
           unshrunk.middleRows(first[i - g], own).transpose() * linearization.residual(clusters[i]);
-    }
-    const Eigen::MatrixXd a = TallProduct(unshrunk, root.transpose());
-    for (size_t i = g; i < next; ++i) {
-      const auto own = static_cast<Eigen::Index>(clusters[i].size());
-      satterthwaite.Add(b.middleRows(first[i - g], own), h[i - g], a.middleRows(first[i - g], own));
     }
   }
   const Eigen::MatrixXd priors = linearization.jacobian.bottomRows(linearization.num_rows() - observed);

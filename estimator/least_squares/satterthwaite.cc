@@ -62,6 +62,25 @@ void Satterthwaite::Add(const Eigen::MatrixXd& b, const Eigen::MatrixXd& h, cons
   clusters_.emplace_back(b.transpose(), weight == 1.0 ? a : Eigen::MatrixXd(std::sqrt(weight) * a));
 }
 
+// A_g b_g = b_g + (A_g - 1) b_g.
+Eigen::MatrixXd Satterthwaite::AddClusters(const Eigen::MatrixXd& b, const std::vector<Eigen::Index>& first,
+                                           const Eigen::MatrixXd& root_of_listed, const std::vector<double>& weights) {
+  const size_t clusters = first.size() - 1;
+  Eigen::MatrixXd unshrunk = b;
+  std::vector<Eigen::MatrixXd> h;
+  for (size_t i = 0; i < clusters; ++i) {
+    const auto own_b = b.middleRows(first[i], first[i + 1] - first[i]);
+    h.push_back(own_b * own_b.transpose());
+    unshrunk.middleRows(first[i], own_b.rows()) += Unshrinking(h.back()) * own_b;
+  }
+  const Eigen::MatrixXd a = TallProduct(unshrunk, root_of_listed);
+  for (size_t i = 0; i < clusters; ++i) {
+    const Eigen::Index own = first[i + 1] - first[i];
+    Add(b.middleRows(first[i], own), h[i], a.middleRows(first[i], own), weights.empty() ? 1.0 : weights[i]);
+  }
+  return unshrunk;
+}
+
 Eigen::VectorXd Satterthwaite::Degrees() const {
   Eigen::VectorXd dof(trace_.size());
   const auto asked = static_cast<int>(dof.size());

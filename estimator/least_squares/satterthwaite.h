@@ -21,6 +21,10 @@ class Satterthwaite {
 
   // a: A_g J_g M, h: b_g b_g'. weight: of how many clusters like this one it is a sample.
   void Add(const Eigen::MatrixXd& b, const Eigen::MatrixXd& h, const Eigen::MatrixXd& a, double weight = 1.0);
+  // Clusters whose rows b_g stand one after the other. first: where each begins, and the end; root_of_listed: W' of the
+  // columns asked for, M = W W'; weights: of each, empty: 1. Returns A_g b_g.
+  Eigen::MatrixXd AddClusters(const Eigen::MatrixXd& b, const std::vector<Eigen::Index>& first,
+                              const Eigen::MatrixXd& root_of_listed, const std::vector<double>& weights = {});
   Eigen::VectorXd Degrees() const;
 
  private:

@@ -164,7 +164,7 @@ std::vector<double> AlignRobustly(const CalibrationProblem& problem, LossKind lo
   std::vector<double> distances;
   for (int round = 0; round < kAlignRounds; ++round) {
     *parameters = start;
-    FindStartingValues(problem, kept, StartingValueOptions(), parameters);
+    FindStartingValues(problem, kept, parameters);
     distances = AlignedDistances(problem, all, *parameters);
     std::vector<int> next = WithinReach(problem, all, distances);
     if (next == kept) break;

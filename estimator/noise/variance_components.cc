@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <utility>
 
+#include "estimator/least_squares/all_joints.h"
 #include "estimator/least_squares/normal_algebra.h"
 #include "estimator/least_squares/row_sums.h"
 #include "estimator/statistics/distributions.h"
@@ -24,10 +25,8 @@ constexpr double kConverged = 1e-9;           // of the deviance
 
 // Every joint deviates by the reference.
 CalibrationProblem WithReferenceDeviations(CalibrationProblem problem) {
-  LatentModel& latent = problem.latent;
-  latent.joints.resize(problem.robot().num_joints());
-  std::iota(latent.joints.begin(), latent.joints.end(), 0);
-  latent.sigmas = Eigen::VectorXd::Constant(problem.robot().num_joints(), kReference);
+  problem.latent = WithAllJoints(std::move(problem.latent), problem.robot().num_joints());
+  problem.latent.sigmas *= kReference;
   return problem;
 }
 
@@ -171,8 +170,8 @@ RestrictedLikelihood::Evaluation RestrictedLikelihood::Evaluate(const Eigen::Vec
   const Eigen::LLT<Eigen::MatrixXd> root(normal);
   Evaluation result;
   result.fitted = root.solve(product);
-  result.chi2 = products(columns_, columns_) - product.dot(result.fitted);
-  result.deviance = whitened.log_det + rest_rows_ * std::log(variances[0]) + result.chi2;
+  const double chi2 = products(columns_, columns_) - product.dot(result.fitted);
+  result.deviance = whitened.log_det + rest_rows_ * std::log(variances[0]) + chi2;
   result.deviance += LogDeterminant(root);
   if (!with_derivatives) return result;
   result.inverse = InverseOfPositive(normal);
@@ -293,7 +292,6 @@ RemlFit RestrictedLikelihood::Maximise(bool estimate_instrument, const std::vect
   fit.converged = Minimise(is_free, groups, &fit.variances);
   const Evaluation here = Evaluate(fit.variances, groups, true);
   fit.deviance = here.deviance;
-  fit.chi2 = here.chi2;
   fit.covariance = CovarianceOf(fit.variances, is_free, here.hessian);
   fit.variances.tail(static_cast<long>(groups.size())) *= kReference * kReference;
   return fit;

@@ -194,9 +194,10 @@ bool FitRobustly(const Estimate& estimate, SuspectedRows* rows, std::vector<int>
   return true;
 }
 
-// fitted: or null.
-std::vector<Suspect> FindAmong(const CalibrationProblem& problem, const FittedStream* fitted,
-                               const Estimate& estimate) {
+}  // namespace
+
+std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const Estimate& estimate,
+                                  const FittedStream* fitted) {
   std::vector<Suspect> suspects = LeftOut(problem, estimate);
   SuspectedRows rows{
       problem, fitted, estimate.parameters, problem.data().PointsAmong(problem.CalibrationObservations()), {}, 0};
@@ -224,17 +225,6 @@ std::vector<Suspect> FindAmong(const CalibrationProblem& problem, const FittedSt
   std::stable_sort(suspects.begin(), suspects.end(),
                    [](const Suspect& a, const Suspect& b) { return a.observation < b.observation; });
   return suspects;
-}
-
-}  // namespace
-
-std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const Estimate& estimate) {
-  return FindAmong(problem, nullptr, estimate);
-}
-
-std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const FittedStream& fitted,
-                                  const Estimate& estimate) {
-  return FindAmong(problem, &fitted, estimate);
 }
 
 }  // namespace sagitta

@@ -17,10 +17,8 @@ struct Suspect {
   std::string words;
 };
 
-// Of the calibration rows, outliers that the noise model left out included.
-std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const Estimate& estimate);
-// The same where the rows that were fitted are at hand.
-std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const FittedStream& fitted,
-                                  const Estimate& estimate);
+// Of the calibration rows, outliers that the noise model left out included. fitted: those rows where they are at hand.
+std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const Estimate& estimate,
+                                  const FittedStream* fitted = nullptr);
 
 }  // namespace sagitta

@@ -1,6 +1,7 @@
 #include "models/effects/effect.h"
 
 #include <charconv>
+#include <system_error>
 
 template class std::vector<sagitta::EffectSpec>;
 
@@ -25,26 +26,26 @@ std::string EffectSpec::Path() const {
   return path + "/" + target;
 }
 
-namespace {
-
-// With a decimal point in every locale, as files are. What is no number is 0: readers refuse it.
 template <typename Number>
-Number SettingAs(const std::string& text) {
+std::optional<Number> SettingAs(const std::string& text) {
   Number number = 0;
-  std::from_chars(text.data(), text.data() + text.size(), number);
+  const char* end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, number);
+  if (read.ec != std::errc() || read.ptr != end) return std::nullopt;
   return number;
 }
+template std::optional<int> SettingAs(const std::string& text);
+template std::optional<double> SettingAs(const std::string& text);
 
-}  // namespace
-
+// What is no number is 0: readers refuse it.
 int EffectSpec::IntegerSetting(const std::string& name, int otherwise) const {
   const auto found = settings.find(name);
-  return found == settings.end() ? otherwise : SettingAs<int>(found->second);
+  return found == settings.end() ? otherwise : SettingAs<int>(found->second).value_or(0);
 }
 
 double EffectSpec::NumberSetting(const std::string& name, double otherwise) const {
   const auto found = settings.find(name);
-  return found == settings.end() ? otherwise : SettingAs<double>(found->second);
+  return found == settings.end() ? otherwise : SettingAs<double>(found->second).value_or(0.0);
 }
 
 std::string EffectSpec::TextSetting(const std::string& name, const std::string& otherwise) const {

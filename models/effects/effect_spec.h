@@ -1,10 +1,17 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace sagitta {
+
+// All of the text as a number, int or double, with a decimal point in every locale; nothing if it is none.
+template <typename Number>
+std::optional<Number> SettingAs(const std::string& text);
+extern template std::optional<int> SettingAs(const std::string& text);
+extern template std::optional<double> SettingAs(const std::string& text);
 
 // One use of an effect, as a robot file states it.
 struct EffectSpec {

@@ -30,8 +30,7 @@ JointRange ReadRange(const YamlValue& value, JointType type) {
 
 std::vector<JointRange> ReadRanges(const YamlValue& value, const Chain& chain) {
   std::vector<JointRange> ranges(chain.num_joints());
-  std::vector<std::string> names;
-  for (const Joint& joint : chain.joints) names.push_back(joint.name);
+  const std::vector<std::string> names = JointNames(chain.joints);
   for (const auto& [name, entry] : value.Entries()) {
     const int joint = chain.FindJoint(name);
     if (joint < 0) entry.Fail("the robot has no joint '" + name + "'", SpellingHint(name, names));

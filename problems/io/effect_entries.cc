@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "models/effects/catalogue.h"
+#include "models/gravity_compensator.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 
@@ -15,18 +16,12 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kPriorSigma = "prior_sigma";
 
-std::vector<std::string> JointNames(const Robot& robot) {
-  std::vector<std::string> names;
-  for (const Joint& joint : robot.chain.joints) names.push_back(joint.name);
-  return names;
-}
-
 // Stations, loads and markers are known to the data only: checked there.
 std::string ReadEffectTarget(const EffectDefinition& definition, const Robot& robot, YamlMap* map) {
   const std::string key = TargetKey(definition.target);
   if (key.empty()) return definition.target == EffectTarget::kBase ? "base" : "robot";
   const YamlValue value = map->Get(key);
-  if (definition.target == EffectTarget::kJoint) return value.OneOf(JointNames(robot));
+  if (definition.target == EffectTarget::kJoint) return value.OneOf(JointNames(robot.chain.joints));
   if (definition.target != EffectTarget::kError) return value.Text();
   std::vector<std::string> errors;
   for (const ElementaryTransform& transform : robot.chain.transforms) {
@@ -55,7 +50,7 @@ std::string ReadSetting(const SettingDefinition& setting, const Robot& robot, co
       return text;
     }
     case SettingDefinition::Kind::kJoint:
-      return value.OneOf(JointNames(robot));
+      return value.OneOf(JointNames(robot.chain.joints));
     case SettingDefinition::Kind::kChoice:
       return value.OneOf(setting.choices);
   }

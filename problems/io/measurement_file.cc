@@ -393,10 +393,14 @@ Measurements MeasurementsBuilder::Take() {
 
 }  // namespace
 
-namespace {
-
-Measurements Build(std::vector<CsvTable> tables, const std::vector<std::string>& joints,
-                   const std::vector<bool>& prismatic, const MeasurementReadOptions& options) {
+Measurements MeasurementsFromTables(std::vector<CsvTable> tables, const Robot& robot,
+                                    const MeasurementReadOptions& options) {
+  std::vector<std::string> joints;
+  std::vector<bool> prismatic;
+  for (const Joint& joint : robot.chain.joints) {
+    joints.push_back(joint.name);
+    prismatic.push_back(joint.type == JointType::kPrismatic);
+  }
   MeasurementsBuilder builder;
   size_t rows = 0;
   for (const CsvTable& table : tables) rows += table.file.rows.size();
@@ -406,27 +410,6 @@ Measurements Build(std::vector<CsvTable> tables, const std::vector<std::string>&
     builder.Add(std::move(table), columns, options);
   }
   return builder.Take();
-}
-
-}  // namespace
-
-Measurements ReadMeasurements(const std::vector<std::string>& paths, const std::vector<std::string>& joints,
-                              const std::vector<bool>& prismatic, const MeasurementReadOptions& options) {
-  if (paths.empty()) throw InputError({"", 0, "measurements"}, "no measurement file is given");
-  std::vector<CsvTable> tables;
-  for (const std::string& path : paths) tables.push_back(ReadCsvTable(path));
-  return Build(std::move(tables), joints, prismatic, options);
-}
-
-Measurements MeasurementsFromTables(std::vector<CsvTable> tables, const Robot& robot,
-                                    const MeasurementReadOptions& options) {
-  std::vector<std::string> joints;
-  std::vector<bool> prismatic;
-  for (const Joint& joint : robot.chain.joints) {
-    joints.push_back(joint.name);
-    prismatic.push_back(joint.type == JointType::kPrismatic);
-  }
-  return Build(std::move(tables), joints, prismatic, options);
 }
 
 Measurements ReadMeasurementsFor(const Robot& robot, const std::vector<std::string>& paths,

@@ -15,13 +15,8 @@ struct MeasurementReadOptions {
   bool row_sigmas_used = true;  // false: the rows' standard deviations are replaced, and not even looked at
 };
 
-// Several files make one set of data; ids are shared across them. `joints` are
-// the robot's joint names, for messages; columns are q1 .. qN by position,
-// `prismatic[j]` states which unit column j has to have. Throws InputError.
-Measurements ReadMeasurements(const std::vector<std::string>& paths, const std::vector<std::string>& joints,
-                              const std::vector<bool>& prismatic, const MeasurementReadOptions& options = {});
-
-// With the columns that this robot's joints ask for.
+// Several files make one set of data; ids are shared across them. Columns are q1 .. qN by position, in the unit that
+// the robot's joint has to have. Throws InputError.
 Measurements ReadMeasurementsFor(const Robot& robot, const std::vector<std::string>& paths,
                                  const MeasurementReadOptions& options = {});
 

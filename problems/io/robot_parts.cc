@@ -116,12 +116,6 @@ JointCompliance ReadCompliance(const YamlValue& value, const Joint& joint) {
   return compliance;
 }
 
-std::vector<std::string> NamesOf(const std::vector<Joint>& joints) {
-  std::vector<std::string> names;
-  for (const Joint& joint : joints) names.push_back(joint.name);
-  return names;
-}
-
 }  // namespace
 
 std::vector<ElementaryTransform> ReadChain(const YamlValue& value, const std::vector<Joint>& joints) {
@@ -143,7 +137,7 @@ std::vector<ElementaryTransform> ReadChain(const YamlValue& value, const std::ve
 
 std::vector<JointCompliance> ReadCompliances(const YamlValue& value, const std::vector<Joint>& joints) {
   std::vector<JointCompliance> compliances;
-  const std::vector<std::string> names = NamesOf(joints);
+  const std::vector<std::string> names = JointNames(joints);
   for (const auto& [name, entry] : value.Entries()) {
     int joint = 0;
     while (joint < static_cast<int>(names.size()) && names[joint] != name) ++joint;

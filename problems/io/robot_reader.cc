@@ -130,8 +130,7 @@ KinematicsKeys ReadKinematicsKeys(const YamlValue& value) {
 
 // Joints that the robot file states in addition to its URDF: the same ones; their limits come first.
 void TakeLimits(const YamlValue& value, const std::vector<Joint>& stated, Chain* chain) {
-  std::vector<std::string> names;
-  for (const Joint& joint : chain->joints) names.push_back(joint.name);
+  const std::vector<std::string> names = JointNames(chain->joints);
   const std::string hint = "the URDF has " + Joined(names) + "; joints: may be left out";
   if (stated.size() != chain->joints.size()) value.Fail("these are not the joints of the URDF", hint);
   for (size_t j = 0; j < stated.size(); ++j) {
@@ -202,8 +201,7 @@ Dimension DimensionOf(JointType type) { return type == JointType::kRevolute ? Di
 
 int ReadJointIndex(const YamlValue& value, const std::vector<Joint>& joints) {
   const std::string name = value.Text();
-  std::vector<std::string> names;
-  for (const Joint& joint : joints) names.push_back(joint.name);
+  const std::vector<std::string> names = JointNames(joints);
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end()) value.Fail("there is no joint '" + name + "'", SpellingHint(name, names));
   return static_cast<int>(found - names.begin());

@@ -107,8 +107,7 @@ void AppendShapes(const UrdfLink& link, int on, const Isometry& frame_from_link,
 
 UrdfBodies BodiesFromUrdf(const UrdfChain& urdf, const Chain& chain, const std::string& file_in_messages) {
   const Chain described = RobotFromUrdf(urdf, file_in_messages).chain;
-  std::vector<std::string> names;
-  for (const Joint& joint : chain.joints) names.push_back(joint.name);
+  const std::vector<std::string> names = JointNames(chain.joints);
   const bool same = described.num_joints() == chain.num_joints() &&
                     std::all_of(described.joints.begin(), described.joints.end(), [&](const Joint& joint) {
                       return chain.FindJoint(joint.name) == described.FindJoint(joint.name);

@@ -69,6 +69,20 @@ def _read_only(array):
     return array
 
 
+def _of_core(name, doc=None, read_only=False, called=False):
+    """A property that hands on what the core has under this name."""
+    def value(self):
+        found = getattr(self._core, name)
+        found = found() if called else found
+        return _read_only(found) if read_only else found
+    return property(value, doc=doc)
+
+
+def _of_json(key, doc=None):
+    """A property that is a key of the result file."""
+    return property(lambda self: self.to_dict()[key], doc=doc)
+
+
 class _Data:
     """What rows have, whoever made them."""
 
@@ -78,29 +92,12 @@ class _Data:
     def __len__(self):
         return len(self._core)
 
-    @property
-    def markers(self):
-        return self._core.markers
-
-    @property
-    def stations(self):
-        return self._core.stations
-
-    @property
-    def configurations(self):
-        return self._core.configurations
-
-    @property
-    def warnings(self):
-        return self._core.warnings
-
-    @property
-    def joint_values(self):
-        return _read_only(self._core.joint_values)
-
-    @property
-    def points_m(self):
-        return _read_only(self._core.points_m)
+    markers = _of_core("markers")
+    stations = _of_core("stations")
+    configurations = _of_core("configurations")
+    warnings = _of_core("warnings")
+    joint_values = _of_core("joint_values", read_only=True)
+    points_m = _of_core("points_m", read_only=True)
 
     def to_csv(self, path):
         with open(path, "w", encoding="utf-8") as file:
@@ -120,17 +117,9 @@ class Rows(_Data):
 class Experiment(_Data):
     """A robot, measurements, and what is stated of both."""
 
-    @property
-    def robot_name(self):
-        return self._core.robot_name
-
-    @property
-    def joints(self):
-        return self._core.joints
-
-    @property
-    def robot_yaml(self):
-        return self._core.robot_yaml
+    robot_name = _of_core("robot_name")
+    joints = _of_core("joints")
+    robot_yaml = _of_core("robot_yaml")
 
     def __repr__(self):
         return "<experiment: %s, %d rows, %d configurations>" % (self.robot_name or "robot", len(self),
@@ -143,13 +132,8 @@ class Known:
     def __init__(self, core):
         self._core = core
 
-    @property
-    def robot_name(self):
-        return self._core.robot_name
-
-    @property
-    def robot_yaml(self):
-        return self._core.robot_yaml
+    robot_name = _of_core("robot_name")
+    robot_yaml = _of_core("robot_yaml")
 
     def predict(self, rows, *, force=False):
         return Prediction(self._core, rows, force)
@@ -179,9 +163,7 @@ class Estimate(_WithJson):
         super().__init__(core)
         self._known = None
 
-    @property
-    def status(self):
-        return self.to_dict()["status"]
+    status = _of_json("status")
 
     @property
     def verdict(self):
@@ -191,21 +173,10 @@ class Estimate(_WithJson):
     def trusted(self):
         return self.to_dict()["verdict"]["trusted"]
 
-    @property
-    def fit(self):
-        return self.to_dict()["fit"]
-
-    @property
-    def validation(self):
-        return self.to_dict()["validation"]
-
-    @property
-    def cross_validation(self):
-        return self.to_dict()["cross_validation"]
-
-    @property
-    def warnings(self):
-        return self.to_dict()["warnings"]
+    fit = _of_json("fit")
+    validation = _of_json("validation")
+    cross_validation = _of_json("cross_validation")
+    warnings = _of_json("warnings")
 
     @property
     def parameters(self):
@@ -226,33 +197,21 @@ class Estimate(_WithJson):
     def correlation(self):
         return _read_only(_np.array(self.to_dict()["correlation"]["matrix"], dtype=_np.float64))
 
-    @property
-    def covariance_si(self):
-        return self._core.covariance_si
+    covariance_si = _of_core("covariance_si")
 
     @property
     def measured_m(self):
         return _read_only(self._core.rows.points_m)
 
-    @property
-    def predicted_m(self):
-        return _read_only(self._core.predicted_m)
+    predicted_m = _of_core("predicted_m", read_only=True)
 
     @property
     def residuals_m(self):
         return _read_only(self.measured_m - self.predicted_m)
 
-    @property
-    def whitened(self):
-        return _read_only(self._core.whitened)
-
-    @property
-    def leverage(self):
-        return _read_only(self._core.leverage)
-
-    @property
-    def robot_yaml(self):
-        return self._core.robot_yaml()
+    whitened = _of_core("whitened", read_only=True)
+    leverage = _of_core("leverage", read_only=True)
+    robot_yaml = _of_core("robot_yaml", called=True)
 
     @property
     def known(self):
@@ -287,10 +246,7 @@ class Estimate(_WithJson):
         """residuals.csv."""
         return _tables.frame(self._core.residuals_csv())
 
-    @property
-    def report_html(self):
-        """report.html: one page, nothing to fetch."""
-        return self._core.report_html()
+    report_html = _of_core("report_html", "report.html: one page, nothing to fetch.", called=True)
 
     def __reduce__(self):
         raise TypeError("an estimate is not pickled: write(folder), then sagitta.load(folder + '/estimate.json')")
@@ -306,17 +262,9 @@ class Estimate(_WithJson):
 class Inspection(_WithJson):
     """What inspect returns; to_dict() is inspect.json."""
 
-    @property
-    def findings(self):
-        return self.to_dict()["findings"]
-
-    @property
-    def serious(self):
-        return self.to_dict()["serious"]
-
-    @property
-    def report_html(self):
-        return self._core.report_html()
+    findings = _of_json("findings")
+    serious = _of_json("serious")
+    report_html = _of_core("report_html", called=True)
 
     def to_dataframe(self):
         """One row per unknown: expected standard deviation, whether it can be determined."""
@@ -334,17 +282,9 @@ class Inspection(_WithJson):
 class Changed(_WithJson):
     """What changed between two estimates; to_dict() is changed.json."""
 
-    @property
-    def words(self):
-        return self.to_dict()["words"]
-
-    @property
-    def changes(self):
-        return self.to_dict()["changes"]
-
-    @property
-    def nothing(self):
-        return self.to_dict()["nothing"]
+    words = _of_json("words")
+    changes = _of_json("changes")
+    nothing = _of_json("nothing")
 
     def to_dataframe(self):
         """One row per change."""
@@ -365,14 +305,8 @@ class Program:
     def __init__(self, core):
         self._core = core
 
-    @property
-    def text(self):
-        """bytes: a program has no stated encoding."""
-        return self._core.text
-
-    @property
-    def summary(self):
-        return self._core.summary
+    text = _of_core("text", "bytes: a program has no stated encoding.")
+    summary = _of_core("summary")
 
     @property
     def untouched(self):
@@ -394,31 +328,14 @@ class Program:
 class Diagnosis(_WithJson):
     """What diagnose returns; to_dict() is diagnosis.json."""
 
-    @property
-    def verdict(self):
-        return self.to_dict()["verdict"]
-
-    @property
-    def words(self):
-        return self.to_dict()["words"]
-
-    @property
-    def steps(self):
-        return self.to_dict()["steps"]
-
-    @property
-    def robot_yaml(self):
-        return self._core.robot_yaml()
-
-    @property
-    def learnt_robot_yaml(self):
-        """The extended robot with smooth functions where something has no name; None: none stands out."""
-        return self._core.learnt_robot_yaml()
-
-    @property
-    def report_html(self):
-        """report.html: one page, nothing to fetch."""
-        return self._core.report_html()
+    verdict = _of_json("verdict")
+    words = _of_json("words")
+    steps = _of_json("steps")
+    robot_yaml = _of_core("robot_yaml", called=True)
+    learnt_robot_yaml = _of_core(
+        "learnt_robot_yaml",
+        "The extended robot with smooth functions where something has no name; None: none stands out.", called=True)
+    report_html = _of_core("report_html", "report.html: one page, nothing to fetch.", called=True)
 
     @property
     def known(self):
@@ -447,18 +364,9 @@ class Prediction:
     def __init__(self, known, rows, force=False):
         self._core = _core.predict(known, _rows(rows), force)
 
-    @property
-    def points_m(self):
-        return _read_only(self._core.points_m)
-
-    @property
-    def covariance_m2(self):
-        return _read_only(self._core.covariance_m2)
-
-    @property
-    def warnings(self):
-        """What `sagitta predict` warns of, and the model error that the figures carry."""
-        return self._core.warnings
+    points_m = _of_core("points_m", read_only=True)
+    covariance_m2 = _of_core("covariance_m2", read_only=True)
+    warnings = _of_core("warnings", "What `sagitta predict` warns of, and the model error that the figures carry.")
 
     def to_dataframe(self):
         """The file of `sagitta predict`."""
@@ -475,23 +383,15 @@ class Validation(_WithJson):
     def before(self):
         return self.to_dict()["validation"]["before"]
 
-    @property
-    def after(self):
-        return self.to_dict()["validation"]
+    after = _of_json("validation")
 
     @property
     def warnings(self):
         """Those of validation.json, and the model error that the figures carry."""
         return self._core.with_model_error(self.to_dict()["warnings"])
 
-    @property
-    def report_html(self):
-        """report.html: one page, nothing to fetch."""
-        return self._core.report_html()
-
-    @property
-    def predicted_m(self):
-        return _read_only(self._core.predicted_m)
+    report_html = _of_core("report_html", "report.html: one page, nothing to fetch.", called=True)
+    predicted_m = _of_core("predicted_m", read_only=True)
 
     def to_dataframe(self):
         return _tables.frame(self._core.csv())
@@ -503,18 +403,10 @@ class Compensation:
     def __init__(self, known, targets, threads):
         self._core = _core.compensate(known, _tables.source(targets, "targets"), _whole(threads, "threads"))
 
-    @property
-    def status(self):
-        return self._core.status
-
-    @property
-    def warnings(self):
-        """What `sagitta compensate` says of targets outside the measured joint ranges and of model error."""
-        return self._core.warnings
-
-    @property
-    def joint_values(self):
-        return _read_only(self._core.joint_values)
+    status = _of_core("status")
+    warnings = _of_core(
+        "warnings", "What `sagitta compensate` says of targets outside the measured joint ranges and of model error.")
+    joint_values = _of_core("joint_values", read_only=True)
 
     def to_dataframe(self):
         """The file of `sagitta compensate`."""
@@ -536,10 +428,7 @@ class Plan(_WithJson):
         """plan.csv."""
         return _tables.frame(self._core.csv())
 
-    @property
-    def report_html(self):
-        """report.html: one page, nothing to fetch."""
-        return self._core.report_html()
+    report_html = _of_core("report_html", "report.html: one page, nothing to fetch.", called=True)
 
 
 def _experiment(experiment):

@@ -9,6 +9,7 @@
 #include "estimator/compensation/compensate.h"
 #include "problems/loads.h"
 #include "tests/support/loaded_kr270.h"
+#include "tests/support/predicted.h"
 
 namespace sagitta::compensation_test {
 namespace {
@@ -235,7 +236,7 @@ TEST_F(CompensationTest, EstimatedParametersKeepTheirPromise) {
     const std::vector<Target> one = {targets[draw]};
     CompensationInput input = InputOf(estimated, truth, TargetsOf(one, truth, "V250"));
     input.problem.parameters.SetBaseInStation(0, estimate.parameters.BaseInStation(0));
-    input.uncertainty = UncertaintyOf(estimate);
+    input.uncertainty = test::UncertaintyOf(estimate);
     const CompensatedTarget result = Compensate(input, one, 1)[0];
     ASSERT_EQ(result.solution.status, TargetStatus::kOk) << result.words;
     const double off =

@@ -9,11 +9,12 @@
 #include <cmath>
 
 #include "estimator/calibration/joint_estimator.h"
-#include "estimator/intervals/prediction.h"
 #include "estimator/validation/trust.h"
 #include "problems/loads.h"
 #include "problems/simulation.h"
 #include "tests/support/constant_orientation.h"
+#include "tests/support/judged.h"
+#include "tests/support/predicted.h"
 #include "tests/support/random_vector.h"
 
 namespace sagitta::held_influence_test {
@@ -66,7 +67,7 @@ struct Tally {
     std::vector<int> rows;
     for (size_t k = 0; k < where.data().observations.size(); ++k) rows.push_back(static_cast<int>(k));
     const Eigen::Matrix3Xd predicted = PredictPoints(where, where.parameters, rows);
-    const auto covariances = PredictionCovariances(where, UncertaintyOf(estimate), rows, 1.0);
+    const auto covariances = test::CovariancesWithoutNoise(where, estimate, rows, 1.0);
     for (size_t k = 0; k < rows.size(); ++k) {
       const Vector3<double> error = predicted.col(k) - where.data().observations[k].point_in_station;
       for (int axis = 0; axis < 3; ++axis) {
@@ -121,7 +122,7 @@ TEST(HeldInfluence, ModelErrorDoesNotMultiplyWhatIsHeld) {
   const int coordinate = estimate.parameters.FindCoordinate("base/S1/x");
   const auto at = std::find(estimate.estimated.begin(), estimate.estimated.end(), coordinate);
   between.variance[at - estimate.estimated.begin()] = 1e-6;
-  JudgeTrust(problem, 1, &estimate, between);
+  test::JudgeTrust(problem, 1, &estimate, between);
   const ParameterEstimate& row = estimate.table[coordinate];
   EXPECT_NEAR(row.ci95.high - row.value, 12.7e-3, 1e-3);
   EXPECT_NEAR(row.unconditional_ci95.high - row.value, 1.96 * kRange, 0.02 * kRange);

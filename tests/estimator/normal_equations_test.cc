@@ -285,7 +285,7 @@ TEST_P(NormalEquationsOf, ClustersSideBySideAreThoseOneByOne) {
   const RobustCovariance alone = SandwichCovariance(rows, clusters);
   ClusterSandwich together(static_cast<int>(columns_.size()), alone.clusters, fit.solution.covariance, {fit});
   const RowStream stream(problem_, rows_.observations, noise, LatentTreatment::kMarginalise, clusters);
-  together.Add(stream, parameters_, columns_, clusters);
+  stream.ForEach(parameters_, columns_, [&](const RowPiece& piece) { together.Add(piece, clusters); });
   const RobustCovariance side_by_side = together.Result(0);
   for (size_t c = 0; c < columns_.size(); ++c) {
     EXPECT_NEAR(std::sqrt(side_by_side.covariance(c, c) / alone.covariance(c, c)), 1.0, 1e-6);
@@ -341,7 +341,7 @@ TEST(NormalEquationsOfMany, ASolveMakesNoPassInVain) {
   const ResidualSelection rows = CalibrationResiduals(problem, kFallbackSigma);
   const NormalEquations equations(problem, rows.observations, rows.noise, LatentTreatment::kMarginalise, 1);
   ParameterSet parameters = problem.parameters;
-  FindStartingValues(problem, rows.observations, StartingValueOptions(), &parameters);
+  FindStartingValues(problem, rows.observations, &parameters);
   const MinimizeSummary solved = MinimizeSums(equations, MinimizeOptions(), &parameters);
   EXPECT_TRUE(solved.converged);
   EXPECT_GE(solved.iterations, 1);

@@ -4,7 +4,6 @@
 
 #include <limits>
 
-#include "estimator/alignment/starting_values.h"
 #include "estimator/baselines/full_pose.h"
 #include "estimator/baselines/two_step.h"
 #include "estimator/calibration/noise_loop.h"
@@ -92,11 +91,6 @@ TEST(Options, OutOfRangeAreRefusedByName) {
   ExpectEachRefused("FullPoseOptions.max_iterations", FullPoseOptions(), &FullPoseOptions::max_iterations, kNoCounts);
   ExpectEachRefused("TwoStepOptions.max_iterations", TwoStepOptions(), &TwoStepOptions::max_iterations, kNoCounts);
   ExpectEachRefused("TwoStepOptions.tolerance", TwoStepOptions(), &TwoStepOptions::tolerance, kNoShares);
-  using Starts = StartingValueOptions;
-  ExpectEachRefused("StartingValueOptions.random_marker_starts", Starts(), &Starts::random_marker_starts, kNoCounts);
-  ExpectEachRefused("StartingValueOptions.alternations", Starts(), &Starts::alternations, kNoCounts);
-  ExpectEachRefused("StartingValueOptions.polished", Starts(), &Starts::polished, kNoCounts);
-  ExpectEachRefused("StartingValueOptions.marker_spread", Starts(), &Starts::marker_spread, {0.0, -0.3, kNan});
   RefitOptions refit;
   refit.weights = {1.0, 0.0, kNan};
   ExpectRefused("RefitOptions.weights", [&] { CheckOptions(refit); });
@@ -228,9 +222,6 @@ TEST(Options, AreAskedAtTheDoor) {
   minimize.num_threads = 0;
   ExpectRefused("MinimizeOptions.num_threads",
                 [&] { MinimizeJointly(problem, CalibrationResiduals(problem), minimize, &parameters); });
-  StartingValueOptions starts;
-  starts.polished = 0;
-  ExpectRefused("StartingValueOptions.polished", [&] { FindStartingValues(problem, rows, starts, &parameters); });
   RefitOptions refit;
   refit.weights.assign(rows.size(), -1.0);
   ExpectRefused("RefitOptions.weights", [&] { RefitFrom(problem, parameters, refit); });

@@ -8,13 +8,13 @@
 #include <numeric>
 
 #include "estimator/calibration/joint_estimator.h"
-#include "estimator/intervals/prediction.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/statistics/distributions.h"
 #include "problems/loads.h"
 #include "tests/support/constant_orientation.h"
 #include "tests/support/loaded_kr270.h"
 #include "tests/support/noise_experiment.h"
+#include "tests/support/predicted.h"
 
 namespace sagitta::recomputed_figures_test {
 namespace {
@@ -291,9 +291,7 @@ TEST(RecomputedFigures, TheArmsShareOfAPredictionGrowsWithTheNoise) {
   test::MeasureKr270(test::Kr270Truth(), design.sigma, 4, &data);
   const CalibrationProblem problem = test::Kr270ProblemOf(data, experiment);
   const Estimate estimate = EstimateJointly(problem);
-  const auto of = [&](double scale) {
-    return PredictionCovariances(problem, UncertaintyOf(estimate), {0, 5, 17}, scale);
-  };
+  const auto of = [&](double scale) { return test::CovariancesWithoutNoise(problem, estimate, {0, 5, 17}, scale); };
   const auto one = of(1.0), three = of(3.0);
   for (size_t k = 0; k < 3; ++k) {
     EXPECT_GT(one[k].arm.trace(), 1e-12);

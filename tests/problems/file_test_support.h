@@ -7,8 +7,10 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "problems/input_error.h"
+#include "problems/io/measurement_file.h"
 
 namespace sagitta {
 
@@ -38,6 +40,19 @@ inline std::string Replaced(std::string text, const std::string& from, const std
   const size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << "'" << from << "' is not in the text";
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+// Of a robot with joints of these names, revolute or prismatic.
+inline Measurements ReadMeasurements(const std::vector<std::string>& paths, const std::vector<std::string>& joints,
+                                     const std::vector<bool>& prismatic, const MeasurementReadOptions& options = {}) {
+  Robot robot;
+  for (size_t j = 0; j < joints.size(); ++j) {
+    Joint joint;
+    joint.name = joints[j];
+    if (prismatic[j]) joint.type = JointType::kPrismatic;
+    robot.chain.joints.push_back(joint);
+  }
+  return ReadMeasurementsFor(robot, paths, options);
 }
 
 // What the error says, "" when nothing is thrown.

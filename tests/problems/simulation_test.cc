@@ -54,6 +54,16 @@ std::vector<Vector3<double>> Everywhere(const Measurements& rows, const Vector3<
   return std::vector<Vector3<double>>(rows.observations.size(), sigma);
 }
 
+// The sigma of every observation, m: what its row states, else `otherwise`.
+std::vector<Vector3<double>> SigmaOfRows(const Measurements& rows, const Vector3<double>& otherwise) {
+  std::vector<Vector3<double>> sigma;
+  sigma.reserve(rows.observations.size());
+  for (const Observation& observation : rows.observations) {
+    sigma.push_back((observation.sigma.array() > 0.0).select(observation.sigma, otherwise));
+  }
+  return sigma;
+}
+
 TEST(NormalNumbers, HaveTheMomentsOfTheNormalDistribution) {
   constexpr int n = 200000;
   NormalNumbers normal(7);
@@ -160,14 +170,6 @@ TEST(Simulation, KeepsEverythingButThePoints) {
   EXPECT_TRUE(simulated.configurations[2].is_validation);
   EXPECT_EQ(simulated.shots.size(), 3u);
   EXPECT_EQ(simulated.observations[2].marker, rows.observations[2].marker);
-}
-
-TEST(Simulation, SigmaOfRowsFillsInWhatARowDoesNotState) {
-  Measurements rows = Rows(2);
-  rows.observations[0].sigma = {1e-5, 0.0, 3e-5};
-  const std::vector<Vector3<double>> sigma = SigmaOfRows(rows, {7e-5, 8e-5, 9e-5});
-  EXPECT_EQ(sigma[0], Vector3<double>(1e-5, 8e-5, 3e-5));
-  EXPECT_EQ(sigma[1], Vector3<double>(7e-5, 8e-5, 9e-5));
 }
 
 class MeasurementWriter : public FileTest {};

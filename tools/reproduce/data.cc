@@ -1,8 +1,8 @@
 #include "tools/reproduce/data.h"
 
 #include <map>
-#include <random>
 
+#include "models/random_bits.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/json_reader.h"
@@ -50,18 +50,21 @@ std::map<std::string, double> PublishedErrors(const nlohmann::json& truth) {
   return errors;
 }
 
-std::vector<Eigen::VectorXd> DrawConfigurations(const Chain& chain, int count, unsigned long long seed) {
-  std::mt19937_64 random(seed);
+std::vector<Eigen::VectorXd> DrawConfigurations(const Chain& chain, int count, std::mt19937_64* random) {
   std::vector<Eigen::VectorXd> configurations(count, Eigen::VectorXd(chain.num_joints()));
   for (Eigen::VectorXd& q : configurations) {
     for (int j = 0; j < q.size(); ++j) {
-      const double uniform = static_cast<double>(random() >> 11) * 0x1.0p-53;
-      const double low = chain.joints[j].min.value_or(-180.0 * kDegree);
-      const double high = chain.joints[j].max.value_or(180.0 * kDegree);
+      const double uniform = UnitNumber((*random)());
+      const double low = chain.joints[j].min.value_or(-kPi), high = chain.joints[j].max.value_or(kPi);
       q[j] = low + (high - low) * uniform;
     }
   }
   return configurations;
+}
+
+std::vector<Eigen::VectorXd> DrawConfigurations(const Chain& chain, int count, unsigned long long seed) {
+  std::mt19937_64 random(seed);
+  return DrawConfigurations(chain, count, &random);
 }
 
 void CheckOptions(const ReproduceOptions& options) {

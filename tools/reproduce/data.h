@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -101,6 +102,7 @@ GeometricRun RunGeometric(const PublishedData& published, const ReproduceOptions
 ElasticRun RunElastic(const PublishedData& published, const ReproduceOptions& options);
 
 // `count` random joint configurations inside the limits of the robot.
+std::vector<Eigen::VectorXd> DrawConfigurations(const Chain& chain, int count, std::mt19937_64* random);
 std::vector<Eigen::VectorXd> DrawConfigurations(const Chain& chain, int count, unsigned long long seed);
 // Deflections of the markers (loaded - unloaded) at equilibrium, m, 3 rows per shot and marker.
 Eigen::VectorXd TrueDeflections(const ForwardModel& model, const ElasticScene& scene);

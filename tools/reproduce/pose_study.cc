@@ -12,23 +12,12 @@
 #include "models/constants.h"
 #include "models/forward_model.h"
 #include "problems/range.h"
+#include "tools/reproduce/data.h"
 
 namespace sagitta {
 namespace {
 
 constexpr double kWorstCondition = 1e6;  // sets beyond it do not determine the parameters
-
-std::vector<Eigen::VectorXd> DrawConfigurations(const Chain& chain, int count, std::mt19937_64* random) {
-  std::vector<Eigen::VectorXd> configurations(count, Eigen::VectorXd(chain.num_joints()));
-  for (Eigen::VectorXd& q : configurations) {
-    for (int j = 0; j < q.size(); ++j) {
-      const double uniform = static_cast<double>((*random)() >> 11) * 0x1.0p-53;
-      const double low = chain.joints[j].min.value_or(-kPi), high = chain.joints[j].max.value_or(kPi);
-      q[j] = low + (high - low) * uniform;
-    }
-  }
-  return configurations;
-}
 
 // The pose rows B (6 per configuration) and their information C^-1 = G'G at sigma 1.
 struct PoseRows {

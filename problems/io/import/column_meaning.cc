@@ -423,8 +423,7 @@ void NameRail(const std::vector<std::string>& headers, const std::vector<Joint>&
 }  // namespace
 
 std::vector<ColumnMeaning> MeaningsOf(const std::vector<std::string>& headers, const std::vector<Joint>& joints) {
-  Words names;
-  for (const Joint& joint : joints) names.push_back(joint.name);
+  const Words names = JointNames(joints);
   std::vector<ColumnMeaning> meanings;
   for (const std::string& header : headers) meanings.push_back(MeaningOf(header, names));
   NamePendantJoints(headers, &meanings);
