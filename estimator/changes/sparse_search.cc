@@ -14,6 +14,8 @@ namespace {
 constexpr double kNegligible = 12.0;    // a set e^-12 below the best is not followed
 constexpr size_t kBeam = 12;            // sets that are followed at a time
 constexpr long kMostChangedGroups = 6;  // in a set, but for what is anywhere
+// Prior probabilities: that nothing changed, and of each change after the first.
+constexpr double kNothingChanged = 0.5, kFurtherChange = 0.3;
 
 // Group and index of its scale, sorted.
 using GroupSet = std::vector<std::pair<int, int>>;
@@ -21,13 +23,12 @@ using GroupSet = std::vector<std::pair<int, int>>;
 class Search {
  public:
   Search(const Eigen::MatrixXd& columns, const Eigen::VectorXd& left, const std::vector<SparseGroup>& groups,
-         const Eigen::VectorXd& applied, const SparsePrior& prior)
+         const Eigen::VectorXd& applied)
       : gram_(columns.transpose() * columns),
         gradient_(columns.transpose() * left),
         left_(left.squaredNorm()),
         groups_(groups),
-        applied_(applied.size() > 0 ? applied : Eigen::VectorXd::Zero(columns.cols())),
-        prior_(prior) {}
+        applied_(applied.size() > 0 ? applied : Eigen::VectorXd::Zero(columns.cols())) {}
 
   SparsePosterior Run();
 
@@ -70,7 +71,6 @@ class Search {
   const double left_;
   const std::vector<SparseGroup>& groups_;
   const Eigen::VectorXd applied_;
-  const SparsePrior prior_;
   std::map<GroupSet, double> seen_;
 };
 
@@ -100,14 +100,14 @@ double Search::LogPosterior(const GroupSet& set) {
   if (!is_new) return entry->second;
   if (set.empty()) {
     const double squares = left_ + applied_.dot(2.0 * gradient_ + gram_ * applied_);
-    return entry->second = std::log(prior_.nothing) - 0.5 * squares;
+    return entry->second = std::log(kNothingChanged) - 0.5 * squares;
   }
   const Solved solved = Solve(set);
   // Changes x ~ N(0, D^2) seen by y = J x + N(0, 1):  ln p(y | set) = 1/2 b'(1 + G)^-1 b - 1/2 ln|1 + G| + const, G = D
   // J'J D, b = D J'y.
   const double log_det = LogDeterminant(solved.factor);
   const double gain = solved.scaled_gradient.dot(solved.factor.solve(solved.scaled_gradient));
-  double prior = std::log(1.0 - prior_.nothing) + (static_cast<double>(set.size()) - 1.0) * std::log(prior_.further);
+  double prior = std::log(1.0 - kNothingChanged) + (static_cast<double>(set.size()) - 1.0) * std::log(kFurtherChange);
   for (const auto& [group, scale] : set) prior -= std::log(static_cast<double>(groups_.size()) * NumScales(group));
   return entry->second = 0.5 * (gain - solved.squares) - 0.5 * log_det + prior;
 }
@@ -215,9 +215,8 @@ void Search::AddMembers(GroupSet set, SparsePosterior* posterior) const {
 }  // namespace
 
 SparsePosterior SearchSparse(const Eigen::MatrixXd& columns, const Eigen::VectorXd& left,
-                             const std::vector<SparseGroup>& groups, const Eigen::VectorXd& applied,
-                             const SparsePrior& prior) {
-  return Search(columns, left, groups, applied, prior).Run();
+                             const std::vector<SparseGroup>& groups, const Eigen::VectorXd& applied) {
+  return Search(columns, left, groups, applied).Run();
 }
 
 }  // namespace sagitta

@@ -1,7 +1,7 @@
 // Which few of many groups of columns explain a whitened vector, as a posterior over sets.
 //
 //   r = sum_k A_k a_k + e,   e ~ N(0, I),   a_k ~ N(0, s_k^2 I),   s_k one of kChangeScales with equal probability,
-//   P(set) ~ 1/2 for nothing, 1/2 shared alike by single groups, each further group times `further`
+//   P(set) ~ 1/2 for nothing, 1/2 shared alike by single groups, each further group times kFurtherChange
 //
 // Columns are derivatives where some changes have been applied already: with `left` what is left there and b_k what has
 // been applied, r = left + sum_k A_k b_k. What can be larger has one scale more: kLargeSize, or for what can be
@@ -29,11 +29,6 @@ constexpr double kAnySize = 5000.0;
 // What a change can be beyond kChangeScales.
 enum class BeyondTypical { kNone, kLarge, kAnywhere };
 
-struct SparsePrior {
-  double nothing = 0.5;
-  double further = 0.3;
-};
-
 // Columns of one matrix, by index, for one explanation.
 struct SparseGroup {
   std::vector<int> columns;
@@ -57,7 +52,6 @@ struct SparsePosterior {
 
 // applied: b, one per column; empty: nothing has been.
 SparsePosterior SearchSparse(const Eigen::MatrixXd& columns, const Eigen::VectorXd& left,
-                             const std::vector<SparseGroup>& groups, const Eigen::VectorXd& applied = {},
-                             const SparsePrior& prior = {});
+                             const std::vector<SparseGroup>& groups, const Eigen::VectorXd& applied = {});
 
 }  // namespace sagitta
