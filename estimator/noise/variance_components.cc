@@ -171,8 +171,8 @@ RestrictedLikelihood::Evaluation RestrictedLikelihood::Evaluate(const Eigen::Vec
   const Eigen::LLT<Eigen::MatrixXd> root(normal);
   Evaluation result;
   result.fitted = root.solve(product);
-  result.chi2 = products(columns_, columns_) - product.dot(result.fitted);
-  result.deviance = whitened.log_det + rest_rows_ * std::log(variances[0]) + result.chi2;
+  const double chi2 = products(columns_, columns_) - product.dot(result.fitted);
+  result.deviance = whitened.log_det + rest_rows_ * std::log(variances[0]) + chi2;
   result.deviance += LogDeterminant(root);
   if (!with_derivatives) return result;
   result.inverse = InverseOfPositive(normal);
@@ -293,7 +293,6 @@ RemlFit RestrictedLikelihood::Maximise(bool estimate_instrument, const std::vect
   fit.converged = Minimise(is_free, groups, &fit.variances);
   const Evaluation here = Evaluate(fit.variances, groups, true);
   fit.deviance = here.deviance;
-  fit.chi2 = here.chi2;
   fit.covariance = CovarianceOf(fit.variances, is_free, here.hessian);
   fit.variances.tail(static_cast<long>(groups.size())) *= kReference * kReference;
   return fit;

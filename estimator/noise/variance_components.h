@@ -32,7 +32,6 @@ struct DeviationGroup {
 struct RemlFit {
   bool converged = false;
   double deviance = 0.0;
-  double chi2 = 0.0;           // r'P r
   Eigen::VectorXd variances;   // a, then one per group, SI
   Eigen::MatrixXd covariance;  // of them, from the information; 0 where stated or at 0
 };
@@ -64,7 +63,7 @@ class RestrictedLikelihood {
   };
   struct Whitened;
   struct Evaluation {
-    double deviance = 0.0, chi2 = 0.0;
+    double deviance = 0.0;
     Eigen::VectorXd fitted;  // x
     Eigen::VectorXd gradient;
     Eigen::MatrixXd hessian;                  // average information
