@@ -110,7 +110,6 @@ FlangeSolution Compensator::Nominal(const Target& target, const Eigen::VectorXd&
 CompensatedTarget Compensator::Compensate(int shot, const Target& target, const FlangeSolution& nominal) const {
   CompensatedTarget result;
   const Pose<double> goal = target.flange_in_base.value_or(nominal.state.flange_in_base);
-  result.q_nominal = nominal.q;
   FlangeState before;
   if (LoadedAt(shot, nominal.q, {}, &before)) {
     const Eigen::Matrix<double, 6, 1> off = PoseDifference(goal, before.flange_in_base);

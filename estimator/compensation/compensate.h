@@ -28,9 +28,8 @@ struct CompensationInput {
 // A target with the joint values that reach it, and what is left.
 struct CompensatedTarget {
   FlangeSolution solution;       // by the estimated model
-  Eigen::VectorXd q_nominal;     // where the nominal model has the target; empty: nowhere
   Pose<double> commanded;        // flange_in_base of the nominal model at solution.q
-  double before_position = 0.0;  // m: off target at q_nominal, without compensation
+  double before_position = 0.0;  // m: off target where the nominal model has it, without compensation
   double before_rotation = 0.0;  // rad
   // The flange's distance from the target in 95 % of cases: what is left, and the covariance of the estimate; NaN: not
   // known.

@@ -206,7 +206,6 @@ class Builder {
       ShotProgram::Marker marker;
       marker.id = reading.id;
       marker.kept_frame = KeptFrame(reading.frame);
-      marker.frame_class = found->second;
       marker.sees_equally = SeesEqually(reading);
       marker.whitener = Take(marker.sees_equally ? 1 : 9);
       marker.point = Take(3);

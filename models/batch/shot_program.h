@@ -92,7 +92,6 @@ struct ShotProgram {
   struct Marker {
     int id = -1;
     int kept_frame = 0;
-    int frame_class = 0;
     bool grows = false;
     bool sees_equally = false;  // its whitener is a number times the identity, in all lanes
     int whitener = 0;           // data: that number, or 9, row by row

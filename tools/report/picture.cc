@@ -38,12 +38,12 @@ Json Rounded(double value, int digits) {
   return rounded;
 }
 
-Json RoundedColumn(const std::vector<double>& values, int digits) {
+Json RoundedColumn(const std::vector<double>& values) {
   Json column = Json::array();
   column.get_ref<Json::array_t&>().reserve(values.size());
   for (const double value : values) {
     CheckInterruption();
-    column.push_back(Rounded(value, digits));
+    column.push_back(Rounded(value));
   }
   return column;
 }

@@ -26,7 +26,7 @@ struct Picture {
 
 // To so many significant digits, as short as it is written; null: not a number.
 nlohmann::ordered_json Rounded(double value, int digits = 4);
-nlohmann::ordered_json RoundedColumn(const std::vector<double>& values, int digits = 4);
+nlohmann::ordered_json RoundedColumn(const std::vector<double>& values);
 
 std::string PictureToHtml(const Picture& picture);
 
