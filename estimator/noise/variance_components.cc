@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <utility>
 
+#include "estimator/least_squares/all_joints.h"
 #include "estimator/least_squares/normal_algebra.h"
 #include "estimator/least_squares/row_sums.h"
 #include "estimator/statistics/distributions.h"
@@ -24,10 +25,8 @@ constexpr double kConverged = 1e-9;           // of the deviance
 
 // Every joint deviates by the reference.
 CalibrationProblem WithReferenceDeviations(CalibrationProblem problem) {
-  LatentModel& latent = problem.latent;
-  latent.joints.resize(problem.robot().num_joints());
-  std::iota(latent.joints.begin(), latent.joints.end(), 0);
-  latent.sigmas = Eigen::VectorXd::Constant(problem.robot().num_joints(), kReference);
+  problem.latent = WithAllJoints(std::move(problem.latent), problem.robot().num_joints());
+  problem.latent.sigmas *= kReference;
   return problem;
 }
 
