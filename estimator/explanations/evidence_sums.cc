@@ -8,6 +8,7 @@
 
 #include "estimator/explanations/evidence_columns.h"
 #include "estimator/least_squares/normal_algebra.h"
+#include "models/matrix_functions.h"
 
 namespace sagitta {
 namespace {
@@ -65,7 +66,7 @@ double EvidenceColumns::Whiten(const BlockRoots& roots, Eigen::MatrixXd* rows) {
   for (const PoseRoot& pose : roots) {
     auto own = rows->middleRows(pose.top, pose.root.rows());
     own = pose.root.matrixL().solve(Eigen::MatrixXd(own));
-    log_det += LogDet(pose.root);
+    log_det += LogDeterminant(pose.root);
   }
   return log_det;
 }
@@ -105,7 +106,7 @@ std::vector<RowSums> EvidenceColumns::SumEach(const JointScatter& scatter, const
       const int pose = pose_of_observation_[block.observations[poses[k].top / 3]];
       const auto group = static_cast<size_t>(group_of_pose[pose]);
       for (long row = 0; row < poses[k].height; ++row) of_group[group].push_back(poses[k].top + row);
-      if (!roots.empty()) sums[group].log_det += LogDet(roots[k].root);
+      if (!roots.empty()) sums[group].log_det += LogDeterminant(roots[k].root);
     }
     for (size_t group = 0; group < sums.size(); ++group) {
       const Eigen::MatrixXd own = rows(of_group[group], Eigen::all);

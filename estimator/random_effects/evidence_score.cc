@@ -22,7 +22,7 @@ GroupGain GainBy(const Eigen::Ref<const Eigen::MatrixXd>& information,
   if (root.info() != Eigen::Success) return {};
   const Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, Matrix::MaxRowsAtCompileTime> rotated =
       root.matrixL().solve(gradient);
-  return {variance * rotated.squaredNorm(), LogDet(root)};
+  return {variance * rotated.squaredNorm(), 2.0 * root.matrixLLT().diagonal().array().log().sum()};
 }
 
 }  // namespace

@@ -53,12 +53,6 @@ GroupGain GainOf(const Eigen::Ref<const Eigen::MatrixXd>& information,
 // scale costs, log det, is no gain. Of each column of gradients.
 Eigen::VectorXd MostQuads(const Eigen::MatrixXd& least_information, const Eigen::MatrixXd& gradients);
 
-// Of the matrix with this Cholesky factor.
-template <typename Root>
-double LogDet(const Root& root) {
-  return 2.0 * root.matrixLLT().diagonal().array().log().sum();
-}
-
 // log of the sum, and of the mean, of exponentials, without overflow.
 double LogSumExp(const std::vector<double>& logs);
 double LogMean(const std::vector<double>& logs);

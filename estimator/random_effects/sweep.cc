@@ -7,6 +7,7 @@
 
 #include "estimator/least_squares/normal_algebra.h"
 #include "estimator/least_squares/row_sums.h"
+#include "models/matrix_functions.h"
 
 namespace sagitta {
 namespace {
@@ -209,7 +210,7 @@ void Members::Insert(size_t place, const ColumnGroup& group, double scale) {
   inverse_ = std::move(inverse);
   solved_ = std::move(solved);
   gradient_ = std::move(gradients);
-  log_det_ += LogDet(root);
+  log_det_ += LogDeterminant(root);
   groups_.insert(groups_.begin() + static_cast<long>(place), &group);
   scales_.insert(scales_.begin() + static_cast<long>(place), scale);
   SetFirst();
@@ -226,7 +227,7 @@ Members::Apart Members::Without(size_t group) const {
   apart.root.compute(inverse_.block(first, first, size, size));
   apart.own = apart.root.solve(solved);
   apart.residual = residual_ + solved.dot(apart.own);
-  apart.log_det = log_det_ + LogDet(apart.root);
+  apart.log_det = log_det_ + LogDeterminant(apart.root);
   return apart;
 }
 
