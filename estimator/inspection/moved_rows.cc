@@ -1,8 +1,6 @@
 #include "estimator/inspection/moved_rows.h"
 
 #include <algorithm>
-#include <map>
-#include <set>
 #include <utility>
 
 #include "estimator/alignment/starting_values.h"
@@ -14,17 +12,10 @@ namespace {
 // Rows of a half: 18 numbers, twice as many as a base pose and one marker have.
 constexpr std::ptrdiff_t kFewestOfHalf = 6;
 
-// Markers of the rows.
-std::set<int> MarkersOf(const Measurements& data, const std::vector<int>& rows) {
-  std::set<int> markers;
-  for (const int i : rows) markers.insert(data.observations[i].marker);
-  return markers;
-}
-
 // rows: of one station, in order; half: some of them.
 std::optional<FarRows> BlockOfHalf(const CalibrationProblem& problem, const std::vector<int>& rows,
                                    const std::vector<int>& half) {
-  if (MarkersOf(problem.data(), half) != MarkersOf(problem.data(), rows)) return std::nullopt;
+  if (MarkersOfRows(problem.data(), half) != MarkersOfRows(problem.data(), rows)) return std::nullopt;
   ParameterSet parameters = problem.parameters;
   const double rms = FindStartingValues(problem, half, &parameters);
   if (!(rms <= SuspiciousMisfit(problem))) return std::nullopt;
@@ -46,10 +37,8 @@ std::vector<int> InOrderOfMeasurement(const Measurements& data, std::vector<int>
 }
 
 std::optional<FarRows> FindMovedRows(const CalibrationProblem& problem) {
-  std::map<int, std::vector<int>> of_station;
-  for (const int i : problem.data().PointsAmong(problem.CalibrationObservations()))
-    of_station[problem.data().shots[problem.data().observations[i].shot].station].push_back(i);
-  for (const auto& [station, listed] : of_station) {
+  const std::vector<int> points = problem.data().PointsAmong(problem.CalibrationObservations());
+  for (const auto& [station, listed] : ByStation(problem.data(), points)) {
     const std::vector<int> rows = InOrderOfMeasurement(problem.data(), listed);
     const auto middle = static_cast<std::ptrdiff_t>(rows.size() / 2);
     if (middle < kFewestOfHalf) continue;

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <map>
 #include <set>
 #include <utility>
 
@@ -227,12 +226,10 @@ std::optional<OtherLabel> FindOtherFrame(const CalibrationProblem& problem) {
 }
 
 bool AreAllOnePoint(const CalibrationProblem& problem, double* spread) {
-  std::map<int, std::vector<int>> of_station;
-  for (const int i : problem.data().PointsAmong(problem.CalibrationObservations()))
-    of_station[problem.data().shots[problem.data().observations[i].shot].station].push_back(i);
+  const std::vector<int> fitted = problem.data().PointsAmong(problem.CalibrationObservations());
   double squares = 0.0;
   Eigen::Index count = 0;
-  for (const auto& [station, rows] : of_station) {
+  for (const auto& [station, rows] : ByStation(problem.data(), fitted)) {
     Eigen::Matrix3Xd points = PointsOfRows(problem, rows);
     points.colwise() -= Vector3<double>(points.rowwise().mean());
     squares += points.squaredNorm();

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "estimator/alignment/aligned_misfit.h"
 #include "estimator/alignment/starting_values.h"
 #include "estimator/inspection/reading_lint.h"
+#include "estimator/inspection/wild_rows.h"
 #include "estimator/report/inspection_rotation_words.h"
 #include "models/constants.h"
 #include "models/matrix_functions.h"
@@ -77,8 +77,7 @@ double MisfitAsRead(const std::vector<StatedRotation>& stated) {
 
 // Points that spread by s in their second direction and are missed by d turn their base by d / s at most.
 bool DetermineTheirBase(const CalibrationProblem& problem, const std::vector<int>& points, double misfit) {
-  std::map<int, std::vector<int>> of_station;
-  for (const int i : points) of_station[problem.data().shots[problem.data().observations[i].shot].station].push_back(i);
+  const std::map<int, std::vector<int>> of_station = ByStation(problem.data(), points);
   return std::all_of(of_station.begin(), of_station.end(), [&](const auto& entry) {
     Vector3<double> mean = Vector3<double>::Zero();
     for (const int i : entry.second) mean += problem.data().observations[i].point_in_station / entry.second.size();

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <random>
-#include <set>
 #include <utility>
 
 #include "estimator/alignment/aligned_misfit.h"
@@ -142,6 +140,18 @@ Finding DescribeFarRows(const CalibrationProblem& problem, const FarRows& rows) 
 }
 
 }  // namespace
+
+std::set<int> MarkersOfRows(const Measurements& data, const std::vector<int>& rows) {
+  std::set<int> markers;
+  for (const int i : rows) markers.insert(data.observations[i].marker);
+  return markers;
+}
+
+std::map<int, std::vector<int>> ByStation(const Measurements& data, const std::vector<int>& rows) {
+  std::map<int, std::vector<int>> of_station;
+  for (const int i : rows) of_station[data.shots[data.observations[i].shot].station].push_back(i);
+  return of_station;
+}
 
 std::vector<double> DistancesFromPoints(const CalibrationProblem& problem, const std::vector<int>& points,
                                         const ParameterSet& parameters) {

@@ -7,7 +7,9 @@
 // some rows of each, and what is found there is followed on all.
 #pragma once
 
+#include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "estimator/inspection/finding.h"
@@ -28,6 +30,10 @@ struct FarRows {
 constexpr double kNearHalf = 5.0;  // of the RMS distance of the half that is aligned to: what fits
 
 constexpr double kFarApart = 10.0;  // of the RMS distance of the rows that fit: rows that are clear of them
+
+// Markers of the rows; the rows of every station, in their order.
+std::set<int> MarkersOfRows(const Measurements& data, const std::vector<int>& rows);
+std::map<int, std::vector<int>> ByStation(const Measurements& data, const std::vector<int>& rows);
 
 // m, from the points that are predicted; 1e300 where none can be.
 std::vector<double> DistancesFromPoints(const CalibrationProblem& problem, const std::vector<int>& points,

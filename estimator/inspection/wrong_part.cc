@@ -27,12 +27,6 @@ std::set<int> StationsOf(const Measurements& data, const std::vector<int>& rows)
   return stations;
 }
 
-std::set<int> MarkersOfRows(const Measurements& data, const std::vector<int>& rows) {
-  std::set<int> markers;
-  for (const int i : rows) markers.insert(data.observations[i].marker);
-  return markers;
-}
-
 // Base poses and points of the markers that the rows see.
 bool DeterminePlaces(const Measurements& data, const std::vector<int>& rows) {
   const size_t unknowns = 6 * StationsOf(data, rows).size() + 3 * MarkersOfRows(data, rows).size();
@@ -241,8 +235,7 @@ std::optional<FarRows> FarFromOneEnd(const CalibrationProblem& problem, const st
 
 std::optional<FarRows> FarFromAnyEnd(const CalibrationProblem& problem) {
   const Measurements& data = problem.data();
-  std::map<int, std::vector<int>> of_station;
-  for (const int i : FittedPoints(problem)) of_station[data.shots[data.observations[i].shot].station].push_back(i);
+  const std::map<int, std::vector<int>> of_station = ByStation(data, FittedPoints(problem));
   for (const size_t share : {2, 4, 8}) {
     for (const auto& [station, rows] : of_station) {
       const auto shot = [&, &own = rows](size_t k) { return data.observations[own[k]].shot; };
