@@ -6,6 +6,7 @@
 
 #include "models/constants.h"
 #include "models/kinematics.h"
+#include "models/random_bits.h"
 
 namespace sagitta {
 namespace {
@@ -183,7 +184,7 @@ std::vector<Eigen::VectorXd> RandomPoses(const Chain& chain) {
       const Joint& joint = chain.joints[j];
       const double reach = joint.type == JointType::kRevolute ? kPi : 1.0;
       const double low = joint.min.value_or(-reach), high = joint.max.value_or(reach);
-      q[j] = low + (high - low) * static_cast<double>(random() >> 11) * 0x1.0p-53;
+      q[j] = low + (high - low) * UnitNumber(random());
     }
   }
   return poses;

@@ -67,4 +67,9 @@ Pose<double> Product(const Pose<double>& c_from_b, const Pose<double>& b_from_a)
   return {c_from_b.rotation * b_from_a.rotation, c_from_b * b_from_a.translation};
 }
 
+Vector3<double> OnSpiral(int k, double z) {
+  const double golden_angle = kPi * (3.0 - std::sqrt(5.0)), r = std::sqrt(1.0 - z * z);
+  return {r * std::cos(golden_angle * k), r * std::sin(golden_angle * k), z};
+}
+
 }  // namespace sagitta

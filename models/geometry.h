@@ -88,4 +88,8 @@ Pose<double> Inverse(const Pose<double>& pose);
 // c_from_b b_from_a.
 Pose<double> Product(const Pose<double>& c_from_b, const Pose<double>& b_from_a);
 
+// Unit vector of this height, the k-th on a spiral about z whose steps are the golden angle: with equal steps in height
+// directions lie evenly (Gonzalez 2010, Math. Geosci. 42, 49).
+Vector3<double> OnSpiral(int k, double z);
+
 }  // namespace sagitta

@@ -4,12 +4,13 @@
 #include <cmath>
 
 #include "models/constants.h"
+#include "models/random_bits.h"
 
 namespace sagitta {
 
 double NormalNumbers::Uniform() {
   // 53 random bits; 1 - u keeps the logarithm finite.
-  return 1.0 - static_cast<double>(random_() >> 11) * 0x1.0p-53;
+  return 1.0 - UnitNumber(random_());
 }
 
 double NormalNumbers::operator()() {

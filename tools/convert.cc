@@ -9,6 +9,7 @@
 
 #include "models/dh_from_chain.h"
 #include "models/forward_model.h"
+#include "models/random_bits.h"
 #include "problems/failure.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
@@ -201,7 +202,7 @@ double LargestDifference(const Chain& a, const Chain& b, std::uint64_t seed) {
   double largest = 0.0;
   for (int trial = 0; trial < 200; ++trial) {
     Eigen::VectorXd q(a.num_joints());
-    for (int j = 0; j < q.size(); ++j) q[j] = 2.0 * static_cast<double>(random() >> 11) * 0x1.0p-53 - 1.0;
+    for (int j = 0; j < q.size(); ++j) q[j] = 2.0 * UnitNumber(random()) - 1.0;
     for (int j = 0; j < q.size(); ++j) q[j] *= a.joints[j].type == JointType::kRevolute ? M_PI : 1.0;
     Pose<double> flange[2];
     for (int m = 0; m < 2; ++m) {

@@ -6,6 +6,7 @@
 
 #include "estimator/least_squares/normal_algebra.h"
 #include "estimator/least_squares/row_sums.h"
+#include "models/geometry.h"
 
 namespace sagitta {
 
@@ -60,14 +61,9 @@ Eigen::MatrixXd Stretches(const Eigen::VectorXd& x, int most) {
   return stretches;
 }
 
-// Along a spiral of equal steps in height and of the golden angle about z (Gonzalez 2010, Math. Geosci. 42, 49).
 std::vector<Eigen::Vector3d> HalfOfAllDirections(int count) {
-  const double golden_angle = kPi * (3.0 - std::sqrt(5.0));
   std::vector<Eigen::Vector3d> directions;
-  for (int k = 0; k < count; ++k) {
-    const double z = (k + 0.5) / count, r = std::sqrt(1.0 - z * z);
-    directions.emplace_back(r * std::cos(golden_angle * k), r * std::sin(golden_angle * k), z);
-  }
+  for (int k = 0; k < count; ++k) directions.push_back(OnSpiral(k, (k + 0.5) / count));
   return directions;
 }
 

@@ -15,7 +15,7 @@
 #include "estimator/inspection/tried_readings.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/report/inspection_part_words.h"
-#include "models/constants.h"
+#include "models/geometry.h"
 #include "problems/interruption.h"
 
 namespace sagitta {
@@ -65,14 +65,10 @@ std::optional<SortedShots> FindSortedShots(const Measurements& data) {
   return std::nullopt;
 }
 
-// Directions that lie evenly on the unit sphere: a spiral with equal steps in height and the golden angle in between.
+// Directions that lie evenly on the unit sphere.
 std::vector<Vector3<double>> EvenDirections(int count) {
-  const double golden = kPi * (3.0 - std::sqrt(5.0));
   std::vector<Vector3<double>> directions;
-  for (int k = 0; k < count; ++k) {
-    const double z = 1.0 - (2.0 * k + 1.0) / count, r = std::sqrt(1.0 - z * z);
-    directions.emplace_back(r * std::cos(golden * k), r * std::sin(golden * k), z);
-  }
+  for (int k = 0; k < count; ++k) directions.push_back(OnSpiral(k, 1.0 - (2.0 * k + 1.0) / count));
   return directions;
 }
 

@@ -5,16 +5,14 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/spring_tie_cost.h"
 #include "models/matrix_functions.h"
+#include "models/random_bits.h"
 #include "problems/simulation.h"
 
 namespace sagitta {
 
 std::uint64_t SeedOf(std::uint64_t seed, std::uint64_t i) {
-  // SplitMix64 (Steele, Lea and Flood 2014): neighbouring numbers i give unrelated seeds.
-  std::uint64_t z = seed * 0xD1342543DE82EF95ULL + (i + 1) * 0x9E3779B97F4A7C15ULL;
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-  return z ^ (z >> 31);
+  // Neighbouring numbers i give unrelated seeds.
+  return MixedBits(seed * 0xD1342543DE82EF95ULL + (i + 1) * 0x9E3779B97F4A7C15ULL);
 }
 
 void DrawPriors(const ParameterSet& truth, std::uint64_t seed, ParameterSet* parameters) {

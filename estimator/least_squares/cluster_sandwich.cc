@@ -10,6 +10,7 @@
 #include "estimator/least_squares/row_sums.h"
 #include "estimator/least_squares/satterthwaite.h"
 #include "models/batch/shot_program.h"
+#include "models/random_bits.h"
 
 namespace sagitta {
 namespace {
@@ -20,12 +21,9 @@ constexpr double kSampled = 2000.0, kSampledOfPart = 500.0;
 constexpr int kHeldScores = 32;  // rows of lanes that are summed together
 constexpr Eigen::Index kSampledRowsAtOnce = 512;
 
-// In [0, 1), the same for a cluster wherever it is asked (SplitMix64: Steele, Lea and Flood 2014).
+// In [0, 1), the same for a cluster wherever it is asked.
 double Chance(int cluster) {
-  std::uint64_t z = (static_cast<std::uint64_t>(cluster) + 1) * 0x9E3779B97F4A7C15ULL;
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
+  return UnitNumber(MixedBits((static_cast<std::uint64_t>(cluster) + 1) * 0x9E3779B97F4A7C15ULL));
 }
 
 // As few rows with the same products: what a cluster is worth depends on those alone.

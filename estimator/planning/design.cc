@@ -10,6 +10,7 @@
 #include "estimator/least_squares/parallel.h"
 #include "models/constants.h"
 #include "models/matrix_functions.h"
+#include "models/random_bits.h"
 #include "problems/interruption.h"
 #include "problems/range.h"
 
@@ -225,7 +226,7 @@ std::vector<int> Drawn(const Eigen::VectorXd& weights, int poses, bool repeats, 
   Eigen::VectorXd left = weights.array() + 1e-9 / static_cast<double>(weights.size());
   std::vector<int> picks;
   for (int k = 0; k < poses; ++k) {
-    double point = static_cast<double>((*random)() >> 11) * 0x1.0p-53 * left.sum();
+    double point = UnitNumber((*random)()) * left.sum();
     int i = 0;
     while (i + 1 < left.size() && (point -= left[i]) > 0.0) ++i;
     picks.push_back(i);

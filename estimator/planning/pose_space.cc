@@ -5,6 +5,7 @@
 #include <map>
 #include <random>
 
+#include "models/random_bits.h"
 #include "problems/input_error.h"
 
 namespace sagitta {
@@ -90,7 +91,7 @@ std::vector<JointRange> DrawingRanges(const Chain& chain, const Cell* cell) {
 PoseSequence::PoseSequence(std::vector<JointRange> ranges, std::uint64_t seed) : ranges_(std::move(ranges)) {
   std::mt19937_64 random(seed);
   shift_.resize(2 * ranges_.size());
-  for (double& s : shift_) s = static_cast<double>(random() >> 11) * 0x1.0p-53;
+  for (double& s : shift_) s = UnitNumber(random());
 }
 
 double PoseSequence::Share(int dimension) const {

@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "models/random_bits.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/json_reader.h"
@@ -53,7 +54,7 @@ std::vector<Eigen::VectorXd> DrawConfigurations(const Chain& chain, int count, s
   std::vector<Eigen::VectorXd> configurations(count, Eigen::VectorXd(chain.num_joints()));
   for (Eigen::VectorXd& q : configurations) {
     for (int j = 0; j < q.size(); ++j) {
-      const double uniform = static_cast<double>((*random)() >> 11) * 0x1.0p-53;
+      const double uniform = UnitNumber((*random)());
       const double low = chain.joints[j].min.value_or(-kPi), high = chain.joints[j].max.value_or(kPi);
       q[j] = low + (high - low) * uniform;
     }
