@@ -9,9 +9,6 @@
 // end and warm-started from the fit before.
 #pragma once
 
-#include <functional>
-#include <string>
-
 #include "estimator/estimate/estimate.h"
 #include "problems/calibration_problem.h"
 
@@ -19,9 +16,8 @@ namespace sagitta {
 
 struct ProfileOptions {
   int num_threads = 1;
-  double tolerance = 1e-3;                           // of t
-  double farthest = 30.0;                            // half-widths of the ellipse's interval; beyond: open
-  std::function<void(const std::string&)> progress;  // may be empty
+  double tolerance = 1e-3;  // of t
+  double farthest = 30.0;   // half-widths of the ellipse's interval; beyond: open
 };
 // Throws InputError that names the option (problems/range.h).
 void CheckOptions(const ProfileOptions& options);
