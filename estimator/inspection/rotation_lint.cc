@@ -8,7 +8,7 @@
 #include "estimator/alignment/starting_values.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/inspection/wild_rows.h"
-#include "estimator/report/inspection_rotation_words.h"
+#include "estimator/report/inspection_reading_words.h"
 #include "models/constants.h"
 #include "models/matrix_functions.h"
 #include "problems/io/import/rotation_reading.h"

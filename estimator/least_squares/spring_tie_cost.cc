@@ -7,7 +7,7 @@
 #include <cmath>
 #include <memory>
 
-#include "estimator/report/least_squares_tie_words.h"
+#include "estimator/report/least_squares_words.h"
 
 namespace sagitta {
 namespace {

@@ -17,6 +17,10 @@ constexpr const char* kHoldTheMarker =
 
 bool IsOf(const std::string& name, const std::string& family) { return name.rfind(family + "/", 0) == 0; }
 
+std::string MarkersOfTie(const std::string& lever, const std::string& anchor) {
+  return "markers '" + lever + "' and '" + anchor + "' ";
+}
+
 }  // namespace
 
 std::string RemedyFor(const std::vector<std::pair<std::string, double>>& components) {
@@ -61,6 +65,18 @@ std::string DirectionInWords(const std::vector<std::pair<std::string, double>>& 
 
 std::string PoorlyDetermined(const std::vector<std::pair<std::string, double>>& components, const std::string& words) {
   return components.size() == 1 ? components[0].first + " is measured poorly" : "poorly separated: " + words;
+}
+
+std::string MarkersAreNotTheEnds(const std::string& lever_marker, const std::string& anchor_marker) {
+  return MarkersOfTie(lever_marker, anchor_marker) +
+         "ride on the links of the compensator's spring, but not where the robot file has its ends: they are "
+         "not used for it; state spring: lever and spring: anchor if they are its ends";
+}
+
+std::string MarkersAreAssumedEnds(const std::string& lever_marker, const std::string& anchor_marker) {
+  return MarkersOfTie(lever_marker, anchor_marker) +
+         "are assumed to be the very ends of the compensator's spring; state how well they sit there "
+         "(spring_sigma_mm), or spring: none if they are something else";
 }
 
 }  // namespace sagitta

@@ -13,4 +13,8 @@ std::string PoorlyDetermined(const std::vector<std::pair<std::string, double>>& 
 // What to measure or to state, by the families of the names; components: as in Direction (identifiability.h).
 std::string RemedyFor(const std::vector<std::pair<std::string, double>>& components);
 
+// Markers that count as the ends of the compensator's spring, or do not.
+std::string MarkersAreNotTheEnds(const std::string& lever_marker, const std::string& anchor_marker);
+std::string MarkersAreAssumedEnds(const std::string& lever_marker, const std::string& anchor_marker);
+
 }  // namespace sagitta

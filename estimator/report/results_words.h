@@ -1,4 +1,4 @@
-// What is said of an estimate that is read back.
+// What is said of an estimate that is read back, and of programs that it corrects.
 #pragma once
 
 #include <string>
@@ -7,6 +7,7 @@
 namespace sagitta {
 
 struct KnownRobot;
+struct ProgramLoad;
 
 // Of predictions where the estimate carries model error; "" where it has none.
 std::string ModelErrorInWords(const KnownRobot& known);
@@ -30,5 +31,11 @@ std::string PointStaysInWords(const std::string& point, int line);
 
 // A motion that goes on from a corrected point.
 std::string OffsetAdoptsInWords(int line, const std::string& motion, const std::string& point);
+
+// Which load a program's points are corrected for, and why one is not known; tool_mass: kg.
+std::string LoadUsedInWords(const std::string& name, const ProgramLoad& load, int points);
+std::string LoadUnknownInWords(const std::string& name, int points);
+std::string LoadOfTwoInWords(const std::string& one, const std::string& other);
+std::string ToolReplacedInWords(double tool_mass);
 
 }  // namespace sagitta

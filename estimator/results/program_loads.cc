@@ -1,6 +1,6 @@
 #include "estimator/results/program_loads.h"
 
-#include "estimator/report/results_load_words.h"
+#include "estimator/report/results_words.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/trimmed.h"
