@@ -193,8 +193,4 @@ ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem) {
   return LintReadingsOfGoodRows(problem, AlignedSample(problem));
 }
 
-Plausibility CheckPlausible(const CalibrationProblem& problem) {
-  return CheckPlausible(problem, AlignedSample(problem));
-}
-
 }  // namespace sagitta

@@ -46,6 +46,5 @@ struct Plausibility {
   Finding finding;  // why not, and the cure
 };
 Plausibility CheckPlausible(const CalibrationProblem& problem, const AlignedSample& aligned);
-Plausibility CheckPlausible(const CalibrationProblem& problem);
 
 }  // namespace sagitta

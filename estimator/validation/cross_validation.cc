@@ -443,11 +443,6 @@ FoldPlan PlanFolds(const CalibrationProblem& problem, const FittedStream& fitted
   return plan;
 }
 
-CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate& estimate, std::uint64_t seed) {
-  const FittedStream fitted(problem);
-  return CrossValidate(problem, fitted, estimate, PlanFolds(problem, fitted, seed));
-}
-
 CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStream& fitted, const Estimate& estimate,
                               const FoldPlan& plan) {
   CrossValidation result;

@@ -55,8 +55,6 @@ struct FoldPlan {
 FoldPlan PlanFolds(const CalibrationProblem& problem, const FittedStream& fitted, std::uint64_t seed);
 
 // Of a judged estimate.
-CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate& estimate, std::uint64_t seed);
-// The same where the rows that were fitted are at hand.
 CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStream& fitted, const Estimate& estimate,
                               const FoldPlan& plan);
 

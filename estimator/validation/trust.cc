@@ -301,12 +301,6 @@ std::vector<std::string> LimitsOf(const CalibrationProblem& problem, const Estim
 
 }  // namespace
 
-Trust JudgeTrust(const CalibrationProblem& problem, std::uint64_t seed, Estimate* estimate,
-                 const BetweenParts& between) {
-  const FittedStream fitted(problem);
-  return JudgeTrust(problem, fitted, PlanFolds(problem, fitted, seed), estimate, between);
-}
-
 Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, const FoldPlan& folds,
                  Estimate* estimate, const BetweenParts& between) {
   Trust trust;

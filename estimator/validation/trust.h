@@ -3,7 +3,6 @@
 // suspect rows, what was not measured.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -50,9 +49,6 @@ struct Trust {
 
 // Of a judged estimate with its intervals; between: what CheckAgreement found. Widens the intervals of its table by the
 // model error.
-Trust JudgeTrust(const CalibrationProblem& problem, std::uint64_t seed, Estimate* estimate,
-                 const BetweenParts& between = {});
-// The same where the rows that were fitted are at hand.
 Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, const FoldPlan& folds,
                  Estimate* estimate, const BetweenParts& between);
 

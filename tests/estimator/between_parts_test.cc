@@ -10,6 +10,7 @@
 
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/sagitta.h"
+#include "tests/support/judged.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta::between_parts_test {
@@ -95,7 +96,7 @@ struct Judged {
     between.variance = between.covariance.diagonal().cwiseMax(0.0);
     between.draws = Eigen::VectorXd::Constant(between.variance.size(), draws);
     between.reason = "parts of the data contradict each other";
-    calibration.trust = JudgeTrust(problem, 1, &estimate, between);
+    calibration.trust = test::JudgeTrust(problem, 1, &estimate, between);
   }
 };
 
@@ -119,7 +120,7 @@ TEST(BetweenParts, WidensAnIntervalByWelchAndSatterthwaite) {
 TEST(BetweenParts, WidensNothingWherePartsAgree) {
   Judged judged;
   const std::vector<ParameterEstimate> before = judged.estimate.table;
-  judged.calibration.trust = JudgeTrust(judged.problem, 1, &judged.estimate);
+  judged.calibration.trust = test::JudgeTrust(judged.problem, 1, &judged.estimate);
   for (size_t i = 0; i < before.size(); ++i) EXPECT_EQ(judged.estimate.table[i].ci95.high, before[i].ci95.high);
   EXPECT_EQ(judged.calibration.trust.model_error, 1.0);
   EXPECT_EQ(judged.calibration.trust.model_error_words, "");
@@ -128,7 +129,7 @@ TEST(BetweenParts, WidensNothingWherePartsAgree) {
 // C + 3 C: predictions are twice as uncertain as by noise alone, as the table is.
 TEST(BetweenParts, PredictionsCarryItLikeTheTable) {
   Judged judged;
-  judged.calibration.trust = JudgeTrust(judged.problem, 1, &judged.estimate);
+  judged.calibration.trust = test::JudgeTrust(judged.problem, 1, &judged.estimate);
   const Eigen::MatrixXd noise = KnownFrom(judged.calibration).uncertainty.covariance;
   EXPECT_NEAR((noise - judged.estimate.covariance).norm() / noise.norm(), 0.0, 1e-9);
   Judged with;
@@ -152,7 +153,7 @@ TEST(BetweenParts, NothingBecomesMoreCertain) {
   between.covariance(0, 0) = 5.0 * noise(0, 0);
   between.variance = between.covariance.diagonal().cwiseMax(0.0);
   between.draws = Eigen::VectorXd::Constant(between.variance.size(), 9.0);
-  judged.calibration.trust = JudgeTrust(judged.problem, 1, &judged.estimate, between);
+  judged.calibration.trust = test::JudgeTrust(judged.problem, 1, &judged.estimate, between);
   const Eigen::MatrixXd wide = KnownFrom(judged.calibration).uncertainty.covariance;
   const Eigen::VectorXd size = noise.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd beyond = size.asDiagonal() * (wide - noise) * size.asDiagonal();

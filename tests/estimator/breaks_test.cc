@@ -14,6 +14,7 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/statistics/distributions.h"
 #include "estimator/validation/trust.h"
+#include "tests/support/judged.h"
 #include "tests/support/kr270_experiment.h"
 #include "tests/support/loaded_kr270.h"
 
@@ -55,7 +56,7 @@ void ExpectBreak(const CalibrationProblem& problem, BreakOf of, int index, doubl
   EXPECT_EQ(configuration(found->first), kAt);
   EXPECT_NEAR(found->moved / moved, 1.0, 0.15);
   EXPECT_LT(found->p_value, 1e-6);
-  const Trust trust = JudgeTrust(problem, 1, &estimate);
+  const Trust trust = test::JudgeTrust(problem, 1, &estimate);
   EXPECT_FALSE(trust.verdict.trusted);
   EXPECT_THAT(trust.verdict.words, HasSubstr(problem.data().SourceOf(problem.data().observations[found->first])));
 }
@@ -258,7 +259,7 @@ TEST(Verdict, HeldOutRowsThatWereFittedAreNoCheck) {
     CalibrationProblem whole = test::Kr270ProblemOf(data, Experiment());
     whole.set_data(split);
     Estimate estimate = EstimateJointly(whole);
-    return JudgeTrust(whole, 1, &estimate).verdict;
+    return test::JudgeTrust(whole, 1, &estimate).verdict;
   };
   const Verdict seen = verdict_with([](size_t c) { return c >= kConfigurations; });
   EXPECT_FALSE(seen.trusted);
@@ -278,7 +279,7 @@ TEST(Verdict, StandardDeviationsThatContradictEachOtherAreSaid) {
     }
     const CalibrationProblem changed = test::Kr270ProblemOf(data, Experiment());
     Estimate estimate = EstimateJointly(changed);
-    return JudgeTrust(changed, 1, &estimate).verdict.words;
+    return test::JudgeTrust(changed, 1, &estimate).verdict.words;
   };
   EXPECT_THAT(verdict_with(1e-3), HasSubstr("the stated standard deviations contradict each other"));
   EXPECT_THAT(verdict_with(0.5), ::testing::Not(HasSubstr("contradict each other")));
@@ -380,7 +381,7 @@ TEST(Verdict, LoadsOfTheWrongSignAreNamed) {
     }
     const CalibrationProblem problem = campaign.Problem();
     Estimate estimate = EstimateJointly(problem);
-    return JudgeTrust(problem, 1, &estimate).verdict;
+    return test::JudgeTrust(problem, 1, &estimate).verdict;
   };
   for (const double factor : {1.0, 0.3}) {
     const Verdict reversed = verdict_with(-1.0, factor);

@@ -13,6 +13,7 @@
 #include "problems/loads.h"
 #include "problems/simulation.h"
 #include "tests/support/constant_orientation.h"
+#include "tests/support/judged.h"
 #include "tests/support/predicted.h"
 #include "tests/support/random_vector.h"
 
@@ -121,7 +122,7 @@ TEST(HeldInfluence, ModelErrorDoesNotMultiplyWhatIsHeld) {
   const int coordinate = estimate.parameters.FindCoordinate("base/S1/x");
   const auto at = std::find(estimate.estimated.begin(), estimate.estimated.end(), coordinate);
   between.variance[at - estimate.estimated.begin()] = 1e-6;
-  JudgeTrust(problem, 1, &estimate, between);
+  test::JudgeTrust(problem, 1, &estimate, between);
   const ParameterEstimate& row = estimate.table[coordinate];
   EXPECT_NEAR(row.ci95.high - row.value, 12.7e-3, 1e-3);
   EXPECT_NEAR(row.unconditional_ci95.high - row.value, 1.96 * kRange, 0.02 * kRange);

@@ -12,6 +12,7 @@
 #include "estimator/inspection/sampled_problem.h"
 #include "estimator/inspection/wild_rows.h"
 #include "estimator/validation/suspects.h"
+#include "tests/support/judged.h"
 #include "tests/support/kr270_experiment.h"
 #include "tests/support/measured_arms.h"
 #include "tests/support/real_data.h"
@@ -57,7 +58,7 @@ TEST(Plausibility, WrongRowsAreRefusedWithTheirCure) {
       for (Observation& row : data.observations) {
         if (input.point) input.point(&row.point_in_station);
       }
-      const Plausibility found = CheckPlausible(ProblemOf(arm.rows, data));
+      const Plausibility found = test::CheckPlausible(ProblemOf(arm.rows, data));
       ASSERT_FALSE(found.plausible) << arm.name << " " << input.cure;
       EXPECT_EQ(found.finding.code, input.code) << arm.name << ": " << found.finding.words;
       EXPECT_THAT(found.finding.words + found.finding.remedy, HasSubstr(input.cure)) << arm.name;
@@ -68,12 +69,12 @@ TEST(Plausibility, WrongRowsAreRefusedWithTheirCure) {
 TEST(Plausibility, WrongTablesAreRefusedWithTheirCure) {
   for (const Arm& arm : Arms()) {
     const Measurements data = Measure(arm.rows, 4);
-    Plausibility found = CheckPlausible(ProblemOf(arm.rows, data, DhConvention::kModified));
+    Plausibility found = test::CheckPlausible(ProblemOf(arm.rows, data, DhConvention::kModified));
     ASSERT_FALSE(found.plausible);
     EXPECT_THAT(found.finding.words, HasSubstr("the table as standard DH"));
     std::vector<DhRow> turned = arm.rows;
     turned[0].alpha_deg *= -1;
-    found = CheckPlausible(ProblemOf(turned, data));
+    found = test::CheckPlausible(ProblemOf(turned, data));
     ASSERT_FALSE(found.plausible);
     EXPECT_THAT(found.finding.remedy, HasSubstr("alpha_deg in the row of j1"));
   }
@@ -81,7 +82,7 @@ TEST(Plausibility, WrongTablesAreRefusedWithTheirCure) {
   for (const bool first : {true, false}) {
     const std::vector<Arm> arms = Arms();
     const Plausibility found =
-        CheckPlausible(ProblemOf(arms[first ? 0 : 1].rows, Measure(arms[first ? 1 : 0].rows, 5)));
+        test::CheckPlausible(ProblemOf(arms[first ? 0 : 1].rows, Measure(arms[first ? 1 : 0].rows, 5)));
     ASSERT_FALSE(found.plausible);
     EXPECT_EQ(found.finding.code, "misfit");
     EXPECT_THAT(found.finding.remedy, HasSubstr("is it this robot?"));
@@ -91,7 +92,7 @@ TEST(Plausibility, WrongTablesAreRefusedWithTheirCure) {
 // Each error of an arm drawn up to 5 mm and 1 deg; alone, and with rows in addition that are far off.
 TEST(Plausibility, RobotsWithLargeErrorsAreNotRefused) {
   for (int seed = 0; seed < 40; ++seed) {
-    const Plausibility found = CheckPlausible(test::ArmWithLargeErrors(seed));
+    const Plausibility found = test::CheckPlausible(test::ArmWithLargeErrors(seed));
     EXPECT_TRUE(found.plausible) << seed << ": " << found.finding.words;
   }
 }
@@ -114,7 +115,7 @@ TEST(Plausibility, ManyRowsAreJudgedByAFewHundredConfigurations) {
     EXPECT_EQ(sampled.data().SourceOf(row), data.SourceOf(data.observations[whole]));
   }
   EXPECT_EQ(markers.size(), 2u);
-  const Plausibility found = CheckPlausible(problem);
+  const Plausibility found = test::CheckPlausible(problem);
   ASSERT_FALSE(found.plausible);
   EXPECT_THAT(found.finding.words, HasSubstr("joint j2 counted the other way"));
 }
@@ -124,7 +125,7 @@ TEST(Plausibility, ManyRowsShiftedByOneAreRefusedWithTheirCure) {
   Measurements data = Measure(test::Ur5Rows(), 8, 900);
   for (size_t i = data.observations.size() - 1; i > 0; --i)
     data.observations[i].point_in_station = data.observations[i - 1].point_in_station;
-  const Plausibility found = CheckPlausible(ProblemOf(test::Ur5Rows(), data));
+  const Plausibility found = test::CheckPlausible(ProblemOf(test::Ur5Rows(), data));
   ASSERT_FALSE(found.plausible);
   EXPECT_EQ(found.finding.code, "row_shift") << found.finding.words;
 }
@@ -135,7 +136,7 @@ TEST(Plausibility, ALostReadingIsNoShift) {
   for (const bool is_last : {true, false}) {
     Measurements data = Measure(test::Ur5Rows(), 8, 12);
     data.observations[is_last ? 11 : 0].point_in_station.setConstant(-9.999);
-    const Plausibility found = CheckPlausible(ProblemOf(test::Ur5Rows(), data));
+    const Plausibility found = test::CheckPlausible(ProblemOf(test::Ur5Rows(), data));
     EXPECT_NE(found.finding.code, "row_shift") << found.finding.words;
   }
 }
@@ -154,7 +155,7 @@ TEST(Plausibility, RowsOfOneConfigurationAreNoOtherStations) {
   Eigen::VectorXd& q = data.configurations.back().q;
   std::swap(q[1], q[2]);
   const CalibrationProblem problem = test::Kr270ProblemOf(data, Experiment());
-  EXPECT_THAT(CheckPlausible(problem).finding.words, ::testing::Not(HasSubstr("another station")));
+  EXPECT_THAT(test::CheckPlausible(problem).finding.words, ::testing::Not(HasSubstr("another station")));
   EXPECT_EQ(FindSuspects(problem, EstimateJointly(problem)).size(), 6u);
 }
 
@@ -168,7 +169,7 @@ TEST(Plausibility, RowsUnderAnotherLabelAreNamed) {
     Measurements two = clean;
     for (size_t i = 0; i < 60; i += 3)
       two.observations[i].point_in_station = elsewhere(clean.observations[i].point_in_station);
-    const auto found = CheckPlausible(ProblemOf(arm.rows, two)).finding;
+    const auto found = test::CheckPlausible(ProblemOf(arm.rows, two)).finding;
     EXPECT_EQ(found.code, "station_moved") << found.words;
     EXPECT_THAT(found.words, HasSubstr("20 of 60 rows"));
     EXPECT_THAT(found.words, HasSubstr("90 deg away"));
@@ -176,7 +177,7 @@ TEST(Plausibility, RowsUnderAnotherLabelAreNamed) {
     Measurements exchanged = two;
     exchanged.stations.push_back("S2");
     for (size_t i = 0; i < 60; ++i) exchanged.shots[i].station = (i % 3 == 0) != (i % 10 == 0);
-    const auto labels = CheckPlausible(ProblemOf(arm.rows, exchanged)).finding;
+    const auto labels = test::CheckPlausible(ProblemOf(arm.rows, exchanged)).finding;
     EXPECT_EQ(labels.code, "station_label") << labels.words;
     EXPECT_THAT(labels.words, HasSubstr("station S2 in place of S1 in 2 rows and station S1 in place of S2 in 4 rows"));
     EXPECT_THAT(labels.remedy, HasSubstr("correct the column station"));
@@ -188,7 +189,7 @@ TEST(Plausibility, RowsUnderAnotherLabelAreNamed) {
         pose = pose * test::Link(arm.rows[j], clean.configurations[i].q[static_cast<Eigen::Index>(j)]);
       marker.observations[i].point_in_station += 0.08 * pose.block<3, 1>(0, 0);
     }
-    const auto moved = CheckPlausible(ProblemOf(arm.rows, marker)).finding;
+    const auto moved = test::CheckPlausible(ProblemOf(arm.rows, marker)).finding;
     EXPECT_EQ(moved.code, "marker_moved") << moved.words;
     EXPECT_THAT(moved.words, HasSubstr("80 mm away"));
 
@@ -201,18 +202,18 @@ TEST(Plausibility, RowsUnderAnotherLabelAreNamed) {
       link.observations[i].marker = 1;
       link.observations[i].point_in_station = (pose * Eigen::Vector4d(0.2, 0.1, -0.1, 1)).head<3>();
     }
-    const auto on = CheckPlausible(ProblemOf(arm.rows, link)).finding;
+    const auto on = test::CheckPlausible(ProblemOf(arm.rows, link)).finding;
     EXPECT_EQ(on.code, "marker_frame") << on.words;
     EXPECT_THAT(on.remedy, HasSubstr("K1: {on: j2}"));
 
     Measurements one = clean;
     for (Observation& row : one.observations) row.point_in_station = clean.observations[0].point_in_station;
-    EXPECT_EQ(CheckPlausible(ProblemOf(arm.rows, one)).finding.code, "one_point");
+    EXPECT_EQ(test::CheckPlausible(ProblemOf(arm.rows, one)).finding.code, "one_point");
 
     Measurements wild = clean;
     for (const size_t i : {7u, 11u, 31u, 50u})
       wild.observations[i].point_in_station.x() += 0.3 + 0.05 * static_cast<double>(i);
-    EXPECT_TRUE(CheckPlausible(ProblemOf(arm.rows, wild)).plausible);
+    EXPECT_TRUE(test::CheckPlausible(ProblemOf(arm.rows, wild)).plausible);
   }
 }
 
@@ -249,11 +250,11 @@ TEST(Plausibility, LabelsThatTheSampleMissesAreNamed) {
       if (std::find(sample.begin(), sample.end(), i) == sample.end()) wrong.push_back(i);
     }
     for (const int i : wrong) data.observations[static_cast<size_t>(i)].point_in_station *= -1.0;
-    EXPECT_TRUE(CheckPlausible(ProblemOf(arm.rows, data)).plausible);  // wild rows: suspects
+    EXPECT_TRUE(test::CheckPlausible(ProblemOf(arm.rows, data)).plausible);  // wild rows: suspects
     for (const int i : wrong) data.observations[static_cast<size_t>(i)].point_in_station *= -1.0;
     for (const int i : wrong) data.shots[static_cast<size_t>(i)].station ^= 1;
     const CalibrationProblem problem = ProblemOf(arm.rows, data);
-    const auto found = CheckPlausible(problem).finding;
+    const auto found = test::CheckPlausible(problem).finding;
     EXPECT_EQ(found.code, "station_label") << found.words;
     ASSERT_EQ(found.rows.size(), wrong.size()) << arm.name;
     for (size_t k = 0; k < wrong.size(); ++k) EXPECT_EQ(found.rows[k], "arm.csv:" + std::to_string(wrong[k] + 2));
@@ -271,7 +272,7 @@ TEST(Plausibility, AJointThatWasNotRecordedIsNamed) {
   for (const Arm& arm : Arms()) {
     Measurements data = Measure(arm.rows, 11, 60);
     for (Configuration& configuration : data.configurations) configuration.q[3] = 0.0;
-    const Plausibility found = CheckPlausible(ProblemOf(arm.rows, data));
+    const Plausibility found = test::CheckPlausible(ProblemOf(arm.rows, data));
     ASSERT_FALSE(found.plausible);
     EXPECT_THAT(found.finding.words, HasSubstr("joint j4 stands still in all rows (0.0 to 0.0 deg): was it recorded?"));
   }
@@ -279,9 +280,9 @@ TEST(Plausibility, AJointThatWasNotRecordedIsNamed) {
 
 TEST(Plausibility, RealRobotsAreNotRefused) {
   if (!test::HasRealData()) GTEST_SKIP() << "no measured robots at " << test::RealData("");
-  EXPECT_TRUE(CheckPlausible(test::RealProblem("ur5_gts3800", {"measurements.csv"}, Experiment())).plausible);
+  EXPECT_TRUE(test::CheckPlausible(test::RealProblem("ur5_gts3800", {"measurements.csv"}, Experiment())).plausible);
   for (const char* series : {"series_A.csv", "series_B.csv", "series_C.csv", "series_D.csv"})
-    EXPECT_TRUE(CheckPlausible(test::RealProblem("ur10_leica", {series}, Experiment())).plausible) << series;
+    EXPECT_TRUE(test::CheckPlausible(test::RealProblem("ur10_leica", {series}, Experiment())).plausible) << series;
 }
 
 }  // namespace

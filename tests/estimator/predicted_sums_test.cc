@@ -8,6 +8,7 @@
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/validation/trust.h"
+#include "tests/support/judged.h"
 #include "tests/support/loaded_kr270.h"
 
 namespace sagitta::predicted_sums_test {
@@ -58,7 +59,7 @@ TEST(PredictedSums, HeldOutPointsShareTheDeviationsOfTheirArrival) {
   ASSERT_TRUE(estimate.held.coordinates.empty());
   PredictedSquares expected;
   AddDense(problem, estimate, problem.ValidationObservations(), estimate.covariance, &expected);
-  const UnseenPoints holdout = JudgeTrust(problem, 1, &estimate).holdout;
+  const UnseenPoints holdout = test::JudgeTrust(problem, 1, &estimate).holdout;
   EXPECT_NEAR(holdout.freedom / expected.Freedom(), 1.0, 1e-9);
   EXPECT_NEAR(3.0 * holdout.points * holdout.predicted_rms * holdout.predicted_rms / expected.trace, 1.0, 1e-9);
 }
@@ -82,7 +83,7 @@ TEST(PredictedSums, PointsOfAFoldShareThemToo) {
             .jacobian;
     AddDense(problem, estimate, own, (j.transpose() * j).inverse(), &expected);
   }
-  const UnseenPoints unseen = JudgeTrust(problem, 1, &estimate).cross_validation.unseen;
+  const UnseenPoints unseen = test::JudgeTrust(problem, 1, &estimate).cross_validation.unseen;
   EXPECT_NEAR(unseen.freedom / expected.Freedom(), 1.0, 1e-6);
   EXPECT_NEAR(3.0 * unseen.points * unseen.predicted_rms * unseen.predicted_rms / expected.trace, 1.0, 1e-6);
 }
@@ -102,7 +103,7 @@ TEST(PredictedSums, WhatHeldParametersLeaveOpenIsExpected) {
   const CalibrationProblem problem = test::Kr270ProblemOf(data, experiment);
   Estimate estimate = EstimateJointly(problem);
   ASSERT_FALSE(estimate.held.coordinates.empty());
-  const UnseenPoints holdout = JudgeTrust(problem, 1, &estimate).holdout;
+  const UnseenPoints holdout = test::JudgeTrust(problem, 1, &estimate).holdout;
   EXPECT_NEAR(holdout.predicted_rms / estimate.validation_predicted_rms, 1.0, 1e-6);
 }
 

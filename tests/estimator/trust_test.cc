@@ -9,6 +9,7 @@
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/inspection/row_lint.h"
 #include "estimator/least_squares/refit.h"
+#include "tests/support/judged.h"
 #include "tests/support/loaded_kr270.h"
 #include "tests/support/predicted.h"
 
@@ -38,7 +39,7 @@ Kr270Design Design(int configurations, std::uint64_t seed = 1) {
 
 Trust TrustOf(const CalibrationProblem& problem) {
   Estimate estimate = EstimateJointly(problem);
-  return JudgeTrust(problem, 1, &estimate);
+  return test::JudgeTrust(problem, 1, &estimate);
 }
 
 // Distances of every fold's points from base poses and markers refitted without them, the geometry nominal.
@@ -69,7 +70,7 @@ double RefittedNominalRms(const CalibrationProblem& problem, const ParameterSet&
 TEST(NominalRobot, IsNotAlignedToThePointsThatItIsJudgedBy) {
   const CalibrationProblem problem = Problem(Design(24));
   const Estimate estimate = EstimateJointly(problem);
-  const CrossValidation found = CrossValidate(problem, estimate, 1);
+  const CrossValidation found = test::CrossValidate(problem, estimate, 1);
   ASSERT_EQ(found.nominal.points, found.unseen.points);
   EXPECT_NEAR(found.nominal.distance_rms / RefittedNominalRms(problem, estimate.aligned), 1.0, 0.01);
   EXPECT_GT(found.nominal.distance_rms, 1.03 * estimate.fit_before.distance_rms);
@@ -135,7 +136,7 @@ TEST(CrossValidation, AMarkerOfOneConfigurationIsLeftOut) {
       row.excluded = row.marker == 2 && data->shots[row.shot].configuration != 4;
   });
   const Estimate estimate = EstimateJointly(problem);
-  const CrossValidation found = CrossValidate(problem, estimate, 1);
+  const CrossValidation found = test::CrossValidate(problem, estimate, 1);
   EXPECT_EQ(found.unpredictable.points, 1);
   EXPECT_THAT(found.unpredictable.markers, ElementsAre("P3"));
   EXPECT_THAT(found.unpredictable.stations, ElementsAre());
@@ -164,7 +165,7 @@ TEST(CrossValidation, AStationOfOneConfigurationIsLeftOut) {
     test::MeasureKr270(test::Kr270Truth(), Kr270Design().sigma, 8, data);
   });
   const Estimate estimate = EstimateJointly(problem);
-  const CrossValidation found = CrossValidate(problem, estimate, 1);
+  const CrossValidation found = test::CrossValidate(problem, estimate, 1);
   EXPECT_EQ(found.unpredictable.points, 3);
   EXPECT_THAT(found.unpredictable.stations, ElementsAre("S2"));
   EXPECT_EQ(found.unseen.points, 87);

@@ -7,6 +7,7 @@
 #include "estimator/report/validation_words.h"
 #include "estimator/validation/trust.h"
 #include "models/constants.h"
+#include "tests/support/judged.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta::validation_test {
@@ -29,7 +30,7 @@ CalibrationProblem Problem(const std::function<void(Measurements*)>& change = {}
 TEST(CrossValidation, AgreesWithTenRefits) {
   const CalibrationProblem problem = Problem();
   const Estimate estimate = EstimateJointly(problem);
-  const CrossValidation found = CrossValidate(problem, estimate, 1);
+  const CrossValidation found = test::CrossValidate(problem, estimate, 1);
   ASSERT_EQ(found.folds, 10);
   const std::vector<int> fold_of = FoldsOf(problem, 1);
   const std::vector<int> observations = problem.CalibrationObservations();
@@ -64,9 +65,9 @@ TEST(CrossValidation, AgreesWithTenRefits) {
 TEST(CrossValidation, PredictsTheSameFromSumsAndRowByRow) {
   const CalibrationProblem problem = Problem();
   Estimate estimate = EstimateJointly(problem);
-  const CrossValidation from_sums = CrossValidate(problem, estimate, 1);
+  const CrossValidation from_sums = test::CrossValidate(problem, estimate, 1);
   estimate.scatter[0] *= 1.0 + 1e-9;
-  const CrossValidation row_by_row = CrossValidate(problem, estimate, 1);
+  const CrossValidation row_by_row = test::CrossValidate(problem, estimate, 1);
   ASSERT_GT(row_by_row.unseen.predicted_rms, 0.0);
   EXPECT_NEAR(from_sums.unseen.predicted_rms / row_by_row.unseen.predicted_rms, 1.0, 1e-8);
   EXPECT_NEAR(from_sums.unseen.p_value, row_by_row.unseen.p_value, 1e-6);
@@ -103,7 +104,7 @@ TEST(Suspects, ARobotThatMissesBecauseOfThemIsNotDoubted) {
     std::swap(data->observations[9].point_in_station, data->observations[10].point_in_station);
   });
   Estimate estimate = EstimateJointly(problem);
-  const std::string verdict = JudgeTrust(problem, 1, &estimate).verdict.words;
+  const std::string verdict = test::JudgeTrust(problem, 1, &estimate).verdict.words;
   EXPECT_THAT(verdict, HasSubstr("correct these rows or leave them out"));
   EXPECT_THAT(verdict, ::testing::Not(HasSubstr("do not belong together")));
 }
@@ -113,7 +114,7 @@ TEST(Trust, CleanDataAreTrustedAndKeepTheirIntervals) {
   for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
     const CalibrationProblem problem = Problem({}, {}, seed);
     Estimate estimate = EstimateJointly(problem);
-    const Trust trust = JudgeTrust(problem, 1, &estimate);
+    const Trust trust = test::JudgeTrust(problem, 1, &estimate);
     EXPECT_TRUE(trust.suspects.empty()) << trust.verdict.words;
     trusted += trust.verdict.trusted;
     wide += trust.model_error > 1.0;
@@ -132,7 +133,7 @@ TEST(Trust, HoldoutBeyondItsPredictionIsSaidAndInTheIntervals) {
     problem.mutable_data()->observations[i].point_in_station.z() += (i % 2 == 0 ? 1.0 : -1.0) * 4e-4;
   Estimate estimate = EstimateJointly(problem);
   const Interval before = estimate.table[0].ci95;
-  const Trust trust = JudgeTrust(problem, 1, &estimate);
+  const Trust trust = test::JudgeTrust(problem, 1, &estimate);
   EXPECT_FALSE(trust.verdict.trusted);
   EXPECT_THAT(trust.verdict.words, HasSubstr("times what the estimate predicted"));
   EXPECT_GT(trust.model_error, 1.5);
@@ -172,7 +173,7 @@ TEST(Trust, APredictionThatIsTooLargeDoesNotAgree) {
   for (const int i : problem.CalibrationObservations())
     if (++k % 6 == 0) problem.mutable_data()->observations[i].point_in_station.z() += (k % 4 == 0 ? 1.0 : -1.0) * 2e-3;
   Estimate estimate = EstimateJointly(problem);
-  const Trust trust = JudgeTrust(problem, 1, &estimate);
+  const Trust trust = test::JudgeTrust(problem, 1, &estimate);
   ASSERT_LT(trust.Quoted().Excess(), 0.7);
   EXPECT_THAT(trust.verdict.words, HasSubstr(" times larger"));
   EXPECT_THAT(trust.verdict.words, ::testing::Not(HasSubstr("the prediction agrees")));
@@ -190,7 +191,7 @@ TEST(Trust, PointsThatWereNeverMeasuredAreDoubted) {
   const CalibrationProblem problem =
       Problem([](Measurements* data) { test::MeasureKr270(test::Kr270Truth(), 1e-9, 3, data); });
   Estimate estimate = EstimateJointly(problem);
-  const Trust trust = JudgeTrust(problem, 1, &estimate);
+  const Trust trust = test::JudgeTrust(problem, 1, &estimate);
   EXPECT_FALSE(trust.verdict.trusted);
   EXPECT_THAT(trust.verdict.words, HasSubstr("below any instrument's noise"));
 }
@@ -201,7 +202,7 @@ TEST(Trust, ARobotFileThatIsCalibratedAlreadyIsAsGoodAsBefore) {
   Estimate estimate = EstimateJointly(problem);
   estimate.aligned = estimate.parameters;
   ComputeStatistics(problem, &estimate);
-  const Trust trust = JudgeTrust(problem, 1, &estimate);
+  const Trust trust = test::JudgeTrust(problem, 1, &estimate);
   ASSERT_LT(trust.nominal.distance_rms, trust.Quoted().distance_rms);
   EXPECT_TRUE(trust.verdict.trusted) << trust.verdict.words;
   EXPECT_THAT(trust.verdict.words, HasSubstr("the robot file was as good already"));
@@ -214,7 +215,7 @@ TEST(Trust, AJointThatStandsStillIsSaid) {
     test::MeasureKr270(test::Kr270Truth(), 5e-5, 7, data);
   });
   Estimate estimate = EstimateJointly(problem);
-  const Trust trust = JudgeTrust(problem, 1, &estimate);
+  const Trust trust = test::JudgeTrust(problem, 1, &estimate);
   EXPECT_TRUE(trust.verdict.trusted) << trust.verdict.words;
   EXPECT_THAT(trust.verdict.words, HasSubstr("Joint A6 stands at 28.6 deg in all rows: what it does was not measured"));
 }
@@ -228,10 +229,10 @@ TEST(Trust, ACorrectionLargerThanArmsNeedIsSaid) {
   typed.dh.reset();
   const CalibrationProblem with = MakeCalibrationProblem(typed, problem.data(), problem.experiment());
   Estimate estimate = EstimateJointly(with);
-  const Trust trust = JudgeTrust(with, 1, &estimate);
+  const Trust trust = test::JudgeTrust(with, 1, &estimate);
   EXPECT_THAT(trust.verdict.words, HasSubstr("geometry/p_x1 comes out 9"));
   Estimate clean = EstimateJointly(problem);
-  EXPECT_THAT(JudgeTrust(problem, 1, &clean).verdict.words, ::testing::Not(HasSubstr("from the robot file")));
+  EXPECT_THAT(test::JudgeTrust(problem, 1, &clean).verdict.words, ::testing::Not(HasSubstr("from the robot file")));
 }
 
 // One configuration alone tilts the flange: the fold that holds it out leaves the marker unmeasured, and the figure is
@@ -247,7 +248,7 @@ TEST(CrossValidation, WhatOnlyOneConfigurationMeasuresIsHeldWhereItIsLeftOut) {
     test::MeasureKr270(test::Kr270Truth(), 1e-4, 9, data);
   });
   const Estimate estimate = EstimateJointly(problem);
-  const CrossValidation found = CrossValidate(problem, estimate, 1);
+  const CrossValidation found = test::CrossValidate(problem, estimate, 1);
   const int fold = FoldsOf(problem, 1)[4];
   CalibrationProblem without = problem;
   for (Observation& row : without.mutable_data()->observations) {
@@ -282,8 +283,8 @@ TEST(CrossValidation, LearntWeightsAreKept) {
       std::vector<double>(25, 0.0)};
   robot.effects.push_back(learnt);
   const CalibrationProblem kept = MakeCalibrationProblem(robot, plain.data(), plain.experiment());
-  const CrossValidation found = CrossValidate(kept, EstimateJointly(kept), 1);
-  const CrossValidation without = CrossValidate(plain, EstimateJointly(plain), 1);
+  const CrossValidation found = test::CrossValidate(kept, EstimateJointly(kept), 1);
+  const CrossValidation without = test::CrossValidate(plain, EstimateJointly(plain), 1);
   EXPECT_NEAR(found.unseen.distance_max / without.unseen.distance_max, 1.0, 1e-6);
   Experiment all = plain.experiment();
   all.estimate.effects.kind = Selection::Kind::kAll;

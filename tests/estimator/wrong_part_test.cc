@@ -10,6 +10,7 @@
 #include "estimator/diagnosis/cautions.h"
 #include "estimator/inspection/inspect.h"
 #include "estimator/inspection/reading_lint.h"
+#include "tests/support/judged.h"
 #include "tests/support/measured_arms.h"
 
 namespace sagitta::wrong_part_test {
@@ -58,7 +59,7 @@ Measurements TwoMarkers(const std::vector<DhRow>& nominal, int configurations, i
 }
 
 Finding FindingOf(const std::vector<DhRow>& rows, const Measurements& data) {
-  const Plausibility found = CheckPlausible(test::ProblemOf(rows, data));
+  const Plausibility found = test::CheckPlausible(test::ProblemOf(rows, data));
   return found.plausible ? Finding() : found.finding;
 }
 
@@ -152,7 +153,7 @@ TEST(WrongPart, HeldOutRowsAreNamedToo) {
   for (const size_t i : {10u, 11u, 30u, 31u, 60u, 61u}) data.observations[i].marker ^= 1;
   CalibrationProblem problem = test::ProblemOf(arm, data);
   for (const size_t c : {3u, 5u, 15u, 17u, 30u}) problem.mutable_data()->configurations[c].is_validation = true;
-  const Plausibility found = CheckPlausible(problem);
+  const Plausibility found = test::CheckPlausible(problem);
   ASSERT_FALSE(found.plausible);
   EXPECT_THAT(found.finding.words, HasSubstr("6 of 80 rows, those of 3 shots"));
 }
@@ -179,7 +180,7 @@ TEST(WrongPart, JointLimitsDecideBetweenEqualReadings) {
               HasSubstr("with alpha of joint j5 of the other sign, and"));
   Robot robot = test::ProblemOf(test::PumaStandardRows(), data).robot();
   for (Joint& joint : robot.chain.joints) joint.min = -125.0 * kDegree, joint.max = 125.0 * kDegree;
-  const Finding found = CheckPlausible(MakeCalibrationProblem(robot, data, Experiment())).finding;
+  const Finding found = test::CheckPlausible(MakeCalibrationProblem(robot, data, Experiment())).finding;
   EXPECT_THAT(found.words,
               HasSubstr("with joint j5 with its zero 180 deg away; what else fits goes beyond the limits"));
 }

@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "estimator/inspection/reading_lint.h"
+#include "tests/support/judged.h"
 #include "tests/support/measured_arms.h"
 #include "tests/support/real_data.h"
 
@@ -17,7 +18,7 @@ int main(int argc, char** argv) {
   const int first = argc > 2 ? std::atoi(argv[2]) : 0;
   int refused = 0;
   for (int seed = first; seed < first + robots; ++seed) {
-    const Plausibility found = CheckPlausible(test::ArmWithLargeErrors(seed));
+    const Plausibility found = test::CheckPlausible(test::ArmWithLargeErrors(seed));
     if (found.plausible) continue;
     ++refused;
     std::printf("seed %d: %s\n", seed, found.finding.words.c_str());
@@ -30,7 +31,7 @@ int main(int argc, char** argv) {
                                      {"ur10_leica", "series_B.csv"},
                                      {"ur10_leica", "series_C.csv"},
                                      {"ur10_leica", "series_D.csv"}}) {
-    real += !CheckPlausible(test::RealProblem(folder, {file}, Experiment())).plausible;
+    real += !test::CheckPlausible(test::RealProblem(folder, {file}, Experiment())).plausible;
   }
   std::printf("measured series refused: %d of 5\n", real);
   return refused + real > 0;
