@@ -7,6 +7,7 @@
 #include "estimator/baselines/differencing.h"
 #include "estimator/baselines/full_pose.h"
 #include "estimator/baselines/two_step.h"
+#include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/ceres_problem.h"
 #include "estimator/noise/residual_noise.h"
 #include "estimator/report/baselines_words.h"

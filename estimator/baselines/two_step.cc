@@ -9,6 +9,7 @@
 #include "estimator/baselines/damped_step.h"
 #include "estimator/baselines/paper_stages.h"
 #include "estimator/calibration/joint_estimator.h"
+#include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/report/baselines_words.h"
 #include "problems/interruption.h"
@@ -175,21 +176,6 @@ void Alternate(const StageContext& context, const TwoStepOptions& options, TwoSt
 void CheckOptions(const TwoStepOptions& options) {
   CheckIn(allowed::kIterations, options.max_iterations, "TwoStepOptions.max_iterations");
   CheckIn(allowed::kTolerance, options.tolerance, "TwoStepOptions.tolerance");
-}
-
-Eigen::VectorXd TangentDifference(const ParameterSet& to, const ParameterSet& from) {
-  Eigen::VectorXd difference(from.num_coordinates());
-  for (size_t i = 0; i < from.blocks().size(); ++i) {
-    const ParameterBlock& a = from.blocks()[i];
-    const ParameterBlock& b = to.blocks()[i];
-    if (IsRotation(a.kind)) {
-      const Eigen::Map<const Eigen::Quaterniond> qa(a.values.data()), qb(b.values.data());
-      difference.segment<3>(a.first_coordinate) = RotationVector(qb * qa.conjugate());
-      continue;
-    }
-    for (int k = 0; k < a.tangent_size; ++k) difference[a.first_coordinate + k] = b.values[k] - a.values[k];
-  }
-  return difference;
 }
 
 TwoStepResult EstimateInTwoSteps(const CalibrationProblem& problem, const TwoStepOptions& options) {

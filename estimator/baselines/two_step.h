@@ -61,8 +61,4 @@ struct TwoStepResult {
 
 TwoStepResult EstimateInTwoSteps(const CalibrationProblem& problem, const TwoStepOptions& options = {});
 
-// Tangent step that leads from one set of values to another (ParameterSet::Plus),
-// one entry per coordinate, SI.
-Eigen::VectorXd TangentDifference(const ParameterSet& to, const ParameterSet& from);
-
 }  // namespace sagitta

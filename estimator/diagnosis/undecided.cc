@@ -3,7 +3,7 @@
 #include <limits>
 #include <numeric>
 
-#include "estimator/baselines/two_step.h"
+#include "estimator/least_squares/bounded_step.h"
 #include "estimator/report/diagnosis_caution_words.h"
 #include "estimator/statistics/distributions.h"
 

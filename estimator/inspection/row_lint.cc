@@ -79,7 +79,7 @@ Eigen::VectorXd WeightedStep(const Linearization& rows, const Eigen::VectorXd& r
 
 }  // namespace
 
-double RobustScale(std::vector<double> distances, int unknowns) {
+double TypicalDistance(std::vector<double> distances, int unknowns) {
   const auto passed = static_cast<size_t>((unknowns + 2) / 3);
   if (passed >= distances.size()) return std::numeric_limits<double>::infinity();
   const auto others = distances.begin() + static_cast<std::ptrdiff_t>(passed);
@@ -106,7 +106,7 @@ Eigen::Matrix3Xd RobustLinearResiduals(const Linearization& linearization, const
     const Eigen::Matrix3Xd before = residuals;
     residuals = residuals_of(linearization.residual + linearization.jacobian * moved);
     const std::vector<double> distances = ResidualLengths(residuals);
-    const double scale = kHalfWeight * std::max(1e-12, RobustScale(distances, linearization.num_columns()));
+    const double scale = kHalfWeight * std::max(1e-12, TypicalDistance(distances, linearization.num_columns()));
     if (i > 0 && (residuals - before).cwiseAbs().maxCoeff() < kStands * scale) break;
     for (int k = 0; k < n; ++k) {
       const double ratio = distances[k] / scale;
@@ -135,7 +135,7 @@ double NearestAlone(std::vector<double> distances, double median) {
 
 std::vector<int> GrossOutliers(const Eigen::Matrix3Xd& residuals, int unknowns) {
   const std::vector<double> distances = ResidualLengths(residuals);
-  const double median = RobustScale(distances, unknowns);
+  const double median = TypicalDistance(distances, unknowns);
   if (!std::isfinite(median)) return {};
   const double limit = std::min(kGross * median, NearestAlone(distances, median));
   std::vector<int> outliers;
@@ -180,7 +180,8 @@ std::vector<Finding> LintRows(const CalibrationProblem& problem, const Lineariza
     gross_rows.push_back(problem.data().SourceOf(observation(k)));
   }
   if (gross_rows.empty()) return findings;
-  const Advice advice = RowsAreOff(gross_rows.size(), least, most, RobustScale(ResidualLengths(residuals), unknowns));
+  const Advice advice =
+      RowsAreOff(gross_rows.size(), least, most, TypicalDistance(ResidualLengths(residuals), unknowns));
   findings.push_back(Found(Severity::kSerious, "outliers", advice, gross_rows));
   return findings;
 }

@@ -20,7 +20,7 @@ Eigen::Matrix3Xd RobustLinearResiduals(const Linearization& linearization, const
 // the others (Holland, Welsch, Robust regression using iteratively reweighted least-squares, Communications in
 // Statistics A 6 (1977) 813; Street, Carroll, Ruppert, A note on computing robust regression estimates via iteratively
 // reweighted least squares, The American Statistician 42 (1988) 152). No others: infinity.
-double RobustScale(std::vector<double> distances, int unknowns);
+double TypicalDistance(std::vector<double> distances, int unknowns);
 
 // Observations (positions in linearization.observations) far off the rest, or less far and alone so. unknowns: of the
 // fit that left the residuals.

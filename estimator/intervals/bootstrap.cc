@@ -5,10 +5,10 @@
 #include <mutex>
 #include <random>
 
-#include "estimator/baselines/two_step.h"
 #include "estimator/calibration/bounds.h"
 #include "estimator/estimate/parameter_table.h"
 #include "estimator/intervals/redraw.h"
+#include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/normal_equations.h"
 #include "estimator/least_squares/parallel.h"

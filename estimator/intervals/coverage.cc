@@ -3,10 +3,10 @@
 #include <cmath>
 
 #include "estimator/baselines/compare_methods.h"
-#include "estimator/baselines/two_step.h"
 #include "estimator/calibration/noise_loop.h"
 #include "estimator/intervals/intervals.h"
 #include "estimator/intervals/redraw.h"
+#include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/refit.h"
 #include "models/constants.h"

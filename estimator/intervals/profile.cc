@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/baselines/two_step.h"
 #include "estimator/estimate/parameter_table.h"
+#include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/parallel.h"
 #include "estimator/least_squares/refit.h"
 #include "estimator/report/intervals_words.h"

@@ -100,4 +100,19 @@ void Move(const std::vector<int>& columns, const Eigen::VectorXd& delta, double 
   parameters->Plus(all);
 }
 
+Eigen::VectorXd TangentDifference(const ParameterSet& to, const ParameterSet& from) {
+  Eigen::VectorXd difference(from.num_coordinates());
+  for (size_t i = 0; i < from.blocks().size(); ++i) {
+    const ParameterBlock& a = from.blocks()[i];
+    const ParameterBlock& b = to.blocks()[i];
+    if (IsRotation(a.kind)) {
+      const Eigen::Map<const Eigen::Quaterniond> qa(a.values.data()), qb(b.values.data());
+      difference.segment<3>(a.first_coordinate) = RotationVector(qb * qa.conjugate());
+      continue;
+    }
+    for (int k = 0; k < a.tangent_size; ++k) difference[a.first_coordinate + k] = b.values[k] - a.values[k];
+  }
+  return difference;
+}
+
 }  // namespace sagitta

@@ -26,4 +26,7 @@ BoundedStep SolveBounded(const Linearization& here, const ParameterSet& paramete
 // Moves the columns' coordinates by `share` of delta.
 void Move(const std::vector<int>& columns, const Eigen::VectorXd& delta, double share, ParameterSet* parameters);
 
+// The step that leads from one set of values to another (ParameterSet::Plus), one entry per coordinate, SI.
+Eigen::VectorXd TangentDifference(const ParameterSet& to, const ParameterSet& from);
+
 }  // namespace sagitta

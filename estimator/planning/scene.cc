@@ -59,7 +59,7 @@ void Place(const Measurements& data, CalibrationProblem* problem, std::vector<st
     if (data.observations[k].point_in_station.allFinite()) read.push_back(static_cast<int>(k));
   }
   if (!read.empty()) {
-    FindStartingValues(*problem, read, {}, &problem->parameters);
+    FindStartingValues(*problem, read, &problem->parameters);
     words->push_back(PlacesFitReadings());
     return;
   }

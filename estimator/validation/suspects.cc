@@ -205,7 +205,7 @@ std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const Estim
   if (!FitRobustly(estimate, &rows, &outliers)) return suspects;
   std::vector<double> distances;
   for (Eigen::Index k = 0; k < rows.residuals.cols(); ++k) distances.push_back(rows.residuals.col(k).norm());
-  const double median = RobustScale(distances, rows.unknowns);
+  const double median = TypicalDistance(distances, rows.unknowns);
   const bool is_near = median <= SuspiciousMisfit(problem);  // else no reading can be said to fit
   for (const int k : outliers) {
     const int observation = rows.observations[k];

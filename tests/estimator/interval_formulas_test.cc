@@ -8,11 +8,11 @@
 #include <cmath>
 #include <random>
 
-#include "estimator/baselines/two_step.h"
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/intervals/bootstrap.h"
 #include "estimator/intervals/profile.h"
 #include "estimator/intervals/redraw.h"
+#include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/held_influence.h"
 #include "estimator/least_squares/refit.h"
 #include "estimator/least_squares/sandwich.h"

@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "estimator/baselines/compare_methods.h"
-#include "estimator/baselines/two_step.h"
 #include "estimator/calibration/joint_estimator.h"
+#include "estimator/least_squares/bounded_step.h"
 #include "estimator/statistics/distributions.h"
 #include "tests/support/loaded_kr270.h"
 #include "tests/support/paths.h"

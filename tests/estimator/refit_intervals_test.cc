@@ -3,11 +3,11 @@
 
 #include <cmath>
 
-#include "estimator/baselines/two_step.h"
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/intervals/bootstrap.h"
 #include "estimator/intervals/profile.h"
 #include "estimator/intervals/redraw.h"
+#include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/refit.h"
 #include "estimator/least_squares/row_sums.h"
 #include "estimator/statistics/distributions.h"

@@ -343,9 +343,9 @@ TEST(Suspects, GrossRowsAreFoundFromThirtyPosesOn) {
 
 TEST(RowLint, TheScaleIsThatOfRowsTheFitDoesNotPassThrough) {
   const std::vector<double> distances = {5.0, 0.0, 3.0, 0.0, 4.0};
-  EXPECT_EQ(RobustScale(distances, 0), 3.0);
-  EXPECT_EQ(RobustScale(distances, 6), 4.0);  // two rows of three equations
-  EXPECT_TRUE(std::isinf(RobustScale(distances, 15)));
+  EXPECT_EQ(TypicalDistance(distances, 0), 3.0);
+  EXPECT_EQ(TypicalDistance(distances, 6), 4.0);  // two rows of three equations
+  EXPECT_TRUE(std::isinf(TypicalDistance(distances, 15)));
 }
 
 // Sums of squared errors of many campaigns: parameters drawn of C, joints' deviations once per arrival, readings of

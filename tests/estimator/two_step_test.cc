@@ -7,6 +7,7 @@
 
 #include "estimator/baselines/compare_methods.h"
 #include "estimator/calibration/joint_estimator.h"
+#include "estimator/least_squares/bounded_step.h"
 #include "tests/support/agreement.h"
 #include "tests/support/loaded_kr270.h"
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "estimator/baselines/two_step.h"
 #include "estimator/calibration/joint_estimator.h"
+#include "estimator/least_squares/bounded_step.h"
 #include "estimator/statistics/distributions.h"
 
 namespace sagitta::test {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-#include "estimator/baselines/two_step.h"
+#include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/refit.h"
 #include "estimator/least_squares/spring_tie_cost.h"
 #include "tests/support/loaded_kr270.h"
