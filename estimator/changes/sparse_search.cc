@@ -11,14 +11,8 @@
 namespace sagitta {
 namespace {
 
-<<<<<<< HEAD
 constexpr double kNegligible = 12.0;  // a set e^-12 below the best is not followed
 constexpr size_t kBeam = 12;          // sets that are followed at a time
-=======
-constexpr double kNegligible = 12.0;    // a set e^-12 below the best is not followed
-constexpr size_t kBeam = 12;            // sets that are followed at a time
-constexpr long kMostChangedGroups = 6;  // in a set, but for what is anywhere
->>>>>>> 7401eb0ab8bd34b359f2d4687ecebdb384e9731b
 // Prior probabilities: that nothing changed, and of each change after the first.
 constexpr double kNothingChanged = 0.5, kFurtherChange = 0.3;
 

@@ -17,7 +17,6 @@ namespace sagitta {
 namespace {
 
 constexpr double kItsFault = 0.1;
-constexpr int kMostLinearizedAgain = 3;  // steps of Gauss-Newton, of which each squares what is off: from 60 % to 2 %
 
 // between: those of the list.
 LeadingSet WeighAndRefit(const SearchInput& input, const std::vector<Candidate>& between, const Evidence* before,
@@ -130,7 +129,7 @@ LeadingSet FindLeading(const SearchInput& input, const Evidence* before) {
     const LinearizedAbout about{AboutWhat(*found.evidence, effects), effects.with_effects.estimate.parameters};
     found.is_refuted = Refutes(error, effects, found);
     if (!Refutes(std::max(error, gain), effects, found)) break;
-    if (again == kMostLinearizedAgain || !known.insert(PathsOf(about)).second) break;
+    if (again == input.most_again || !known.insert(PathsOf(about)).second) break;
     AppendTuned(*found.evidence, effects, &between);
     if (input.progress) input.progress(WeighingAboutWhatWasFound());
     LeadingSet anew = WeighAndRefit(input, between, found.evidence.get(), about);

@@ -9,6 +9,7 @@
 #include "estimator/diagnosis/cautions.h"
 #include "estimator/report/diagnosis_next_words.h"
 #include "estimator/report/diagnosis_noise_words.h"
+#include "problems/loads.h"
 #include "tests/support/kr270_experiment.h"
 #include "tests/support/loaded_kr270.h"
 #include "tests/support/moved_kr270.h"

@@ -239,7 +239,6 @@ TEST(Options, AreAskedAtTheDoor) {
   ExpectRefused("BootstrapOptions.replicates", [&] { BootstrapIntervals(problem, bootstrap, &estimate); });
   ProfileOptions profile;
   profile.tolerance = 0.0;
-  profile.progress = silent;
   ExpectRefused("ProfileOptions.tolerance", [&] { ProfileIntervals(problem, profile, &estimate); });
   ExactOptions exact;
   exact.starts = 0;
