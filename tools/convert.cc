@@ -218,8 +218,8 @@ std::string MimicsOf(const Chain& chain) {
 }
 
 // Values of effects stay as they are, so what they count from has to.
-void CheckEffects(const std::string& in, const Robot& read, const Robot& back) {
-  const std::vector<EffectInOtherFrame> other = EffectsInOtherFrames(read, back, FLAGS_seed);
+void CheckEffects(const std::string& in, const Robot& read, const Robot& back, std::uint64_t seed) {
+  const std::vector<EffectInOtherFrame> other = EffectsInOtherFrames(read, back, seed);
   if (other.empty()) return;
   throw InputError({in, 0, "effects"}, CountsFromTurnedAxes(other.front().path, other.front().distance),
                    KeepItsDescription());
@@ -243,7 +243,7 @@ int RunConvert(const CommandLine& line) {
     throw Failure("the file written would differ from the robot read by " + FormatNumber(1e3 * difference) +
                   " mm; nothing is written");
   }
-  if (back.effects.size() == reading.robot.effects.size()) CheckEffects(in, reading.robot, back);
+  if (back.effects.size() == reading.robot.effects.size()) CheckEffects(in, reading.robot, back, FLAGS_seed);
   file.Write(written.text);
   std::cout << in << ": " << reading.format << ", " << reading.robot.num_joints() << " joints\n";
   const std::string ends = EndsOf(in, options.read.ends);

@@ -36,21 +36,21 @@ double FarthestApart(const Pose<double>& a, const Pose<double>& b) {
 }
 
 // Shots of every kind: whatever an effect goes with varies. The load hangs on the flange.
-std::vector<ShotInput> ShotsOfEveryKind(const Robot& robot, const EffectSpec& effect, std::uint64_t seed) {
+std::vector<ShotInput> ShotsOfEveryKind(const Chain& chain, const EffectSpec& effect, std::uint64_t seed) {
   constexpr double kForce = 1000.0, kMoment = 100.0;  // N, N m
   constexpr double kKelvin = 5.0, kSeconds = 600.0;
   std::mt19937_64 random(seed);
   std::vector<ShotInput> shots;
   for (int trial = 0; trial < kTrials; ++trial) {
-    ShotInput shot(UniformJoints(robot.chain, &random));
+    ShotInput shot(UniformJoints(chain, &random));
     ShotConditions& conditions = shot.conditions;
     conditions.load = effect.target;  // of an effect on one load
     conditions.has_time = conditions.has_temperature = true;
     conditions.time = conditions.station_time = kSeconds * trial;
     conditions.temperature = kKelvin * Uniform(&random);
-    for (int j = 0; j < robot.num_joints(); ++j) conditions.approach.push_back(random() % 2 == 0 ? 1 : -1);
+    for (int j = 0; j < chain.num_joints(); ++j) conditions.approach.push_back(random() % 2 == 0 ? 1 : -1);
     AppliedWrench load;
-    load.frame = robot.chain.FlangeFrame();
+    load.frame = chain.FlangeFrame();
     load.point = 0.3 * UniformVector(&random);
     load.force = kForce * UniformVector(&random);
     load.moment = kMoment * UniformVector(&random);
@@ -64,13 +64,14 @@ std::vector<ShotInput> ShotsOfEveryKind(const Robot& robot, const EffectSpec& ef
 // With one of its effects alone, what bends under loads included.
 std::vector<Pose<double>> FlangesWith(Robot robot, size_t effect, std::uint64_t seed) {
   robot.effects = {EffectSpec(robot.effects[effect])};
-  std::vector<ShotInput> shots = ShotsOfEveryKind(robot, robot.effects.front(), seed);
   const ForwardModel model(robot);
+  const Chain& chain = model.chain();  // what may tilt is a part of it
+  std::vector<ShotInput> shots = ShotsOfEveryKind(chain, robot.effects.front(), seed);
   model.Prepare(&shots);
   const std::vector<double> values = model.NominalValues();
   std::vector<Pose<double>> flanges;
   for (const ShotInput& shot : shots) {
-    flanges.push_back(model.FrameInBase(shot, values.data(), robot.chain.FlangeFrame()));
+    flanges.push_back(model.FrameInBase(shot, values.data(), chain.FlangeFrame()));
   }
   return flanges;
 }

@@ -92,8 +92,8 @@ std::string ZerosAreHidden(const std::vector<std::string>& joints, const Change&
 
 std::string TooFarApart(const std::string& old_file, const std::string& new_file) {
   return "no changes found that lead from " + old_file + " to " + new_file +
-         ": joint zeros, base, tool and up to six parameters were fitted in turn and did not settle; another robot, or "
-         "too much of it changed";
+         ": joint zeros, base, tool and up to six parameters were fitted in turn and did not settle; another robot, "
+         "too much of it changed, or an estimate is less certain than it says";
 }
 
 std::string LacksSomething(const std::string& file, double factor) {

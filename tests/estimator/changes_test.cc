@@ -150,7 +150,7 @@ TEST(ChangesTest, WhatCampaignsLeaveOpenIsNoChange) {
   after.errors[7] += 0.1e-3;  // dq3
   KnownRobot old_estimate = Estimated(before, 1), new_estimate = Estimated(after, 2);
   EXPECT_EQ(NamesOf(FindChanges(old_estimate, new_estimate)), "joint_zero/A3 ");
-  for (KnownRobot* known : {&old_estimate, &new_estimate}) known->campaign_covariance *= 400.0;
+  for (KnownRobot* known : {&old_estimate, &new_estimate}) known->campaign_covariance *= 5e-2;
   EXPECT_EQ(NamesOf(FindChanges(old_estimate, new_estimate)), "");
 }
 
@@ -236,10 +236,17 @@ TEST(ChangesTest, StiffnessesOfALoadedCampaignAreOpenInAnUnloadedOne) {
 // Two estimates that claim to be surer than they are: no few changes explain how they differ, and that is said.
 TEST(ChangesTest, WhatNoChangeExplainsIsSaid) {
   KnownRobot old_estimate = Estimated(Kr270Truth(), 12), new_estimate = Estimated(Kr270Truth(), 13);
-  for (KnownRobot* known : {&old_estimate, &new_estimate}) known->campaign_covariance *= 1e-2;
+  for (KnownRobot* known : {&old_estimate, &new_estimate}) known->campaign_covariance *= 0.1;
   const Changes changes = FindChanges(old_estimate, new_estimate);
   ASSERT_FALSE(changes.notes.empty()) << changes.words;
   EXPECT_THAT(changes.notes[0], HasSubstr("more is left"));
+  for (KnownRobot* known : {&old_estimate, &new_estimate}) known->campaign_covariance *= 0.1;
+  try {
+    FindChanges(old_estimate, new_estimate);
+    FAIL() << "six changes are listed";
+  } catch (const Failure& failure) {
+    EXPECT_THAT(failure.what(), HasSubstr("less certain than it says"));
+  }
 }
 
 // All lengths and zeros of another arm of the type differ: the six largest of them explain the points no better than
