@@ -136,7 +136,7 @@ void CheckEffectColumns(const CalibrationProblem& problem, const std::string& wh
   const std::optional<NeededColumn> needed = ColumnOfAnEffect(problem);
   if (!needed) return;
   throw InputError(problem.data().WhereOf(problem.data().shots[static_cast<size_t>(needed->shot)], needed->column),
-                   "effect " + needed->effect + " needs this column", "add it, or " + what_else);
+                   needed->effect + " needs this column", "add it, or " + what_else);
 }
 
 std::string UnlevelledStationWithWeights(const CalibrationProblem& problem) {

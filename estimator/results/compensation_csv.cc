@@ -111,7 +111,7 @@ void CheckColumnsOfTargets(const CalibrationProblem& problem, TargetsFrom from) 
   if (!needed) return;
   const std::string program = problem.data().files.empty() ? "" : problem.data().files[0].path;
   throw InputError(
-      {program, 0, ""}, "effect " + needed->effect + " needs " + needed->column + ", which no robot program states",
+      {program, 0, ""}, needed->effect + " needs " + needed->column + ", which no robot program states",
       "correct a table of its points with this column (sagitta compensate ESTIMATE.json TARGETS.csv), or " + otherwise);
 }
 
