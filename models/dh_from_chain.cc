@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 
 #include "models/constants.h"
@@ -16,7 +17,7 @@ constexpr double kExactlyParallel = 1e-10;  // rad: nearer, the common normal is
 constexpr double kZero = 1e-12;             // m, rad: rounding of a chain of poses
 constexpr double kLengthPrior = 5e-3, kAnglePrior = 5e-3;
 constexpr double kToolReach = 0.1;  // m
-constexpr int kPoses = 400;
+constexpr int kPoses = 400, kClimbs = 12;
 
 struct Line {
   Vector3<double> point, direction;
@@ -99,12 +100,24 @@ void CloseTable(const Pose<double>& flange, int joint, DhTable* table) {
   if ((turn - Matrix3<double>::Identity()).norm() > kZero) table->flange_rpy = RpyFromRotation(turn).unaryExpr(&Clean);
 }
 
-// `parallel`: rad, within which axes count as parallel and have beta.
-std::optional<DhTable> StandardTable(const Chain& chain, double parallel, std::string* why_not) {
-  const std::vector<Pose<double>> frames = NominalFrames(chain, Eigen::VectorXd::Zero(chain.num_joints()));
+std::vector<Pose<double>> FramesAtZero(const Chain& chain) {
+  return NominalFrames(chain, Eigen::VectorXd::Zero(chain.num_joints()));
+}
+
+// The first joint's positive motion is about (along) the base's -z.
+bool CountsTheOtherWay(const Line& first) { return (first.direction + Vector3<double>::UnitZ()).norm() < kZero; }
+
+// frames: of the chain at joint values 0; parallel: rad, within which axes count as parallel and have beta.
+std::optional<DhTable> StandardTable(const Chain& chain, const std::vector<Pose<double>>& frames, double parallel,
+                                     std::string* why_not) {
   const Line first = AxisLine(chain, frames, 0);
   const bool slides = chain.joints[0].type == JointType::kPrismatic;
   const double off = slides ? 0.0 : first.point.head<2>().norm();
+  if (CountsTheOtherWay(first) && off <= kZero) {
+    *why_not = "joint '" + chain.joints[0].name + "' moves " + (slides ? "along" : "about") +
+               " the z axis of the base and counts the other way, and a table begins with a joint that counts along z";
+    return std::nullopt;
+  }
   if ((first.direction - Vector3<double>::UnitZ()).norm() > kZero || off > kZero) {
     *why_not =
         "joint '" + chain.joints[0].name + "' does not move about the z axis of the base, where a DH table begins";
@@ -176,18 +189,64 @@ double* Entry(DhTable* table, int i) {
 }
 double PriorOf(int i) { return i % 4 < 2 ? kLengthPrior : kAnglePrior; }
 
+struct JointRange {
+  double low, high;  // rad or m
+};
+
+JointRange RangeOf(const Joint& joint) {
+  const double reach = joint.type == JointType::kRevolute ? kPi : 1.0;
+  return {joint.min.value_or(-reach), joint.max.value_or(reach)};
+}
+
 std::vector<Eigen::VectorXd> RandomPoses(const Chain& chain) {
   std::mt19937_64 random(1955);
   std::vector<Eigen::VectorXd> poses(kPoses, Eigen::VectorXd(chain.num_joints()));
   for (Eigen::VectorXd& q : poses) {
     for (int j = 0; j < q.size(); ++j) {
-      const Joint& joint = chain.joints[j];
-      const double reach = joint.type == JointType::kRevolute ? kPi : 1.0;
-      const double low = joint.min.value_or(-reach), high = joint.max.value_or(reach);
-      q[j] = low + (high - low) * UnitNumber(random());
+      const JointRange range = RangeOf(chain.joints[j]);
+      q[j] = range.low + (range.high - range.low) * UnitNumber(random());
     }
   }
   return poses;
+}
+
+double FlangesApart(const Chain& a, const Chain& b, const Eigen::VectorXd& q) {
+  return (NominalFrames(a, q).back().translation - NominalFrames(b, q).back().translation).norm();
+}
+
+// From a pose uphill, one joint after the other within its range, by steps that are halved where none leads higher.
+double LargestNear(const Chain& a, const Chain& b, Eigen::VectorXd q) {
+  double largest = FlangesApart(a, b, q);
+  for (double step = 0.1; step > 1e-3;) {  // shares of the range
+    bool is_higher = false;
+    for (int j = 0; j < q.size(); ++j) {
+      const JointRange range = RangeOf(a.joints[j]);
+      for (const double by : {-step, step}) {
+        Eigen::VectorXd tried = q;
+        tried[j] = std::clamp(q[j] + by * (range.high - range.low), range.low, range.high);
+        const double apart = FlangesApart(a, b, tried);
+        if (!(apart > largest)) continue;
+        largest = apart;
+        q = tried;
+        is_higher = true;
+      }
+    }
+    if (!is_higher) step *= 0.5;
+  }
+  return largest;
+}
+
+// The largest distance of the flanges in the joints' range: uphill from the worst of these poses; by_pose: theirs.
+double LargestApart(const Chain& a, const Chain& b, const std::vector<Eigen::VectorXd>& poses,
+                    const std::vector<double>& by_pose) {
+  std::vector<size_t> order(poses.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](size_t i, size_t k) { return by_pose[i] > by_pose[k]; });
+  double largest = 0.0;
+  for (size_t i = 0; i < std::min<size_t>(order.size(), kClimbs); ++i) {
+    largest = std::max(largest, LargestNear(a, b, poses[order[i]]));
+  }
+  return largest;
 }
 
 // Flange and two points away from it, all poses, m.
@@ -205,13 +264,22 @@ Eigen::VectorXd Points(const Chain& chain, const std::vector<Eigen::VectorXd>& p
 }  // namespace
 
 std::optional<DhTable> DhTableFromChain(const Chain& chain, DhConvention convention, std::string* why_not) {
-  const std::optional<DhTable> standard = StandardTable(chain, kParallel, why_not);
+  std::vector<Pose<double>> frames = FramesAtZero(chain);
+  // The first row of a modified table turns the base over before its joint.
+  const bool turned = convention == DhConvention::kModified && CountsTheOtherWay(AxisLine(chain, frames, 0));
+  if (turned) {
+    const Pose<double> over{Eigen::Vector3d(1, -1, -1).asDiagonal(), Vector3<double>::Zero()};
+    for (Pose<double>& frame : frames) frame = Product(over, frame);
+  }
+  const std::optional<DhTable> standard = StandardTable(chain, frames, kParallel, why_not);
   if (!standard || convention == DhConvention::kStandard) return standard;
-  return ModifiedFromStandard(*standard);
+  DhTable modified = ModifiedFromStandard(*standard);
+  if (turned) modified.links.front().alpha = kPi;
+  return modified;
 }
 
 std::optional<DhTable> ExactPlainTable(const Chain& chain, std::string* why_not) {
-  return StandardTable(chain, kExactlyParallel, why_not);
+  return StandardTable(chain, FramesAtZero(chain), kExactlyParallel, why_not);
 }
 
 std::optional<DhTable> InConvention(const DhTable& table, DhConvention convention, std::string* why_not) {
@@ -252,13 +320,14 @@ PlainDhFit FitPlainDh(const Chain& chain, const DhTable& with_beta) {
     if (step.norm() < 1e-12) break;
   }
   const Eigen::VectorXd off = Points(chain_of(fit.table), poses) - target;
+  std::vector<double> by_pose;
   double sum = 0.0;
   for (size_t p = 0; p < poses.size(); ++p) {
-    const double squared = off.segment<3>(9 * p).squaredNorm();
-    sum += squared;
-    fit.max = std::max(fit.max, std::sqrt(squared));
+    by_pose.push_back(off.segment<3>(9 * p).norm());
+    sum += by_pose.back() * by_pose.back();
   }
   fit.rms = std::sqrt(sum / poses.size());
+  fit.max = LargestApart(chain_of(fit.table), chain_of(with_beta), poses, by_pose);
   for (int i = 0; i < n; ++i) {
     if (i % 4 >= 2) continue;
     fit.largest_length_change =

@@ -17,7 +17,7 @@
 namespace sagitta {
 
 // What joint 1 .. n and the flange leave when a table cannot hold the chain goes
-// to *why_not, in words: the first axis has to be the base's z axis.
+// to *why_not, in words: the first axis has to be the base's z axis, and count along it in a standard table.
 std::optional<DhTable> DhTableFromChain(const Chain& chain, DhConvention convention, std::string* why_not);
 
 // A standard table without beta that holds the chain exactly, as controllers without beta have it after a calibration:
@@ -35,7 +35,7 @@ std::optional<DhTable> InConvention(const DhTable& table, DhConvention conventio
 struct PlainDhFit {
   DhTable table;
   double rms = 0.0;                    // m: distance of the flange from where the exact table has it
-  double max = 0.0;                    // m
+  double max = 0.0;                    // m, of all poses within the limits: searched uphill from the worst drawn
   double largest_length_change = 0.0;  // m
 };
 PlainDhFit FitPlainDh(const Chain& chain, const DhTable& with_beta);

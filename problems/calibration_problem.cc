@@ -309,7 +309,7 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
   CheckNames(problem);
   CheckCompensator(problem);
   CheckEffects(problem);
-  CheckEffectColumns(problem);
+  CheckEffectColumns(problem, "remove the effect from the robot file");
   CheckLevelled(problem);
   SetStartValues(&problem);
   SetFree(&problem);

@@ -119,18 +119,23 @@ void CheckEffects(const CalibrationProblem& problem) {
   }
 }
 
-void CheckEffectColumns(const CalibrationProblem& problem) {
+std::optional<NeededColumn> ColumnOfAnEffect(const CalibrationProblem& problem) {
   for (const EffectSpec& spec : problem.robot().effects) {
     for (size_t s = 0; s < problem.shot_inputs().size(); ++s) {
       const EffectContext context{&problem.robot(), &spec, &problem.shot_inputs()[s].conditions,
                                   &problem.data().markers, 0};
       const std::string column = MissingColumn(*FindEffect(problem.robot(), spec.effect), context);
-      if (column.empty()) continue;
-      throw InputError(problem.data().WhereOf(problem.data().shots[s], column),
-                       "effect " + spec.Path() + " needs this column",
-                       "add it, or remove the effect from the robot file");
+      if (!column.empty()) return NeededColumn{spec.Path(), column, static_cast<int>(s)};
     }
   }
+  return std::nullopt;
+}
+
+void CheckEffectColumns(const CalibrationProblem& problem, const std::string& what_else) {
+  const std::optional<NeededColumn> needed = ColumnOfAnEffect(problem);
+  if (!needed) return;
+  throw InputError(problem.data().WhereOf(problem.data().shots[static_cast<size_t>(needed->shot)], needed->column),
+                   needed->effect + " needs this column", "add it, or " + what_else);
 }
 
 std::string UnlevelledStationWithWeights(const CalibrationProblem& problem) {

@@ -1,6 +1,7 @@
 // What only robot, data and experiment together show to be wrong. Each check throws InputError.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "problems/calibration_problem.h"
@@ -25,8 +26,15 @@ void CheckJointsOfEffects(const Robot& robot, const Experiment& experiment);
 // Targets that only the data know.
 void CheckEffects(const CalibrationProblem& problem);
 
-// Columns that an effect of the robot needs.
-void CheckEffectColumns(const CalibrationProblem& problem);
+// A column that an effect of the robot needs and a row has not.
+struct NeededColumn {
+  std::string effect;  // its path
+  std::string column;
+  int shot = -1;
+};
+std::optional<NeededColumn> ColumnOfAnEffect(const CalibrationProblem& problem);
+// what_else: instead of adding the column.
+void CheckEffectColumns(const CalibrationProblem& problem, const std::string& what_else);
 
 // Weights at a station that says it is not levelled, with gravity stated in the measurement frame.
 void CheckLevelled(const CalibrationProblem& problem);

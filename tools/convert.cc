@@ -6,6 +6,8 @@
 #include <iostream>
 
 #include "models/dh_from_chain.h"
+#include "models/effects/catalogue.h"
+#include "models/effects/effect.h"
 #include "problems/failure.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
@@ -68,13 +70,36 @@ struct Written {
   bool is_exact = true;
 };
 
+std::string OwnDescription(const Robot& robot) {
+  if (!robot.dh) return "chain";
+  return robot.dh->convention == DhConvention::kModified ? "mdh" : "dh";
+}
+
 DhTable TableOf(const Robot& robot, DhConvention convention) {
   std::string why_not;
   const std::optional<DhTable> table =
       robot.dh ? InConvention(*robot.dh, convention, &why_not) : DhTableFromChain(robot.chain, convention, &why_not);
   if (table) return *table;
+  std::string not_modified_either;
+  const bool is_modified = robot.dh || DhTableFromChain(robot.chain, DhConvention::kModified, &not_modified_either);
   throw InputError({"", 0, "--as"}, "this robot has no such DH table: " + why_not,
-                   robot.dh ? "--as=mdh keeps the modified table" : "write a chain, or state other links: --base_link");
+                   robot.dh      ? "--as=mdh keeps the modified table"
+                   : is_modified ? "--as=mdh: the first row of a modified table turns the base over (alpha: 180 deg)"
+                                 : "write a chain (--as=chain), or, of a URDF, state other links: --base_link");
+}
+
+// What is named after the errors of one description has no place in another.
+void CheckErrorsAreKept(const Robot& robot) {
+  for (const EffectSpec& spec : robot.effects) {
+    const EffectDefinition* definition = FindEffect(robot, spec.effect);
+    if (!definition || definition->target != EffectTarget::kError) continue;
+    throw InputError({"", 0, "--as"},
+                     "effect '" + spec.effect + "' belongs to the error '" + spec.target +
+                         "', which the table written does not have",
+                     "add its value to the transform that has this error and remove the effect, or keep the "
+                     "description: --as=" +
+                         OwnDescription(robot));
+  }
 }
 
 bool HasBeta(const DhTable& table) {
@@ -114,11 +139,6 @@ DhConvention ConventionOf(const std::string& as) {
   return as == "mdh" ? DhConvention::kModified : DhConvention::kStandard;
 }
 
-std::string OwnDescription(const Robot& robot) {
-  if (!robot.dh) return "chain";
-  return robot.dh->convention == DhConvention::kModified ? "mdh" : "dh";
-}
-
 Written ToYaml(const Robot& robot, const WriteOptions& options) {
   Written written;
   const std::string as = Wanted(options, options.plain && !robot.dh ? "dh" : OwnDescription(robot));
@@ -127,6 +147,7 @@ Written ToYaml(const Robot& robot, const WriteOptions& options) {
   if (as == "chain") {
     result.dh.reset();
   } else {
+    if (as != OwnDescription(robot)) CheckErrorsAreKept(robot);
     DhTable table = TableOf(robot, ConventionOf(as));
     if (options.plain) table = PlainTable(robot, table, &written);
     result = WithTable(robot, table);

@@ -30,7 +30,8 @@ DEFINE_double(accuracy_mm, 0.0, "as few poses as reach this RMS position error a
 DEFINE_bool(augment, false, "the calibration rows of EXP are measured already; plan further ones");
 DEFINE_string(criterion, "I", "I, D, A, E, or an observability index O1 to O5");
 DEFINE_string(discriminate, "", "EFFECT[SETTINGS]/TARGET,…: poses that distinguish these effects");
-DEFINE_string(candidates, "", "FILE.csv: choose among its configurations instead of the joint limits");
+DEFINE_string(candidates, "",
+              "FILE.csv: rows (config, marker, q1_deg …) among whose configurations to choose, not the joint limits");
 DEFINE_string(tests, "", "FILE.csv: the test poses; random: drawn in the joint limits");
 DEFINE_int32(pool, 500, "poses drawn in the joint limits as candidates");
 DEFINE_string(cell, "", "CELL.yaml: floor, boxes, bodies of the arm, lines of sight that poses must keep to");

@@ -15,7 +15,7 @@ DEFINE_string(validation, "", "COLUMN=VALUE[,VALUE]: rows kept for validation; n
 DEFINE_string(load_point_mm, "", "x,y,z where loads act, flange frame");
 DEFINE_string(free, "", "NAME,…: parameters to estimate in addition");
 DEFINE_string(fixed, "", "NAME,…: parameters held at their file or nominal value");
-DEFINE_string(method, "joint", "joint, two-step, two-step-literal, two-step-relinearised or full-pose");
+DEFINE_string(method, "joint", "joint, two-step, two-step-literal, two-step-relinearised, full-pose or differencing");
 DEFINE_bool(force, false, "go on where the nominal robot cannot have made these readings");
 DEFINE_double(significance, 0.01, "level of every test");
 

@@ -68,8 +68,8 @@ struct FlangeSolution {
 double CharacteristicLength(const Chain& chain);
 
 // Smallest of the singular values of the flange's Jacobian that the number of joints allows (position alone below six
-// joints), lengths in units of the reach. A KR 270's is 0.0034 with the wrist 1 degree out of line, and grows with that
-// angle; below kNearSingular a target counts as singular.
+// joints), lengths in units of the reach. With the wrist 1 degree out of line a KR 270's is 0.0025 to 0.007, and it
+// grows with that angle; below kNearSingular a target counts as singular.
 double LeastSingularValue(const Chain& chain, const FlangeState& state);
 constexpr double kNearSingular = 0.0035;
 

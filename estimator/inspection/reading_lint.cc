@@ -37,7 +37,7 @@ Finding DescribeReading(const Reading& reading, double misfit, const std::vector
 
 Finding Unexplained(const CalibrationProblem& problem, double misfit, double suspicious,
                     const ExplainedErrors& errors) {
-  Finding finding = Found(Severity::kSerious, "misfit", MisfitUnexplained(misfit));
+  Finding finding = Found(Severity::kSerious, "misfit", MisfitUnexplained(misfit, problem.data().stations.size() == 1));
   for (const MeasuredRange& range : StillJointsOf(problem))
     finding.words += "; " + JointStands(problem.robot().chain.joints[range.joint], range.least, range.most);
   if (errors.left <= suspicious) {

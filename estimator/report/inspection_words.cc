@@ -25,6 +25,10 @@ std::string LimitsInWords(const Joint& joint) {
   return (joint.min ? "from " + ValueOf(joint, *joint.min) : "up to " + ValueOf(joint, *joint.max)) + UnitOf(joint);
 }
 
+std::string NumberOf(size_t number, const std::string& one, const std::string& more) {
+  return std::to_string(number) + " " + (number == 1 ? one : more);
+}
+
 std::string OfStations(const std::string& stations) { return stations.empty() ? "" : " (station " + stations + ")"; }
 
 }  // namespace
@@ -76,19 +80,22 @@ Advice FewConfigurations(int configurations, int equations, int unknowns) {
 }
 
 Advice PosesAreRepeated(size_t configurations) {
-  return {std::to_string(configurations) +
-              " configurations have the joint values of another one: they add repeats, no new poses",
+  return {NumberOf(configurations, "configuration has the joint values of another one: it adds",
+                   "configurations have the joint values of another one: they add") +
+              " repeats, no new poses",
           "give repeated arrivals the same config and another visit"};
 }
 
 Advice PointsAreCopied(size_t rows) {
-  return {std::to_string(rows) + " rows have the point of an earlier row to the last digit, at other joint values",
-          "measure these rows again or leave them out"};
+  return {
+      NumberOf(rows, "row has", "rows have") + " the point of an earlier row to the last digit, at other joint values",
+      rows == 1 ? "measure this row again or leave it out" : "measure these rows again or leave them out"};
 }
 
 Advice LoadedWithoutUnloaded(size_t shots) {
-  return {std::to_string(shots) + " loaded shots have no unloaded counterpart",
-          "measure them unloaded at the same visit too: what the joints do alike in both then cancels"};
+  return {NumberOf(shots, "loaded shot has", "loaded shots have") + " no unloaded counterpart",
+          std::string(shots == 1 ? "measure it" : "measure them") +
+              " unloaded at the same visit too: what the joints do alike in both then cancels"};
 }
 
 Advice MissingFromData(Missing what) {
@@ -169,12 +176,15 @@ std::string MisfitOfReading(double misfit, double as_read, const std::string& na
   return limits_decide ? words + "; what else fits goes beyond the limits of the joints" : words;
 }
 
-Advice MisfitUnexplained(double misfit) {
+Advice MisfitUnexplained(double misfit, bool is_one_station) {
   return {"the aligned nominal robot misses by " + InMillimetres(misfit) +
               " (RMS), more than a calibration can be asked to explain, and no other sign, zero position, "
               "joint order, unit or DH convention alone explains it",
           "check that robot file and measurements belong together: is it this robot? joint order, signs, zero "
-          "positions, link lengths"};
+          "positions, link lengths" +
+              std::string(is_one_station ? "; or did the instrument stand in several places, which are one station in "
+                                           "these rows? Name each place in the column station"
+                                         : "")};
 }
 
 std::string ErrorsThatWouldExplain(double by, bool is_length, const std::string& largest) {

@@ -53,7 +53,8 @@ std::string WeightsPullAcross(double angle);
 // fit as well. limits_decide: still others do so beyond the joints' limits.
 std::string MisfitOfReading(double misfit, double as_read, const std::string& name,
                             const std::vector<std::string>& alike, bool limits_decide);
-Advice MisfitUnexplained(double misfit);
+// is_one_station: all rows are of one.
+Advice MisfitUnexplained(double misfit, bool is_one_station);
 // What would have to be off for the robot to be this one: `by` (m or rad) in the largest error, so named.
 std::string ErrorsThatWouldExplain(double by, bool is_length, const std::string& largest);
 

@@ -104,9 +104,20 @@ void SetAfterMoments(CalibrationProblem* problem) {
   problem->model().Prepare(&shots);
 }
 
+void CheckColumnsOfTargets(const CalibrationProblem& problem, TargetsFrom from) {
+  const std::string otherwise = "calibrate without the effect";
+  if (from == TargetsFrom::kTable) return CheckEffectColumns(problem, otherwise);
+  const std::optional<NeededColumn> needed = ColumnOfAnEffect(problem);
+  if (!needed) return;
+  const std::string program = problem.data().files.empty() ? "" : problem.data().files[0].path;
+  throw InputError(
+      {program, 0, ""}, needed->effect + " needs " + needed->column + ", which no robot program states",
+      "correct a table of its points with this column (sagitta compensate ESTIMATE.json TARGETS.csv), or " + otherwise);
+}
+
 }  // namespace
 
-CompensationInput MakeCompensationInput(const KnownRobot& known, const Targets& targets) {
+CompensationInput MakeCompensationInput(const KnownRobot& known, const Targets& targets, TargetsFrom from) {
   if (targets.shots.shots.size() != targets.rows.size()) {
     throw InputError({},
                      "targets: " + std::to_string(targets.rows.size()) + " rows and " +
@@ -127,7 +138,7 @@ CompensationInput MakeCompensationInput(const KnownRobot& known, const Targets& 
       MakeKnownProblem(WithEffectsOfTheArm(known), targets.shots, known.loading, {known.base_in_station, {}}),
       NominalChain(known), known.uncertainty, known.rest, known.noise.freedom};
   SetAfterMoments(&input.problem);
-  CheckEffectColumns(input.problem);
+  CheckColumnsOfTargets(input.problem, from);
   return input;
 }
 

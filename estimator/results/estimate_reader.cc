@@ -339,7 +339,7 @@ CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data)
   loading.file = known.file;
   CalibrationProblem problem =
       MakeKnownProblem(known.robot, std::move(data), std::move(loading), {known.base_in_station, known.markers});
-  CheckEffectColumns(problem);
+  CheckEffectColumns(problem, "calibrate without the effect");
   std::vector<int> all(problem.data().observations.size());
   std::iota(all.begin(), all.end(), 0);
   const Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, all);

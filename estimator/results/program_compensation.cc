@@ -230,7 +230,8 @@ CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram progr
   result.targets = TargetsFromTable(table.Take(), known.robot, station);
   KnownRobot loaded = known;
   loaded.loading = loads.loading;
-  result.solved = Compensate(MakeCompensationInput(loaded, result.targets), result.targets.rows, threads, progress);
+  const CompensationInput input = MakeCompensationInput(loaded, result.targets, TargetsFrom::kProgram);
+  result.solved = Compensate(input, result.targets.rows, threads, progress);
   std::vector<CorrectedPoint> corrected;
   for (size_t row = 0; row < result.solved.size(); ++row) {
     const CompensatedTarget& target = result.solved[row];

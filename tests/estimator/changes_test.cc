@@ -150,7 +150,7 @@ TEST(ChangesTest, WhatCampaignsLeaveOpenIsNoChange) {
   after.errors[7] += 0.1e-3;  // dq3
   KnownRobot old_estimate = Estimated(before, 1), new_estimate = Estimated(after, 2);
   EXPECT_EQ(NamesOf(FindChanges(old_estimate, new_estimate)), "joint_zero/A3 ");
-  for (KnownRobot* known : {&old_estimate, &new_estimate}) known->campaign_covariance *= 5e-2;
+  for (KnownRobot* known : {&old_estimate, &new_estimate}) known->campaign_covariance *= 400.0;
   EXPECT_EQ(NamesOf(FindChanges(old_estimate, new_estimate)), "");
 }
 

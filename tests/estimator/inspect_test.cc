@@ -10,6 +10,7 @@
 
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/inspection/row_lint.h"
+#include "estimator/report/inspection_words.h"
 #include "tests/support/arms.h"
 #include "tests/support/loaded_kr270.h"
 
@@ -264,6 +265,16 @@ void KeepOrientation(bool turn_base, Measurements* data) {
     (*q)[3] = (*q)[5] = 0.0;
     (*q)[4] = -(*q)[1] - (*q)[2];
   });
+}
+
+TEST(Inspect, OneIsNotMany) {
+  EXPECT_THAT(PointsAreCopied(1).words, ::testing::HasSubstr("1 row has the point"));
+  EXPECT_THAT(PointsAreCopied(2).words, ::testing::HasSubstr("2 rows have the point"));
+  EXPECT_THAT(PosesAreRepeated(1).words,
+              ::testing::HasSubstr("1 configuration has the joint values of another one: it"));
+  EXPECT_THAT(PosesAreRepeated(2).words, ::testing::HasSubstr("2 configurations have the joint values"));
+  EXPECT_THAT(LoadedWithoutUnloaded(1).words, ::testing::HasSubstr("1 loaded shot has"));
+  EXPECT_THAT(LoadedWithoutUnloaded(2).words, ::testing::HasSubstr("2 loaded shots have"));
 }
 
 TEST(Inspect, ConstantOrientationIsSaidInWords) {

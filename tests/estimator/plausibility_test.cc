@@ -89,6 +89,26 @@ TEST(Plausibility, WrongTablesAreRefusedWithTheirCure) {
   }
 }
 
+// The instrument was moved and its station kept its name: rows of one station are asked whether they are. Rows of two,
+// of another arm, are not.
+TEST(Plausibility, PlacesOfOneNameAreAskedFor) {
+  Measurements data = Measure(test::Ur5Rows(), 5);
+  for (size_t i = 0; i < data.observations.size(); i += 2) {
+    Vector3<double>& point = data.observations[i].point_in_station;
+    point = Eigen::AngleAxisd(1.0, Vector3<double>::UnitZ()) * point + Vector3<double>(2.0, -3.0, 0.1);
+  }
+  const Plausibility one = CheckPlausible(ProblemOf(test::Ur5Rows(), data));
+  ASSERT_FALSE(one.plausible);
+  EXPECT_EQ(one.finding.code, "misfit") << one.finding.words;
+  EXPECT_THAT(one.finding.remedy, HasSubstr("several places"));
+  Measurements other = Measure(test::Ur10Rows(), 5);
+  other.stations.push_back("S2");
+  for (size_t i = 0; i < other.shots.size(); i += 2) other.shots[i].station = 1;
+  const Plausibility two = CheckPlausible(ProblemOf(test::Ur5Rows(), other));
+  ASSERT_FALSE(two.plausible);
+  EXPECT_THAT(two.finding.remedy, ::testing::Not(HasSubstr("several places")));
+}
+
 // Each error of an arm drawn up to 5 mm and 1 deg; alone, and with rows in addition that are far off.
 TEST(Plausibility, RobotsWithLargeErrorsAreNotRefused) {
   for (int seed = 0; seed < 40; ++seed) {

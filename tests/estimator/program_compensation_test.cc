@@ -409,6 +409,22 @@ TEST_F(ProgramCompensationTest, FanucTurns) {
   EXPECT_THROW(TurnJointsFrom({1, 4, 7}, 6, "--turn_joints"), InputError);
 }
 
+// A program has no columns, and the robot is the estimate's: what can be done is said, of a table it is the column.
+TEST_F(ProgramCompensationTest, AnEffectThatNeedsAColumnIsNamed) {
+  KnownRobot known = TrueRobot(truth_);
+  known.robot.effects = {{"thermal_growth", "robot", {}, {11.5e-6}}};
+  try {
+    CompensateProgram(known, ReadAs(".src", "PTP {A1 1,A2 -90,A3 90,A4 0,A5 9,A6 0}\n"), scene_, 1);
+    ADD_FAILURE() << "a growth without a temperature is not known";
+  } catch (const InputError& error) {
+    const std::string words = error.what();
+    for (const char* part : {"thermal_growth/robot needs temperature_degC", "no robot program states",
+                             "a table of its points", "calibrate without the effect"})
+      EXPECT_THAT(words, HasSubstr(part));
+    EXPECT_THAT(words, ::testing::Not(HasSubstr("robot file")));
+  }
+}
+
 TEST_F(ProgramCompensationTest, WhatCannotBeReachedStaysAndIsSaid) {
   const std::string text = "PTP {X 9000,Y 0,Z 800,A 0,B 90,C 0,S 2,T 2}\nPTP {A1 1,A2 -90,A3 90,A4 0,A5 9,A6 0}\n";
   ProgramScene scene = scene_;

@@ -31,7 +31,14 @@ TEST(ColumnMeanings, UnitsPartARailFromTheArm) {
     std::vector<std::string> headers = {rail};
     headers.insert(headers.end(), arm.begin(), arm.end());
     EXPECT_THAT(JointsOf(headers, OnRail("E1", "j")), ::testing::ElementsAre(0, 1, 2, 3, 4, 5, 6)) << rail;
+    for (const char* joint : {"T", "R1", "rail", "L"}) {
+      for (const char* word : {"J", "A", "joint_"})
+        EXPECT_THAT(JointsOf(headers, OnRail(joint, word)), ::testing::ElementsAre(0, 1, 2, 3, 4, 5, 6))
+            << rail << " " << joint << " " << word;
+    }
   }
+  // An angle is no place on a rail.
+  EXPECT_THAT(JointsOf({"E1 [deg]"}, OnRail("T", "J")), ::testing::ElementsAre(-9));
   // Counted through the arm, as our own columns are.
   EXPECT_THAT(JointsOf({"q1_mm", "q2_deg", "q3_deg", "q4_deg", "q5_deg", "q6_deg", "q7_deg"}, OnRail("E1", "j")),
               ::testing::ElementsAre(0, 1, 2, 3, 4, 5, 6));

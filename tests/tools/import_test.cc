@@ -273,6 +273,45 @@ TEST_F(Convert, UniversalRobotsConf) {
   EXPECT_EQ(Run({"convert", Path("new.conf"), Path("back.yaml"), "--nominal=" + robot}).status, 0);
 }
 
+// An effect that belongs to a geometric error of the chain is the reason, not a line of a file that is not written.
+TEST_F(Convert, AnEffectOfAnErrorKeepsItsDescription) {
+  const std::string robot =
+      Write("robot.yaml", std::string("schema: sagitta/robot/1\n") +
+                              "joints: [{name: A1, type: revolute}, {name: A2, type: revolute}]\n"
+                              "kinematics:\n  chain: [{Rz: A1}, {Tx_mm: 350}, "
+                              "{Ry: A2, error: dq2}, {Tz_mm: 900}]\n"
+                              "effects: [{effect: frozen_geometry, error: dq2, value_deg: 0.1}]\n");
+  for (const std::string as : {"--as=dh", "--as=mdh", "--plain"}) {
+    const Outcome refused = Run({"convert", robot, Path("table.yaml"), as});
+    EXPECT_EQ(refused.status, 2) << as;
+    for (const char* part : {"effect 'frozen_geometry'", "the error 'dq2'", "--as=chain"})
+      EXPECT_NE(refused.err.find(part), std::string::npos) << refused.err;
+    EXPECT_EQ(refused.err.find("table.yaml"), std::string::npos) << refused.err;
+    EXPECT_FALSE(Exists("table.yaml"));
+  }
+  EXPECT_EQ(Run({"convert", robot, Path("same.yaml")}).status, 0);
+  EXPECT_NE(Read("same.yaml").find("frozen_geometry"), std::string::npos);
+}
+
+// The first axis counts the other way: a standard table has no place for that, a modified one has.
+TEST_F(Convert, AFirstAxisThatCountsTheOtherWay) {
+  const std::string robot = Write("robot.yaml",
+                                  "schema: sagitta/robot/1\n"
+                                  "joints: [{name: A1, type: revolute}, {name: A2, type: revolute}]\n"
+                                  "kinematics:\n  chain: [{Tz_mm: 750}, {Rz: A1, sign: -1}, {Tx_mm: 350}, {Ry: A2}, "
+                                  "{Tz_mm: 900}]\n");
+  const Outcome refused = Run({"convert", robot, Path("table.yaml"), "--as=dh"});
+  EXPECT_EQ(refused.status, 2);
+  for (const char* part : {"joint 'A1' moves about the z axis", "counts the other way", "--as=mdh"})
+    EXPECT_NE(refused.err.find(part), std::string::npos) << refused.err;
+  EXPECT_FALSE(Exists("table.yaml"));
+  for (const std::string out : {"table.yaml", "table.csv"}) {
+    const Outcome modified = Run({"convert", robot, Path(out), "--as=mdh"});
+    EXPECT_EQ(modified.status, 0) << modified.err;
+    EXPECT_NE(modified.out.find("moves as before"), std::string::npos) << modified.out;
+  }
+}
+
 TEST_F(Convert, RoundTripAndWords) {
   const std::string robot = Write("robot.yaml", kRobot);
   for (const std::string out : {"a.urdf", "a.csv", "b.yaml"})

@@ -111,7 +111,7 @@ std::string PredictedInWords(int points, double largest, double noise_dof, const
 
 std::string SimulatedInWords(int rows, std::uint64_t seed, bool is_exact, const std::string& file) {
   return std::to_string(rows) + " rows simulated with seed " + std::to_string(seed) +
-         (is_exact ? ", exact: nothing states a standard deviation" : "") + ": " + file + "\n";
+         (is_exact ? ", exact: no standard deviation above 0 is stated" : "") + ": " + file + "\n";
 }
 
 std::string AgainstColumns(double reproduced) {

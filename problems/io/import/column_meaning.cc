@@ -398,7 +398,7 @@ void CountTurningJoints(const std::vector<Joint>& joints, std::vector<ColumnMean
   for (ColumnMeaning* meaning : numbered) meaning->index = places[static_cast<size_t>(meaning->index)];
 }
 
-// "Rail [mm]" of a robot with one joint that slides, where no other column is that joint.
+// "Rail [mm]" or "E1 [mm]" of a robot with one joint that slides, where no other column is that joint.
 void NameRail(const std::vector<std::string>& headers, const std::vector<Joint>& joints,
               std::vector<ColumnMeaning>* meanings) {
   static const std::set<std::string> kRail = {"rail", "track", "linear", "schiene", "linearachse", "verfahrachse"};
@@ -412,7 +412,8 @@ void NameRail(const std::vector<std::string>& headers, const std::vector<Joint>&
     const bool is_rail = Has(words, kRail) && std::all_of(words.begin(), words.end(), [](const std::string& word) {
                            return kRail.count(word) + kAround.count(word) > 0;
                          });
-    if (is_rail && IsLengthUnit((*meanings)[c].unit)) columns.push_back(c);
+    const bool is_first_external = words == Words{"e", "1"};
+    if ((is_rail || is_first_external) && IsLengthUnit((*meanings)[c].unit)) columns.push_back(c);
     if ((*meanings)[c].role == Role::kJoint && (*meanings)[c].index == rail) return;
   }
   if (columns.size() != 1) return;

@@ -86,13 +86,23 @@ class Planner {
     if (plan_.rotation_is_mapped) SortMappedRotation(table_, &plan_.rotation_columns);
   }
 
+  // How --map names these joints (from 0), in units that they can have.
+  std::string HintOfJoints(const std::vector<size_t>& joints) const {
+    std::string columns;
+    for (const size_t j : joints) {
+      const bool slides = joints_[j].type == JointType::kPrismatic;
+      columns += (columns.empty() ? "q" : ",q") + std::to_string(j + 1) + (slides ? "_mm" : "_deg") + "=HEADER";
+    }
+    return "--map=" + columns + "; a column's number does as well";
+  }
+
   // Nothing is found for `what`, perhaps because of units.
-  [[noreturn]] void FailMissing(const std::string& what) const {
+  [[noreturn]] void FailMissing(const std::string& what, const std::string& hint = kMapHint) const {
     std::vector<std::string> columns;
     for (int c = 0; c < static_cast<int>(meanings_.size()); ++c) {
       if (!meanings_[c].unread_unit.empty()) columns.push_back("'" + HeaderOf(c) + "'");
     }
-    if (columns.empty()) Fail("", what, kMapHint);
+    if (columns.empty()) Fail("", what, hint);
     Fail("", what + "; of " + Joined(columns) + " the unit is not one that is read",
          "lengths in mm, cm, m, um or in, angles in deg, rad, mrad or urad (grad: degrees in German, gon elsewhere)");
   }
@@ -148,12 +158,14 @@ class Planner {
            "give the robot that was measured");
     }
     std::vector<std::string> missing;
+    std::vector<size_t> missing_joints;
     for (size_t j = 0; j < joints_.size(); ++j) {
       const std::string stem = "q" + std::to_string(j + 1);
       if (IsMapped(stem)) continue;
       const std::vector<int> columns = ColumnsOf(Role::kJoint, static_cast<int>(j) - (from_zero ? 1 : 0));
       if (columns.empty()) {
         missing.push_back(stem);
+        missing_joints.push_back(j);
         continue;
       }
       const int c = OneJointColumn(columns, stem);
@@ -162,13 +174,14 @@ class Planner {
       if (!unit.empty() && !(slides ? IsLengthUnit(unit) : IsAngleUnit(unit))) {
         Fail(HeaderOf(c),
              "joint '" + joints_[j].name + "' " + (slides ? "slides" : "turns") + ", the column is in " + unit,
-             kMapHint);
+             HintOfJoints({j}));
       }
       Add(stem, unit, c, "joint " + joints_[j].name);
     }
     if (!missing.empty()) {
-      FailMissing("no column is found for " + Joined(missing) + " of the robot's " + std::to_string(joints_.size()) +
-                  " joints");
+      FailMissing(
+          "no column is found for " + Joined(missing) + " of the robot's " + std::to_string(joints_.size()) + " joints",
+          HintOfJoints(missing_joints));
     }
     if (both_joints_) plan_.guesses.push_back("of commanded and actual joint values the commanded ones are used");
     for (const int c : Remaining(Role::kJoint)) plan_.unused.emplace_back(HeaderOf(c), "the other joint values");
