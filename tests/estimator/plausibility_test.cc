@@ -97,14 +97,14 @@ TEST(Plausibility, PlacesOfOneNameAreAskedFor) {
     Vector3<double>& point = data.observations[i].point_in_station;
     point = Eigen::AngleAxisd(1.0, Vector3<double>::UnitZ()) * point + Vector3<double>(2.0, -3.0, 0.1);
   }
-  const Plausibility one = CheckPlausible(ProblemOf(test::Ur5Rows(), data));
+  const Plausibility one = test::CheckPlausible(ProblemOf(test::Ur5Rows(), data));
   ASSERT_FALSE(one.plausible);
   EXPECT_EQ(one.finding.code, "misfit") << one.finding.words;
   EXPECT_THAT(one.finding.remedy, HasSubstr("several places"));
   Measurements other = Measure(test::Ur10Rows(), 5);
   other.stations.push_back("S2");
   for (size_t i = 0; i < other.shots.size(); i += 2) other.shots[i].station = 1;
-  const Plausibility two = CheckPlausible(ProblemOf(test::Ur5Rows(), other));
+  const Plausibility two = test::CheckPlausible(ProblemOf(test::Ur5Rows(), other));
   ASSERT_FALSE(two.plausible);
   EXPECT_THAT(two.finding.remedy, ::testing::Not(HasSubstr("several places")));
 }
