@@ -204,6 +204,18 @@ void SetBefore(const KnownRobot& old_estimate, Change* change) {
   change->words = ChangeInWords(*change);
 }
 
+// A load bends every joint by its share more; gears do not soften by one share together. Alike: within a factor of two.
+void NoteOneLoad(Changes* result) {
+  std::vector<double> shares;
+  for (const Change& change : result->changes) {
+    if (change.kind == ChangeKind::kCompliance && change.before > 0.0) shares.push_back(change.value / change.before);
+  }
+  if (shares.size() < 2) return;
+  const auto [least, most] = std::minmax_element(shares.begin(), shares.end());
+  const bool is_alike = *least > 0.0 ? *most < 2.0 * *least : *least > 2.0 * *most;
+  if (is_alike) result->notes.push_back(OneLoadDoesThatToo(*least, *most));
+}
+
 void AddAlternatives(const std::vector<ChangeGroup>& groups, const SearchOutcome& outcome, Changes* result) {
   std::vector<bool> named(outcome.of.size(), false);
   for (const SparsePosterior::Member& member : outcome.posterior.best) named[member.group] = true;
@@ -247,6 +259,7 @@ Changes FindChanges(const KnownRobot& old_estimate, const KnownRobot& new_estima
     const std::vector<std::string> zeros = comparison.ZerosWithin(linear, static_cast<int>(g));
     if (!zeros.empty()) result.notes.push_back(ZerosAreHidden(zeros, result.changes.back()));
   }
+  NoteOneLoad(&result);
   AddAlternatives(groups, *best, &result);
   const auto likelier = [](const Change& a, const Change& b) { return a.probability > b.probability; };
   std::stable_sort(result.changes.begin(), result.changes.end(), likelier);

@@ -111,6 +111,12 @@ std::string HalvesDiffer(const std::string& file, double factor) {
          "it is joints that scatter, 'repeatability_urad: estimate' in both calibrations shows smaller changes";
 }
 
+std::string OneLoadDoesThatToo(double least, double most) {
+  return "the compliances changed by alike shares (" + Significant(1e2 * least, 2) + " to " +
+         Significant(1e2 * most, 2) + " %): a load that is " + (most > 0.0 ? "heavier" : "lighter") +
+         " than stated by that share does the same";
+}
+
 std::string MoreIsLeft(double rms) {
   return "more is left (" + Significant(1e3 * rms, 3) +
          " mm RMS) than both estimates leave open: something changed that is not named, or one of them claims to be "

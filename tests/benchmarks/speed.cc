@@ -19,6 +19,7 @@
 #include "problems/io/files.h"
 #include "problems/io/measurement_file.h"
 #include "tests/benchmarks/loaded_arm.h"
+#include "tools/heap.h"
 
 namespace sagitta::benchmarks {
 namespace {
@@ -412,4 +413,10 @@ BENCHMARK(Sandwich)->Unit(benchmark::kMillisecond);
 }  // namespace
 }  // namespace sagitta::benchmarks
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  sagitta::PrepareHeap();  // as the program has its memory
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+}

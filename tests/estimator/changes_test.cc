@@ -187,26 +187,38 @@ TEST(ChangesTest, WhatOnlyOneEstimatedIsNoChange) {
   EXPECT_THAT(changes.notes[0], HasSubstr("geometry/p_x2"));
 }
 
+KnownRobot EstimatedUnderLoads(const test::LoadedTruth& truth, std::uint64_t seed) {
+  test::LoadedDesign design;
+  design.seed = seed, design.configurations = 60, design.stations = 1;
+  Measurements data = test::LoadedRows(design, truth);
+  test::Measure(test::ExactPoints(truth, data), 2e-5, 200 + seed, &data);
+  const test::LoadedSetup setup = test::SetupFor(truth);
+  const CalibrationProblem problem = MakeCalibrationProblem(setup.robot, data, setup.experiment);
+  return KnownFrom(Calibration{problem, EstimateJointly(problem), {}});
+}
+
 // A gear that gives way by a fifth less: what it was is said with it.
 TEST(ChangesTest, AStifferGearIsComparedWithWhatItWas) {
   test::LoadedTruth truth;
-  const auto estimated = [&](std::uint64_t seed) {
-    test::LoadedDesign design;
-    design.seed = seed, design.configurations = 60, design.stations = 1;
-    Measurements data = test::LoadedRows(design, truth);
-    test::Measure(test::ExactPoints(truth, data), 2e-5, 200 + seed, &data);
-    const test::LoadedSetup setup = test::SetupFor(truth);
-    const CalibrationProblem problem = MakeCalibrationProblem(setup.robot, data, setup.experiment);
-    return KnownFrom(Calibration{problem, EstimateJointly(problem), {}});
-  };
   const double before = truth.k[2];
-  const KnownRobot old_estimate = estimated(11);
+  const KnownRobot old_estimate = EstimatedUnderLoads(truth, 11);
   truth.k[2] *= 0.8;
-  const Changes changes = FindChanges(old_estimate, estimated(12));
+  const Changes changes = FindChanges(old_estimate, EstimatedUnderLoads(truth, 12));
+  EXPECT_THAT(changes.notes, ::testing::Not(::testing::Contains(HasSubstr("a load that is"))));
   ASSERT_EQ(NamesOf(changes), "compliance/A3 ") << changes.words;
   EXPECT_NEAR(changes.changes[0].before, 1e6 * before, 0.03 * 1e6 * before);
   EXPECT_THAT(changes.changes[0].words,
               ::testing::ContainsRegex(", from 0\\.4[0-9]* \\(-(1[7-9]|2[0-3])(\\.[0-9])? %\\)"));
+}
+
+// A weight that is a tenth heavier than its plate says bends all joints by a tenth more.
+TEST(ChangesTest, AHeavierLoadIsSaidToBePossible) {
+  test::LoadedTruth truth;
+  const KnownRobot old_estimate = EstimatedUnderLoads(truth, 11);
+  for (double& k : truth.k) k *= 1.1;
+  const Changes changes = FindChanges(old_estimate, EstimatedUnderLoads(truth, 12));
+  EXPECT_THAT(NamesOf(changes), HasSubstr("compliance/A2 "));
+  EXPECT_THAT(changes.notes, ::testing::Contains(HasSubstr("a load that is heavier"))) << changes.words;
 }
 
 // One campaign with weights, one without: nothing changed, and what no weight excited there is left open.
