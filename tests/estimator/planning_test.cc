@@ -148,20 +148,6 @@ TEST(PlanningTest, BeatsRandomPosesAndComesBackFromItsOwnRows) {
   }
 }
 
-// In a cell where two poses of very many are feasible the others are found from these: what moved is what there is to
-// choose from, and a brief search among it finds nothing better.
-TEST(PlanningTest, WhereFewAreFeasibleAPlanIsChosenFromThePosesThatMoved) {
-  const Measurements data = Measured(18, 3);
-  PlanRequest few = Request(24);
-  few.pool = 2;
-  const Plan plan = MakePlan(Arm(), data, Experiment(), few);
-  for (const PosesAndAccuracy& quick : plan.curve) {
-    if (quick.poses != 24) continue;
-    EXPECT_LE(plan.position_rms, 1.001 * quick.position_rms);
-  }
-  EXPECT_LT(plan.position_rms, 1.1 * MakePlan(Arm(), data, Experiment(), Request(24)).position_rms);
-}
-
 TEST(PlanningTest, AugmentCountsWhatIsMeasured) {
   const Measurements data = Measured(14, 3);
   PlanRequest request = Request(3);

@@ -57,6 +57,45 @@ TEST_F(PlanCommandTest, WritesRowsToMeasureAndSaysWhatIsNotChecked) {
               plan.at("predicted").at("position_rms_mm"), 1e-5);
 }
 
+// Two of 100,000 poses are feasible. The others are found from these, so what moved is what there is to choose from.
+TEST_F(PlanCommandTest, InATightCellThePlanIsChosenFromThePosesThatMoved) {
+  Write("rows.csv",
+        "config,marker,station,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n"
+        "a,M1,S1,0,-90,90,0,10,0\na,M2,S1,0,-90,90,0,10,0\na,M3,S1,0,-90,90,0,10,0\n");
+  const std::string experiment = Write(
+      "experiment.yaml",
+      "schema: sagitta/experiment/1\nrobot: " + Published("kr270/robot.yaml") +
+          "\nmeasurements: [rows.csv]\n"
+          "stations: {S1: {xyz_mm: [-500, 4200, 300], rotvec_mrad: [4, -6, 2100], instrument_mm: [500, 800, 900]}}\n"
+          "markers: {M1: {xyz_mm: [280, -20, -90]}, M2: {xyz_mm: [280, 100, 50]}, M3: {xyz_mm: [270, -80, 70]}}\n"
+          "noise: {sigma_mm: 0.05}\n");
+  const std::string cell = Cell(
+      "joints: {A1: {min_deg: -90, max_deg: 90}, A2: {levels_deg: [-140, -99.85, -56.9, -25.24, -0.01]}}\n"
+      "floor_mm: 300\n"
+      "stay_in: [{name: work space, min_mm: [0, -2500, 0], max_mm: [3200, 2500, 3500]}]\n"
+      "keep_out:\n"
+      "  - {name: table, min_mm: [1200, -2000, 0], max_mm: [3000, -1200, 900]}\n"
+      "  - {name: fence, size_mm: [100, 4000, 2000], xyz_mm: [2500, 0, 2800], rpy_deg: [0, 0, 30]}\n"
+      "capsules:\n"
+      "  - {name: upper arm, on: A2, from_mm: [0, 0, 0], to_mm: [1250, 0, 0], radius_mm: 220}\n"
+      "  - {name: tool, on: flange, from_mm: [60, 0, 0], to_mm: [250, 0, 0], radius_mm: 120}\n"
+      "may_touch: [[upper arm, tool]]\n"
+      "clearance_mm: 20\n"
+      "tool_cone: {axis: [1, 0, 0], direction: [1, 0, -1], half_angle_deg: 70}\n"
+      "sight: {S1: {min_range_mm: 500, max_range_mm: 5000, min_elevation_deg: -40, max_elevation_deg: 40}}\n"
+      "reflectors: {M1: {axis: [0, 0, 1], half_angle_deg: 80}}\n");
+  const Outcome outcome = Run({"plan", experiment, "--out=" + Path("plan"), "--poses=20", "--cell=" + cell, "--quiet"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const nlohmann::json plan = ReadJson("plan/plan.json");
+  EXPECT_LT(plan.at("candidates"), 10);
+  EXPECT_GT(plan.at("certificate").at("efficiency"), 0.9);
+  for (const auto& quick : plan.at("accuracy_over_poses")) {
+    if (quick.at("poses") != 20) continue;
+    EXPECT_LE(plan.at("predicted").at("position_rms_mm"), 1.001 * quick.at("position_rms_mm").get<double>());
+  }
+  EXPECT_NE(plan.dump().find("could be drawn that keep to the cell"), std::string::npos);
+}
+
 TEST_F(PlanCommandTest, ModelErrorOfAFormerEstimateWidensWhatIsPredicted) {
   const std::string former =
       Write("estimate.json", R"({"schema": "sagitta/estimate/1", "model_error": {"factor": 2.5}})");
