@@ -55,6 +55,7 @@ void CheckOnePerJoint(Eigen::Index count, int joints, const std::string& item, c
 void CheckNamesDiffer(const std::vector<std::string>& names, const char* what) {
   std::set<std::string> seen;
   for (const std::string& name : names) {
+    if (name.empty()) FailStructure(what, "one has no name");
     if (!seen.insert(name).second) FailStructure(what, "two have the name '" + name + "'", "give each its own name");
   }
 }
@@ -68,7 +69,7 @@ void CheckChain(const Chain& chain) {
     const std::string item = Numbered("transform", e);
     if (transform.has_joint()) CheckIndex(transform.joint, joints, item, "joint");
     CheckIsNumber(transform.nominal, item, "its nominal value");
-    CheckIsNumber(transform.sign, item, "its sign");
+    if (std::abs(transform.sign) != 1.0) FailStructure(item, "its sign is neither 1 nor -1");
   }
   for (size_t c = 0; c < chain.couplings.size(); ++c) {
     const std::string item = Numbered("coupling", c);

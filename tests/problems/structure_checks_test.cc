@@ -108,6 +108,7 @@ TEST(Structure, NamesAreThereAndDiffer) {
   EXPECT_THAT(Refusal([](Given* g) { g->data.stations.push_back("S1"); }), HasSubstr("stations"));
   EXPECT_THAT(Refusal([](Given* g) { g->robot.chain.joints[1].name = "A1"; }),
               AllOf(HasSubstr("joints of the robot"), HasSubstr("'A1'")));
+  EXPECT_THAT(Refusal([](Given* g) { g->robot.chain.joints[1].name = ""; }), HasSubstr("one has no name"));
   EXPECT_THAT(Refusal([](Given* g) { g->data.markers.push_back("M4"); }), HasSubstr("marker 'M4' is listed"));
   EXPECT_THAT(Refusal([](Given* g) { g->data.stations.push_back("S4"); }), HasSubstr("station 'S4' is listed"));
 }
@@ -122,6 +123,7 @@ TEST(Structure, AChainWithADefectIsRefused) {
   };
   EXPECT_THAT(Refusal(move_joint(0)), HasSubstr("joint 'A1' is on more than one transform"));
   EXPECT_THAT(Refusal(move_joint(17)), HasSubstr("joint 17 does not exist"));
+  EXPECT_THAT(Refusal([](Given* g) { g->robot.chain.transforms[0].sign = 3.0; }), HasSubstr("neither 1 nor -1"));
   EXPECT_THAT(Refusal([](Given* g) { g->robot.chain.couplings = {{2, 9, 1.0}}; }), HasSubstr("driver 9"));
   EXPECT_THAT(Refusal([](Given* g) { g->robot.compliances = {{9, {{0.0, 1e-6}}, false}}; }), HasSubstr("joint 9"));
   EXPECT_THAT(Refusal([](Given* g) { g->robot.compliances = {{1, {}, false}}; }), HasSubstr("no value"));
