@@ -24,7 +24,7 @@ void AskForLargePages() {
   constexpr int kRoom = 240 << 20;  // bytes: 10^5 rows need 170 MB; less than what is trimmed
   constexpr std::uintptr_t kPage = 2 << 20;
   mallopt(M_TOP_PAD, kRoom);
-  void* const first = std::malloc(8 << 20);  // more than is left of what the libraries took
+  void* const first = std::malloc(8 << 20);  // more than the libraries leave of the first growth
   mallopt(M_TOP_PAD, 128 << 10);             // as it was
   const std::uintptr_t begin = (reinterpret_cast<std::uintptr_t>(first) / kPage + 1) * kPage;
   const std::uintptr_t end = reinterpret_cast<std::uintptr_t>(sbrk(0));
