@@ -26,6 +26,8 @@ std::string MemoryInWords(const KnownRobot& known) {
 
 // m: no instrument sees less; exact simulations have no noise compared with which anything is little.
 constexpr double kMatters = 1e-6;
+// Times what is expected of readings, RMS: with however few rows and model error no chance.
+constexpr double kContradicted = 5.0;
 constexpr double kWorse = 1.05;  // of a hundred points an RMS is known to some 5 %
 
 std::vector<int> AllRows(const CalibrationProblem& problem) {
@@ -143,9 +145,24 @@ std::string LeftOpenInWords(const KnownRobot& known, const Measurements& rows, c
   return CalibrationLeftOpen(open, known.uncertainty.held);
 }
 
+namespace {
+
+// Of rows that have readings. `predict` does not judge an estimate, but numbers that its own rows contradict are not
+// handed out without a word.
+std::string ContradictedInWords(const Measurements& rows, const Prediction& prediction) {
+  const double expected = ExpectedRms(rows, prediction);
+  if (PointsAreZero(rows) || !(expected > 0.0)) return "";
+  std::vector<int> all(rows.observations.size());
+  std::iota(all.begin(), all.end(), 0);
+  const double off = MeasureReadings(rows, all, prediction.points).rms;
+  return off > std::max(kMatters, kContradicted * expected) ? ReadingsContradict(off, off / expected) : "";
+}
+
+}  // namespace
+
 std::vector<std::string> WarningsOf(const KnownRobot& known, const Measurements& rows, const Prediction& prediction) {
   std::vector<std::string> warnings;
-  for (const std::string& words : {LeftOpenInWords(known, rows, prediction),
+  for (const std::string& words : {ContradictedInWords(rows, prediction), LeftOpenInWords(known, rows, prediction),
                                    OutsideMeasuredInWords(known, rows.configurations), MemoryInWords(known)}) {
     if (!words.empty()) warnings.push_back(words);
   }

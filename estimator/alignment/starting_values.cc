@@ -80,6 +80,7 @@ void RegisterStations(const std::vector<FramedObservation>& framed, ParameterSet
       points.col(seen) = f.base_from_frame * markers[f.marker];
       targets.col(seen++) = f.reading.point;
     }
+    if (seen == 0) continue;  // a station that is held out stays where it is
     parameters->SetBaseInStation(s, RegisterRigid(points.leftCols(seen), targets.leftCols(seen)));
   }
 }

@@ -89,6 +89,12 @@ std::string RowsRefuteTheEstimate(double rms, double excess, double p_value,
          before_them + "; calibrate these rows by themselves, and 'sagitta changed' says what changed";
 }
 
+std::string ReadingsContradict(double rms, double excess) {
+  return "the readings of these rows are off what is predicted by " + InMillimetres(rms) + " (RMS over coordinates), " +
+         Significant(excess, 2) +
+         " times what noise and parameters let expect: 'sagitta validate' judges the estimate by them";
+}
+
 std::string WorseThanNominalOnThese(double calibrated, double nominal) {
   return "the calibrated robot misses these points by more than the nominal one (" + InMillimetres(calibrated) +
          " against " + InMillimetres(nominal) + "): it is not this robot, or it has changed since it was calibrated";

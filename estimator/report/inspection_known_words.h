@@ -37,6 +37,8 @@ std::string PValueInWords(double p_value);
 // rms: over coordinates, m; excess: of what was predicted; remembering: effects that go with what was done before.
 std::string RowsRefuteTheEstimate(double rms, double excess, double p_value,
                                   const std::vector<std::string>& remembering);
+// rms: over coordinates, m; excess: of what is predicted of them.
+std::string ReadingsContradict(double rms, double excess);
 // RMS distances, m.
 std::string WorseThanNominalOnThese(double calibrated, double nominal);
 

@@ -130,6 +130,15 @@ TEST(RowsInMemory, PredictionChecksThemToo) {
   EXPECT_THAT(WordsOf([] { Predict(KnownRobot(), Rows()); }), HasSubstr("no joint"));
 }
 
+TEST(RowsInMemory, ReadingsThatContradictAPredictionAreSaidWithIt) {
+  const auto warnings = [](const Measurements& rows) { return WarningsOf(Known(), rows, Predict(Known(), rows)); };
+  const auto contradict = testing::Contains(HasSubstr("times what noise and parameters let expect"));
+  EXPECT_THAT(warnings(Rows()), testing::Not(contradict));
+  Measurements off = Rows();
+  for (Observation& row : off.observations) row.point_in_station.z() += 20 * test::kSigmaInMemory;
+  EXPECT_THAT(warnings(off), contradict);
+}
+
 TEST(RowsInMemory, WhatIsFittedWasRead) {
   Measurements rows = Rows();
   rows.observations[4].point_in_station.x() = kNan;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "estimator/alignment/aligned_misfit.h"
+#include "estimator/alignment/starting_values.h"
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/inspection/row_lint.h"
 #include "estimator/least_squares/refit.h"
@@ -171,6 +172,20 @@ TEST(CrossValidation, AStationOfOneConfigurationIsLeftOut) {
   EXPECT_EQ(found.unseen.points, 87);
   EXPECT_LT(found.unseen.distance_max, 10 * Kr270Design().sigma);
   EXPECT_NEAR(found.unseen.Excess(), 1.0, 0.25);
+}
+
+// Where no row of a station is at hand there is nothing to register, and nothing to divide by.
+TEST(StartingValues, AStationWithoutRowsStaysWhereItIs) {
+  const CalibrationProblem problem = Problem(Design(30));
+  std::vector<int> of_first;
+  for (const int i : problem.CalibrationObservations()) {
+    if (problem.data().shots[problem.data().observations[i].shot].station == 0) of_first.push_back(i);
+  }
+  ParameterSet parameters = problem.parameters;
+  const Vector3<double> there(1.0, 2.0, 3.0);
+  parameters.SetBaseInStation(1, {Matrix3<double>::Identity(), there});
+  EXPECT_LT(FindStartingValues(problem, of_first, &parameters), 1e-2);
+  EXPECT_EQ(parameters.BaseInStation(1).translation, there);
 }
 
 // Held-out points that are off by `size` (m) more.
