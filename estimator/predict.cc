@@ -30,14 +30,14 @@ constexpr double kMatters = 1e-6;
 constexpr double kContradicted = 5.0;
 constexpr double kWorse = 1.05;  // of a hundred points an RMS is known to some 5 %
 
-std::vector<int> AllRows(const CalibrationProblem& problem) {
-  std::vector<int> all(problem.data().observations.size());
+std::vector<int> AllRows(const Measurements& rows) {
+  std::vector<int> all(rows.observations.size());
   std::iota(all.begin(), all.end(), 0);
   return all;
 }
 
 Eigen::Matrix3Xd PointsOrThrow(const CalibrationProblem& problem, const ParameterSet& parameters) {
-  const Eigen::Matrix3Xd points = PredictPoints(problem, parameters, AllRows(problem));
+  const Eigen::Matrix3Xd points = PredictPoints(problem, parameters, AllRows(problem.data()));
   if (!points.allFinite()) {
     throw Failure("nothing predicted: equilibrium_diverged: " + FoldedInWords(problem, parameters));
   }
@@ -45,7 +45,7 @@ Eigen::Matrix3Xd PointsOrThrow(const CalibrationProblem& problem, const Paramete
 }
 
 Prediction PredictWith(const CalibrationProblem& problem, const KnownRobot& known) {
-  const std::vector<int> all = AllRows(problem);
+  const std::vector<int> all = AllRows(problem.data());
   Prediction prediction;
   prediction.points = PointsOrThrow(problem, problem.parameters);
   for (const int k : all) prediction.instrument.push_back(known.noise.scale * problem.SqrtCovariance(k));
@@ -152,9 +152,7 @@ namespace {
 std::string ContradictedInWords(const Measurements& rows, const Prediction& prediction) {
   const double expected = ExpectedRms(rows, prediction);
   if (PointsAreZero(rows) || !(expected > 0.0)) return "";
-  std::vector<int> all(rows.observations.size());
-  std::iota(all.begin(), all.end(), 0);
-  const double off = MeasureReadings(rows, all, prediction.points).rms;
+  const double off = MeasureReadings(rows, AllRows(rows), prediction.points).rms;
   return off > std::max(kMatters, kContradicted * expected) ? ReadingsContradict(off, off / expected) : "";
 }
 
@@ -196,7 +194,7 @@ Validation Validate(const KnownRobot& known, const Measurements& rows) {
   const Prediction prediction = PredictWith(problem, known);
   Validation validation;
   validation.predicted = prediction.points;
-  const std::vector<int> all = AllRows(problem);
+  const std::vector<int> all = AllRows(problem.data());
   const Eigen::Matrix3Xd nominal = PointsOrThrow(problem, NominalParameters(known, problem));
   for (size_t k = 0; k < all.size(); ++k) {
     validation.scatter.push_back(RootWith(prediction.instrument[k], prediction.covariances[k].arm));
