@@ -3,7 +3,6 @@
 
 usage: report_pages_test.py PROGRAM   (skips where Chromium is not installed)
 """
-import contextlib
 import html.parser
 import json
 import os
@@ -97,9 +96,16 @@ class Browser:
              'about:blank'], preexec_fn=connect, close_fds=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(to_browser)
         os.close(from_browser)
-        self.unread, self.calls, self.session, self.said = b'', 0, None, []
-        target = self.call('Target.createTarget', url='about:blank')['targetId']
-        self.session = self.call('Target.attachToTarget', targetId=target, flatten=True)['sessionId']
+        self.unread, self.calls, self.target, self.session, self.said = b'', 0, None, None, []
+
+    def begin(self, width):
+        """A page of its own, empty, in place of the one before."""
+        if self.target:
+            self.call('Target.closeTarget', on_browser=True, targetId=self.target)
+        self.target = self.call('Target.createTarget', on_browser=True, url='about:blank')['targetId']
+        self.session = self.call('Target.attachToTarget', on_browser=True, targetId=self.target, flatten=True)['sessionId']
+        self.said = []
+        self.call('Emulation.setDeviceMetricsOverride', width=width, height=900, deviceScaleFactor=1, mobile=False)
 
     def call(self, method, on_browser=False, **parameters):
         self.calls += 1
@@ -211,7 +217,7 @@ class ReportPages(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
-        cls.pages = {}
+        cls.pages, cls.opened = {}, None
         for name, command in COMMANDS.items():
             out = pathlib.Path(cls.folder.name) / name
             subprocess.run([PROGRAM, *command, '--quiet', '--out=%s' % out], check=True, capture_output=True)
@@ -220,6 +226,8 @@ class ReportPages(unittest.TestCase):
 
     @classmethod
     def tearDownClass(cls):
+        if cls.opened:
+            cls.opened.close()
         cls.folder.cleanup()
 
     def test_every_picture_has_a_table_and_no_page_names_an_address(self):
@@ -235,73 +243,72 @@ class ReportPages(unittest.TestCase):
             text = re.sub(r'<script.*?</script>', '', path.read_text(), flags=re.S)
             self.assertEqual(text.count('<details open><summary>Table'), text.count('<figure class="picture">'), name)
 
-    @contextlib.contextmanager
     def browser(self, width):
+        """The browser with an empty page; one for all tests, because to start it costs as much as a page."""
         if CHROMIUM is None:
             self.skipTest('chromium is not installed (tools/install-dependencies --tests)')
         if 'id="templates"' not in self.pages['calibrate'].read_text():
             self.skipTest('built without libjs-vega and libjs-three')
-        with tempfile.TemporaryDirectory() as profile:
-            browser = Browser(profile)
-            browser.call('Emulation.setDeviceMetricsOverride', width=width, height=900, deviceScaleFactor=1, mobile=False)
-            yield browser
-            browser.close()
+        if self.opened is None:
+            type(self).opened = Browser(str(pathlib.Path(self.folder.name) / 'profile'))
+        self.opened.begin(width)
+        return self.opened
 
     def test_on_paper_every_section_is_open_and_drawn(self):
-        with self.browser(1000) as browser:
-            browser.load(self.pages['diagnose'])
-            figures = browser.value("document.querySelectorAll('figure.picture').length")
-            closed = browser.value(CLOSED)
-            self.assertGreater(closed, 0)
-            self.assertLess(int(browser.value(DRAWN)), figures)
-            browser.value("window.dispatchEvent(new Event('beforeprint'))")
-            self.assertEqual(browser.value(CLOSED), 0)
-            self.assertEqual(int(browser.value(DRAWN)), figures)
-            browser.value("window.dispatchEvent(new Event('afterprint'))")
-            self.assertEqual(browser.value(CLOSED), closed)
+        browser = self.browser(1000)
+        browser.load(self.pages['diagnose'])
+        figures = browser.value("document.querySelectorAll('figure.picture').length")
+        closed = browser.value(CLOSED)
+        self.assertGreater(closed, 0)
+        self.assertLess(int(browser.value(DRAWN)), figures)
+        browser.value("window.dispatchEvent(new Event('beforeprint'))")
+        self.assertEqual(browser.value(CLOSED), 0)
+        self.assertEqual(int(browser.value(DRAWN)), figures)
+        browser.value("window.dispatchEvent(new Event('afterprint'))")
+        self.assertEqual(browser.value(CLOSED), closed)
 
     def test_on_a_phone_every_name_of_a_bar_stands_whole(self):
-        with self.browser(360) as browser:
-            browser.load(self.pages['effects'])
-            browser.value("window.dispatchEvent(new Event('beforeprint'))")
-            pictures = 0
-            for figure in json.loads(browser.value(FIGURES)):
-                names = NAMES.get(figure['kind'], lambda data: [])(figure['data'])
-                pictures += len(names) > 0
-                for name in names:
-                    self.assertIn(name, figure['texts'], figure['kind'])
-            self.assertGreater(pictures, 2)
+        browser = self.browser(360)
+        browser.load(self.pages['effects'])
+        browser.value("window.dispatchEvent(new Event('beforeprint'))")
+        pictures = 0
+        for figure in json.loads(browser.value(FIGURES)):
+            names = NAMES.get(figure['kind'], lambda data: [])(figure['data'])
+            pictures += len(names) > 0
+            for name in names:
+                self.assertIn(name, figure['texts'], figure['kind'])
+        self.assertGreater(pictures, 2)
 
     def test_a_scatter_shows_the_columns_that_are_chosen(self):
-        with self.browser(1000) as browser:
-            browser.load(self.pages['calibrate'])
-            browser.value("window.dispatchEvent(new Event('beforeprint'))")
-            seen = set()
-            for option in range(3):
-                browser.value(CHOOSE % option)
-                time.sleep(0.5)
-                figure = [one for one in json.loads(browser.value(FIGURES)) if one['kind'] == 'scatter'][0]
-                self.assertEqual(figure['points'], 54)
-                self.assertIn(figure['labels'][option], figure['texts'])
-                seen.add(figure['path'])
-            self.assertEqual(len(seen), 3)
+        browser = self.browser(1000)
+        browser.load(self.pages['calibrate'])
+        browser.value("window.dispatchEvent(new Event('beforeprint'))")
+        seen = set()
+        for option in range(3):
+            browser.value(CHOOSE % option)
+            time.sleep(0.5)
+            figure = [one for one in json.loads(browser.value(FIGURES)) if one['kind'] == 'scatter'][0]
+            self.assertEqual(figure['points'], 54)
+            self.assertIn(figure['labels'][option], figure['texts'])
+            seen.add(figure['path'])
+        self.assertEqual(len(seen), 3)
 
     def test_a_page_of_ten_thousand_rows_holds_little_more_than_one_of_54(self):
         many = ten_thousand_rows(pathlib.Path(self.folder.name))
         self.assertLess(many.stat().st_size, 4 << 20)
         elements = []
         for page in (many.parents[1] / 'truth/report.html', many):
-            with self.browser(1100) as browser:
-                browser.load(page)
-                self.assertGreater(int(browser.value(DRAWN)), 0)
-                elements.append(browser.value("document.getElementsByTagName('*').length"))
+            browser = self.browser(1100)
+            browser.load(page)
+            self.assertGreater(int(browser.value(DRAWN)), 0)
+            elements.append(browser.value("document.getElementsByTagName('*').length"))
         print('elements of the page: %d of 54 rows, %d of %d' % (*elements, ROWS))
         self.assertLess(elements[1], MOST_TIMES * elements[0])
 
     def test_every_picture_is_drawn_and_nothing_is_complained_of_or_asked_for(self):
         for name, path in self.pages.items():
-            with self.browser(1100) as browser:
-                shown, said = browser.open(path)
+            browser = self.browser(1100)
+            shown, said = browser.open(path)
             self.assertEqual(said, [], name)
             figures = shown.count('<figure class="picture">')
             self.assertGreater(figures, 0)
@@ -312,8 +319,8 @@ class ReportPages(unittest.TestCase):
                 self.assertRegex(place, r'^(<svg|<canvas|<div class="|<form)', name)
 
     def test_few_held_out_points_lie_on_top_of_the_fitted(self):
-        with self.browser(1100) as browser:
-            shown, _ = browser.open(self.pages['few'])
+        browser = self.browser(1100)
+        shown, _ = browser.open(self.pages['few'])
         points = re.search(r'role-mark points".*?</g>', shown, re.S).group(0)
         drawn = re.findall(r'fill="([^"]*)" fill-opacity="([^"]*)"', points)
         self.assertEqual(len(drawn), 54)
@@ -322,9 +329,9 @@ class ReportPages(unittest.TestCase):
 
     def test_of_hundreds_of_poses_the_held_out_ones_keep_their_colour(self):
         page = one_row_far_off(pathlib.Path(self.folder.name))
-        with self.browser(1100) as browser:
-            shown, _ = browser.open(page)
-            figures = json.loads(browser.value(FIGURES))
+        browser = self.browser(1100)
+        shown, _ = browser.open(page)
+        figures = json.loads(browser.value(FIGURES))
         points = re.search(r'role-mark points".*?</g>', shown, re.S).group(0)
         colours = re.findall(r'fill="([^"]*)" fill-opacity', points)
         self.assertEqual(colours, ['#0072b2'] * (3 * 378) + ['#d55e00'] * (3 * 42))
