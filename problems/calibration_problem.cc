@@ -319,6 +319,7 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
   CheckSigmas(problem);
   SayRotationSigmas(&problem);
   SayRounding(&problem);
+  SayReplacedSigmas(&problem);
   SetPriors(&problem);
   TieSpringMarkers(&problem);
   problem.fitted_ = std::make_shared<const std::vector<int>>(problem.CalibrationObservations());

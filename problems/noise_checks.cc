@@ -172,6 +172,21 @@ void CheckSigmas(const CalibrationProblem& problem) {
   }
 }
 
+void SayReplacedSigmas(CalibrationProblem* problem) {
+  const NoiseSpec& noise = problem->experiment().noise;
+  const bool is_replaced =
+      noise.from == From::kInstrument || noise.from == From::kRepeats || noise.from == From::kResiduals;
+  if (!is_replaced) return;
+  const Measurements& data = problem->data();
+  const auto states = [](const Observation& row) { return row.is_point() && row.sigma.minCoeff() > 0.0; };
+  const auto stated = std::count_if(data.observations.begin(), data.observations.end(), states);
+  if (stated == 0) return;
+  const auto first = std::find_if(data.observations.begin(), data.observations.end(), states);
+  problem->mutable_data()->warnings.push_back(
+      "noise: of the experiment is that of every row: the standard deviations that " + std::to_string(stated) +
+      " rows state are not used (the first: " + data.SourceOf(*first) + ")");
+}
+
 namespace {
 
 constexpr size_t kFewestRounded = 4;  // rows: 12 coordinates that are round by chance once in 10^12 files

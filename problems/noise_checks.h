@@ -18,6 +18,9 @@ void CheckSigmas(const CalibrationProblem& problem);
 // Warns of rotations whose noise is assumed. Throws InputError where rotations state it and points do not.
 void SayRotationSigmas(CalibrationProblem* problem);
 
+// Warns of rows whose standard deviations an instrument's data sheet, repeats or residuals replace.
+void SayReplacedSigmas(CalibrationProblem* problem);
+
 // Warns of readings with so few digits that rounding alone scatters by more than is stated: a coordinate that is
 // rounded to steps of d is off by anything up to d/2 alike, with a standard deviation of d / sqrt(12).
 void SayRounding(CalibrationProblem* problem);

@@ -160,5 +160,21 @@ TEST(NoiseModel, RoundingThatScattersByMoreThanIsStatedIsSaid) {
   EXPECT_TRUE(WarningsOfRounded(1e-7, 1e-9).empty());
 }
 
+TEST(NoiseModel, RowsWhoseStandardDeviationsAreReplacedAreCounted) {
+  Measurements data = Repeated();
+  for (Observation& row : data.observations) row.sigma.setZero();
+  Experiment experiment;
+  experiment.noise.from = From::kRepeats;
+  EXPECT_TRUE(Make(data, experiment).data().warnings.empty());
+  data.observations[1].sigma.setConstant(2e-5);
+  data.observations[3].sigma.setConstant(2e-5);
+  const std::vector<std::string> warnings = Make(data, experiment).data().warnings;
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_THAT(warnings[0], HasSubstr("that 2 rows state are not used"));
+  experiment.noise = NoiseSpec();
+  experiment.noise.sigma = 1e-4;  // of rows that state none
+  EXPECT_TRUE(Make(data, experiment).data().warnings.empty());
+}
+
 }  // namespace
 }  // namespace sagitta::noise_model_test
