@@ -18,6 +18,7 @@
 #include "estimator/results/residuals_csv.h"
 #include "estimator/results/trust_json.h"
 #include "estimator/sagitta.h"
+#include "problems/io/files.h"
 #include "problems/io/output_files.h"
 #include "problems/range.h"
 
@@ -209,7 +210,9 @@ void WriteCalibration(const Calibration& calibration, const std::string& folder,
   files.emplace_back("robot.calibrated.yaml",
                      RunComment(provenance) + RobotToYaml(problem.RobotWith(estimate.parameters)));
   files.emplace_back("estimate.json", DumpJson(CalibrationToJson(calibration, provenance)));
-  const OutputFolder out(folder, {"robot.calibrated.yaml", "residuals.csv", "estimate.json"});
+  const std::vector<std::string> names = {"robot.calibrated.yaml", "residuals.csv", "estimate.json"};
+  CheckInputsAreKept(problem.InputPaths(), folder, names);
+  const OutputFolder out(folder, names);
   out.Write(files, {ResidualsFile(problem, estimate)});
 }
 

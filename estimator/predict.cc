@@ -3,6 +3,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <stdexcept>
 
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/inspection/known_lint.h"
@@ -24,6 +25,13 @@ std::string MemoryInWords(const KnownRobot& known) {
   return effects.empty() ? "" : BeginAtTheFirstRow(effects);
 }
 
+// What was made of rows is handed over with these.
+void CheckAreOf(const Measurements& rows, size_t results, const char* function) {
+  if (results == rows.observations.size()) return;
+  throw std::invalid_argument(std::string(function) + ": these are results of " + std::to_string(results) +
+                              " rows, there are " + std::to_string(rows.observations.size()));
+}
+
 // m: no instrument sees less; exact simulations have no noise compared with which anything is little.
 constexpr double kMatters = 1e-6;
 // Times what is expected of readings, RMS: with however few rows and model error no chance.
@@ -34,6 +42,15 @@ std::vector<int> AllRows(const Measurements& rows) {
   std::vector<int> all(rows.observations.size());
   std::iota(all.begin(), all.end(), 0);
   return all;
+}
+
+// Rows with a reading that is not set aside.
+std::vector<int> RowsThatJudge(const Measurements& rows) {
+  std::vector<int> judging;
+  for (const int i : AllRows(rows)) {
+    if (rows.observations[i].IsRead() && !rows.observations[i].excluded) judging.push_back(i);
+  }
+  return judging;
 }
 
 Eigen::Matrix3Xd PointsOrThrow(const CalibrationProblem& problem, const ParameterSet& parameters) {
@@ -109,14 +126,27 @@ void JudgeErrors(const KnownRobot& known, const Measurements& rows, const Predic
 
 // RMS to expect over coordinates of points: parameters, repeatability, instrument; 0 where nothing states the noise of
 // a row.
-double ExpectedRms(const Measurements& rows, const Prediction& prediction) {
+double ExpectedRms(const Measurements& rows, const std::vector<int>& judging, const Prediction& prediction) {
   double sum = 0.0;
-  for (size_t k = 0; k < prediction.instrument.size(); ++k) {
+  int points = 0;
+  for (const int k : judging) {
     if (!rows.observations[k].is_point()) continue;
     if (!IsStated(prediction.instrument[k])) return 0.0;
     sum += ExpectedSquare(prediction, k);
+    ++points;
   }
-  return std::isfinite(sum) ? std::sqrt(sum / (3.0 * rows.NumRows())) : 0.0;
+  return std::isfinite(sum) && points > 0 ? std::sqrt(sum / (3.0 * points)) : 0.0;
+}
+
+// Of the rows that judge alone.
+PredictedSquares SquaresOf(const CalibrationProblem& problem, const KnownRobot& known, const std::vector<int>& judging,
+                           const Prediction& prediction) {
+  if (judging.size() == prediction.instrument.size()) return prediction.together;
+  NoiseRoots instrument;
+  for (const int k : judging) instrument.push_back(prediction.instrument[k]);
+  PredictedSquares together;
+  PredictionCovariances(problem, known.uncertainty, judging, known.noise.scale, instrument, &together);
+  return together;
 }
 
 double PValueOf(const KnownRobot& known, const Validation& validation, const PredictedSquares& together) {
@@ -134,6 +164,7 @@ Prediction Predict(const KnownRobot& known, const Measurements& rows) {
 }
 
 std::string LeftOpenInWords(const KnownRobot& known, const Measurements& rows, const Prediction& prediction) {
+  CheckAreOf(rows, prediction.covariances.size(), "LeftOpenInWords");
   double held = 0.0, rest = 0.0;
   for (size_t k = 0; k < prediction.covariances.size(); ++k) {
     if (!rows.observations[k].is_point()) continue;
@@ -150,15 +181,17 @@ namespace {
 // Of rows that have readings. `predict` does not judge an estimate, but numbers that its own rows contradict are not
 // handed out without a word.
 std::string ContradictedInWords(const Measurements& rows, const Prediction& prediction) {
-  const double expected = ExpectedRms(rows, prediction);
+  const std::vector<int> judging = RowsThatJudge(rows);
+  const double expected = ExpectedRms(rows, judging, prediction);
   if (PointsAreZero(rows) || !(expected > 0.0)) return "";
-  const double off = MeasureReadings(rows, AllRows(rows), prediction.points).rms;
+  const double off = MeasureReadings(rows, judging, prediction.points(Eigen::all, judging)).rms;
   return off > std::max(kMatters, kContradicted * expected) ? ReadingsContradict(off, off / expected) : "";
 }
 
 }  // namespace
 
 std::vector<std::string> WarningsOf(const KnownRobot& known, const Measurements& rows, const Prediction& prediction) {
+  CheckAreOf(rows, prediction.covariances.size(), "WarningsOf");
   std::vector<std::string> warnings;
   for (const std::string& words : {ContradictedInWords(rows, prediction), LeftOpenInWords(known, rows, prediction),
                                    OutsideMeasuredInWords(known, rows.configurations), MemoryInWords(known)}) {
@@ -169,6 +202,7 @@ std::vector<std::string> WarningsOf(const KnownRobot& known, const Measurements&
 
 std::optional<Finding> Contradiction(const KnownRobot& known, const Measurements& rows,
                                      const Eigen::Matrix3Xd& predicted) {
+  CheckAreOf(rows, static_cast<size_t>(predicted.cols()), "Contradiction");
   const Chain& chain = known.robot.chain;
   if (!MisfitOfKnown(chain, rows, predicted).is_far) return std::nullopt;
   const CalibrationProblem problem = PredictionProblem(known, rows);
@@ -190,6 +224,10 @@ bool PointsAreZero(const Measurements& rows) {
 }
 
 Validation Validate(const KnownRobot& known, const Measurements& rows) {
+  const std::vector<int> judging = RowsThatJudge(rows);
+  if (judging.empty()) {
+    throw InputError({"", 0, "measurements"}, "no row has a reading that is not excluded: nothing judges the estimate");
+  }
   const CalibrationProblem problem = PredictionProblem(known, rows);
   const Prediction prediction = PredictWith(problem, known);
   Validation validation;
@@ -199,10 +237,10 @@ Validation Validate(const KnownRobot& known, const Measurements& rows) {
   for (size_t k = 0; k < all.size(); ++k) {
     validation.scatter.push_back(RootWith(prediction.instrument[k], prediction.covariances[k].arm));
   }
-  validation.before = MeasureReadings(rows, all, nominal);
-  validation.after = MeasureReadings(rows, all, validation.predicted);
-  validation.predicted_rms = ExpectedRms(rows, prediction);
-  validation.p_value = PValueOf(known, validation, prediction.together);
+  validation.before = MeasureReadings(rows, judging, nominal(Eigen::all, judging));
+  validation.after = MeasureReadings(rows, judging, validation.predicted(Eigen::all, judging));
+  validation.predicted_rms = ExpectedRms(rows, judging, prediction);
+  validation.p_value = PValueOf(known, validation, SquaresOf(problem, known, judging, prediction));
   const double excess = validation.after.rms / validation.predicted_rms;
   if (validation.p_value < problem.experiment().significance)
     validation.refutation =
@@ -248,6 +286,7 @@ nlohmann::ordered_json ValidationToJson(const Validation& validation, const Prov
 }
 
 std::string ValidationToCsv(const Measurements& rows, const Validation& validation) {
+  CheckAreOf(rows, validation.scatter.size(), "ValidationToCsv");
   std::vector<AddedColumn> added = ReadingColumns("pred_", rows, validation.predicted);
   for (const AddedColumn& column : ResidualColumns(rows, validation.predicted)) added.push_back(column);
   for (const AddedColumn& column : WhitenedColumns(rows, validation.predicted, validation.scatter))

@@ -88,7 +88,8 @@ nlohmann::ordered_json LearntEstimateToJson(const Diagnosis& diagnosis, const Pr
 nlohmann::ordered_json CalibrationToJson(const Calibration& calibration, const Provenance& provenance);
 
 // estimate.json, robot.calibrated.yaml and residuals.csv (FORMATS section 4) in a folder that is made if it is absent.
-// Rows that are of no file have the columns of problems/io/rows_in_memory.h in tables.
+// Rows that are of no file have the columns of problems/io/rows_in_memory.h in tables. Throws InputError where one of
+// these is a file that the problem was read from.
 void WriteCalibration(const Calibration& calibration, const std::string& folder, const Provenance& provenance = {});
 
 // What prediction needs of a calibration: as ReadEstimateFile gives it of an estimate.json.
@@ -145,8 +146,9 @@ struct Validation {
   std::vector<std::string> warnings;
 };
 
-// The estimate against rows that it has not seen. Throws InputError for a station, marker or load that it does not
-// know.
+// The estimate against rows that it has not seen; rows that are excluded or have no reading do not judge. Throws
+// InputError for a station, marker or load that it does not know and where no row judges, Failure where a load folds
+// the arm.
 Validation Validate(const KnownRobot& known, const Measurements& rows);
 // validation.json, and the rows with prediction and residual.
 nlohmann::ordered_json ValidationToJson(const Validation& validation, const Provenance& provenance);

@@ -51,6 +51,7 @@ std::vector<std::pair<int, double>> NodeWeights(const JointCompliance& complianc
 Robot WithTiltSlots(Robot robot) {
   for (const EffectSpec& spec : robot.effects) {
     const EffectDefinition* definition = FindEffect(robot, spec.effect);
+    if (definition == nullptr) throw std::invalid_argument("ForwardModel: there is no effect '" + spec.effect + "'");
     if (!definition->tilts) continue;
     AddTiltSlots(definition->target == EffectTarget::kJoint ? robot.chain.FindJoint(spec.target) : -1, &robot.chain);
   }
@@ -246,9 +247,7 @@ void ForwardModel::AddTerms(ShotInput* shot) const {
     shot->terms.torques.push_back({e, chain().transforms[e].sign * shot->conditions.joint_torques[j]});
   }
   for (size_t i = 0; i < robot_.effects.size(); ++i) {
-    definitions_[i]->apply(
-        {&robot_, &robot_.effects[i], &shot->conditions, &markers_, first_of_effect_[i], shot->memory[i]},
-        &shot->terms);
+    ApplyEffect(i, shot->conditions, shot->memory[i], &shot->terms);
   }
 }
 

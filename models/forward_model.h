@@ -87,7 +87,8 @@ class MarkerVelocities;  // forward_model.cc
 // Predicts readings of one robot, with their derivatives.
 class ForwardModel {
  public:
-  // `markers`: names, for effects that act on one.
+  // `markers`: names, for effects that act on one. Throws std::invalid_argument for an effect that there is not, and
+  // for a term of an own effect that leads nowhere.
   explicit ForwardModel(const Robot& robot, std::vector<std::string> markers = {});
   explicit ForwardModel(Chain chain);  // rigid
 
@@ -162,6 +163,8 @@ class ForwardModel {
     return shot;
   }
   void AddTerms(ShotInput* shot) const;
+  // Adds the terms of the i-th effect in a shot; those of an effect of the user's own are checked.
+  void ApplyEffect(size_t i, const ShotConditions& shot, double memory, ShotTerms* terms) const;
   void PredictTurn(const ShotInput& shot, const double* theta, const std::vector<int>& column_of,
                    const Equilibrium& equilibrium, const Matrix3<double>& base_rotation, const MarkerInFrame& marker,
                    PointPrediction* prediction) const;

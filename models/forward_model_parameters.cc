@@ -3,6 +3,7 @@
 
 #include "models/constants.h"
 #include "models/effects/catalogue.h"
+#include "models/effects/term_checks.h"
 #include "models/forward_model.h"
 #include "models/gravity_compensator.h"
 
@@ -79,10 +80,17 @@ void ForwardModel::AddEffects() {
     nothing.q = Eigen::VectorXd::Zero(chain().num_joints());
     nothing.approach.assign(chain().num_joints(), 0);
     ShotTerms terms;
-    definition.apply({&robot_, &spec, &nothing, &markers_, first_of_effect_.back(), 0.0}, &terms);
+    ApplyEffect(i, nothing, 0.0, &terms);
     for (const ElasticTerm& term : terms.elastic) elastic_slots_.push_back(term.transform);
     for (const SagTerm& term : terms.sags) elastic_slots_.push_back(term.transform);
   }
+}
+
+void ForwardModel::ApplyEffect(size_t i, const ShotConditions& shot, double memory, ShotTerms* terms) const {
+  definitions_[i]->apply({&robot_, &robot_.effects[i], &shot, &markers_, first_of_effect_[i], memory}, terms);
+  const std::string& name = robot_.effects[i].effect;
+  if (robot_.own_effects.empty() || FindEffect(name) != nullptr) return;  // the catalogue's are tested
+  CheckTerms(*terms, num_parameters(), chain().num_transforms(), static_cast<int>(markers_.size()), name);
 }
 
 std::vector<double> ForwardModel::NominalValues() const {

@@ -9,6 +9,7 @@
 #include "problems/loads.h"
 #include "problems/noise_checks.h"
 #include "problems/problem_checks.h"
+#include "problems/robot_structure.h"
 #include "problems/split.h"
 #include "problems/spring_tie.h"
 #include "problems/structure_checks.h"
@@ -247,6 +248,13 @@ std::vector<int> CalibrationProblem::CalibrationObservations() const {
   return fitted_ != nullptr ? *fitted_ : ObservationsOf(*data_, false);
 }
 
+std::vector<std::string> CalibrationProblem::InputPaths() const {
+  std::vector<std::string> paths = {experiment_->file, experiment_->robot_file};
+  for (const MeasurementFile& file : data_->files) paths.push_back(file.path);
+  paths.erase(std::remove(paths.begin(), paths.end(), ""), paths.end());
+  return paths;
+}
+
 std::vector<int> CalibrationProblem::ValidationObservations() const { return ObservationsOf(*data_, true); }
 
 Robot CalibrationProblem::RobotWith(const ParameterSet& own) const {
@@ -280,6 +288,7 @@ CalibrationProblem CalibrationProblem::WithEffects(const std::vector<EffectSpec>
         GravityCompensator{robot().chain.FindJoint(spec.target), p[0], p[1], p[2], p[3], p[4], true};
     adds_compensator = true;
   }
+  CheckEffectSpecs(extended);
   CalibrationProblem problem(ForwardModel(extended, data_->markers), data_, experiment_);
   problem.parameters.CopyByName(parameters);
   if (adds_compensator)

@@ -101,6 +101,9 @@ class CalibrationProblem {
   // flags. A `gravity_compensator` (values L, a_x, a_y, s0, Kc) goes to its home;
   // its L is held: the scale gauge.
   CalibrationProblem WithEffects(const std::vector<EffectSpec>& specs) const;
+
+  // Paths of the files that it was read from: experiment, robot and rows, as far as it was.
+  std::vector<std::string> InputPaths() const;
   // The robot with these values, and with the priors of its effects that these parameters have.
   Robot RobotWith(const ParameterSet& own) const;
 

@@ -25,12 +25,17 @@ class Checks {
     for (const double value : *values) In(range, value, key);
   }
 
+  const Experiment& experiment() const { return experiment_; }
+
  private:
   const Experiment& experiment_;
 };
 
 void CheckNoiseNumbers(const NoiseSpec& noise, const Checks& check) {
   check.In(allowed::kSigma, noise.sigma, "noise.sigma");
+  if (noise.from == NoiseSpec::From::kSigma && !noise.sigma) {
+    FailProblem(check.experiment(), "noise.sigma", "the noise is said to be stated and is not", "set NoiseSpec::sigma");
+  }
   check.In(allowed::kFactor, noise.lambda, "noise.lambda");
   check.In(allowed::kSigma, noise.sigma0, "noise.sigma0");
   check.In(allowed::kNoiseIterations, noise.iterations, "noise.iterations");

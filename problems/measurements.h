@@ -84,6 +84,8 @@ struct Observation {
   int partner = -1;  // the other reading of the same pose; -1: none
 
   bool is_point() const { return kind == ReadingKind::kPoint; }
+  // False: it says where a reading is wanted, or lost.
+  bool IsRead() const { return is_point() ? point_in_station.allFinite() : rotation().in_station.allFinite(); }
   const ObservedRotation& rotation() const { return rotations_.empty() ? kNoRotation : rotations_.front(); }
   ObservedRotation* mutable_rotation();
   TargetReading reading() const { return {kind, point_in_station, rotation().in_station}; }

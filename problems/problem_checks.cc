@@ -183,13 +183,11 @@ void CheckCompensator(const CalibrationProblem& problem) {
   }
 }
 
-void CheckFittedReadings(const CalibrationProblem& problem) {
-  for (const int i : problem.CalibrationObservations()) {
-    const Observation& row = problem.data().observations[i];
-    const bool is_read = row.is_point() ? row.point_in_station.allFinite() : row.rotation().in_station.allFinite();
-    if (is_read) continue;
+void CheckRowsAreRead(const CalibrationProblem& problem) {
+  for (const Observation& row : problem.data().observations) {
+    if (row.excluded || row.IsRead()) continue;
     throw InputError(problem.data().WhereOf(row, row.is_point() ? "x_mm" : "rx_mrad"),
-                     "the reading of a row that is to be fitted is no number",
+                     "the reading of a row is no number",
                      "leave the row out, or exclude it (Measurements::ExcludeRow)");
   }
 }

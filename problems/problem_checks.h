@@ -45,7 +45,7 @@ std::string UnlevelledStationWithWeights(const CalibrationProblem& problem);
 void CheckCompensator(const CalibrationProblem& problem);
 
 // What is fitted was read: rows without x, y, z may be predicted and planned with, no more.
-void CheckFittedReadings(const CalibrationProblem& problem);
+void CheckRowsAreRead(const CalibrationProblem& problem);
 
 // What no estimate can come from.
 void CheckEnoughData(const CalibrationProblem& problem);

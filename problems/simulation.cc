@@ -2,6 +2,7 @@
 
 #include <cassert>
 #include <cmath>
+#include <stdexcept>
 
 #include "models/constants.h"
 #include "models/random_bits.h"
@@ -84,9 +85,11 @@ bool Simulator::Draw(std::uint64_t seed, Measurements* data) const {
 
 Measurements SimulateMeasurements(const Measurements& rows, const SimulationTruth& truth,
                                   const std::vector<Vector3<double>>& sigma, std::uint64_t seed) {
-  assert(truth.base_in_station.size() == rows.stations.size());
-  assert(truth.markers.size() == rows.markers.size());
-  assert(sigma.size() == rows.observations.size());
+  if (truth.base_in_station.size() != rows.stations.size() || truth.markers.size() != rows.markers.size() ||
+      sigma.size() != rows.observations.size()) {
+    throw std::invalid_argument(
+        "SimulateMeasurements: one base per station, one point per marker, one sigma per observation are expected");
+  }
   Robot rigid;
   rigid.chain = truth.robot.chain;
   KnownPlaces places;

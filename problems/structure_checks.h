@@ -11,7 +11,7 @@ namespace sagitta {
 enum class MarkerlessRows { kRefused, kAllowed };
 
 // Throws InputError that names the joint, effect, configuration, shot or row. Points and rotations may be NaN: not
-// measured (CheckFittedReadings).
+// measured (CheckRowsAreRead).
 void CheckStructure(const Robot& robot, const Measurements& data, MarkerlessRows markerless = MarkerlessRows::kRefused);
 
 }  // namespace sagitta

@@ -35,8 +35,9 @@ struct CalibratedExperiment {
     const std::vector<NamedText> files = {{"robot.calibrated.yaml", RunComment(provenance) + RobotYaml()},
                                           {"report.html", ReportHtml()},
                                           {"estimate.json", Json()}};
-    OutputFolder(folder, {"robot.calibrated.yaml", "residuals.csv", "report.html", "estimate.json"})
-        .Write(files, {ResidualsFile(calibration.problem, calibration.estimate)});
+    const std::vector<std::string> names = {"robot.calibrated.yaml", "residuals.csv", "report.html", "estimate.json"};
+    CheckInputsAreKept(calibration.problem.InputPaths(), folder, names);
+    OutputFolder(folder, names).Write(files, {ResidualsFile(calibration.problem, calibration.estimate)});
   }
 };
 

@@ -10,6 +10,7 @@
 #include "estimator/alignment/starting_values.h"
 #include "estimator/least_squares/linearization.h"
 #include "models/matrix_functions.h"
+#include "problems/problem_checks.h"
 
 namespace sagitta {
 namespace {
@@ -104,7 +105,10 @@ double AlignedMisfit(const CalibrationProblem& problem, const std::vector<int>& 
 }
 
 AlignedSample::AlignedSample(const CalibrationProblem& problem)
-    : rows(SampleOfRows(problem)), parameters(problem.parameters), misfit(AlignTo(problem, rows, &parameters)) {}
+    : rows(SampleOfRows(problem)), parameters(problem.parameters) {
+  CheckRowsAreRead(problem);
+  misfit = AlignTo(problem, rows, &parameters);
+}
 
 bool MissesRows(const CalibrationProblem& problem, const AlignedSample& aligned, const std::vector<int>& points,
                 double limit) {

@@ -25,6 +25,7 @@ double AlignedMisfit(const CalibrationProblem& problem, const std::vector<int>& 
 
 // The nominal robot aligned to SampleOfRows: what every check of readings begins with.
 struct AlignedSample {
+  // Throws InputError where a row has no reading.
   explicit AlignedSample(const CalibrationProblem& problem);
 
   std::vector<int> rows;

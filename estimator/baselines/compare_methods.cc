@@ -13,6 +13,7 @@
 #include "estimator/report/baselines_words.h"
 #include "models/constants.h"
 #include "problems/input_error.h"
+#include "problems/problem_checks.h"
 
 namespace sagitta {
 namespace {
@@ -95,6 +96,7 @@ std::string MethodObstacle(const CalibrationProblem& problem, Method method) {
 
 MethodResult RunMethod(const CalibrationProblem& problem, Method method, const Estimate& joint,
                        const std::function<void(const std::string&)>& progress) {
+  CheckRowsAreRead(problem);
   MethodResult result{WordOf(method), {}, kNotKnown, kNotKnown, kNotKnown};
   const std::string obstacle = MethodObstacle(problem, method);
   if (method == Method::kJoint) {

@@ -333,7 +333,7 @@ bool FindsNoise(const CalibrationProblem& problem) {
 
 ResolvedEstimate EstimateWithNoise(CalibrationProblem problem, const JointOptions& options) {
   CheckOptions(options);
-  CheckFittedReadings(problem);
+  CheckRowsAreRead(problem);
   if (!FindsNoise(problem)) {
     ResolvedEstimate plain = EstimatePlainly(std::move(problem), options);
     DescribeNoise(plain.problem, &plain.estimate);

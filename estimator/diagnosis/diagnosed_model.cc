@@ -59,7 +59,7 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
 }  // namespace
 
 DiagnosedModel FitFully(const CalibrationProblem& problem, const JointOptions& options) {
-  CheckFittedReadings(problem);
+  CheckRowsAreRead(problem);
   auto own = std::make_shared<CalibrationProblem>(problem);
   return {own, EstimateJointly(*own, options)};
 }

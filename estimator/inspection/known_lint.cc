@@ -20,7 +20,7 @@ constexpr double kBeyondExpected = 4.0;
 constexpr size_t kFewestAlone = 3;  // rows of one marker and station that are off alone: of fewer the rows are bad
 constexpr size_t kEquationsPerPlaceNumber = 2;  // from here on a fit of places alone says something
 
-bool HasPoint(const Observation& row) { return row.is_point() && row.point_in_station.allFinite(); }
+bool HasPoint(const Observation& row) { return row.is_point() && row.IsRead() && !row.excluded; }
 
 // Base poses and markers alone are unknown, and only what was read counts.
 CalibrationProblem WithFreePlaces(const CalibrationProblem& known) {

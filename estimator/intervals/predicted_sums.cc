@@ -43,8 +43,9 @@ void PredictedSums::AddArrival(const NoiseRoots& instrument, const RowMajorMatri
   for (size_t i = 0; i < instrument.size(); ++i) {
     const auto row = 3 * static_cast<Eigen::Index>(i);
     Add(instrument[i], jacobian.middleRows<3>(row));
-    square_ += 2.0 * (instrument[i].transpose() * latent.middleRows<3>(row)).squaredNorm();
+    if (latent.cols() > 0) square_ += 2.0 * (instrument[i].transpose() * latent.middleRows<3>(row)).squaredNorm();
   }
+  if (latent.cols() == 0) return;  // joints are exact
   trace_ += latent.squaredNorm();
   square_ += (latent.transpose() * latent).squaredNorm();
   const RowMajorMatrix moved = latent.transpose() * jacobian;

@@ -40,6 +40,11 @@ void CheckBelongTogether(const CalibrationProblem& problem, const ResidualSelect
     fail("a noise for each of " + std::to_string(selection.observations.size()) +
          " observations is expected, there are " + std::to_string(selection.noise.size()));
   }
+  for (size_t k = 0; k < selection.noise.size(); ++k) {
+    if (IsStated(selection.noise[k])) continue;
+    fail("observation " + std::to_string(selection.observations[k]) + " has no noise");
+  }
+  if (!(selection.deviation_factor > 0.0)) fail("the factor of the joints' deviations is not above 0");
   const std::vector<ParameterBlock>& own = problem.parameters.blocks();
   const auto is_alike = [](const ParameterBlock& a, const ParameterBlock& b) {
     return a.name == b.name && a.values.size() == b.values.size();
@@ -121,6 +126,9 @@ ResidualSelection CalibrationResiduals(const CalibrationProblem& problem, double
 
 void AddToProblem(const CalibrationProblem& problem, const ResidualSelection& selection, ParameterSet* parameters,
                   ceres::Problem* ceres_problem, LatentBlocks* latents) {
+  if (parameters == nullptr || ceres_problem == nullptr) {
+    throw std::invalid_argument("AddToProblem: parameters or problem are null");
+  }
   CheckBelongTogether(problem, selection, *parameters);
   const std::vector<int> active = ActiveModelParameters(*parameters);
   if (latents != nullptr) latents->assign(problem.latent.num_visits, std::vector<double>(problem.latent.size(), 0.0));

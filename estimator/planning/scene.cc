@@ -13,6 +13,7 @@
 #include "problems/excitation.h"
 #include "problems/input_error.h"
 #include "problems/interruption.h"
+#include "problems/robot_structure.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -318,6 +319,7 @@ void FindPlaces(const Robot& robot, const Measurements& data, const Experiment& 
 
 PlanScene MakePlanScene(const Robot& robot, const Measurements& data, const Experiment& experiment,
                         const PlanRequest& request) {
+  CheckEffectSpecs(WithEffects(robot, request.discriminate));
   PlanScene scene;
   std::unique_ptr<Drawing> drawing;
   if (request.candidates == nullptr || request.random_tests) {

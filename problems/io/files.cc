@@ -58,7 +58,7 @@ thread_local std::unique_ptr<Session> session;
 [[noreturn]] void FailInputIsOutput(const Identity& input, const Identity& output) {
   throw InputError({input.path, 0, ""},
                    "this input would be overwritten by the output '" + output.path + "'; nothing is written",
-                   "give another --out");
+                   "give another folder");
 }
 
 // All bytes from where the descriptor is; a device that never ends is cut off by the limit.
@@ -115,6 +115,17 @@ void DeclareOutput(const std::string& path) {
     if (input.IsSameAs(output)) FailInputIsOutput(input, output);
   }
   session->outputs.push_back(output);
+}
+
+void CheckInputsAreKept(const std::vector<std::string>& inputs, const std::string& folder,
+                        const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    const Identity output = IdentityOf((fs::path(folder) / name).string());
+    for (const std::string& path : inputs) {
+      const Identity input = IdentityOf(path);
+      if (input.IsSameAs(output)) FailInputIsOutput(input, output);
+    }
+  }
 }
 
 std::string ReadOwnFile(const std::string& path) {

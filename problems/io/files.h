@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace sagitta {
 
@@ -24,6 +25,10 @@ class FileSession {
 // The rule for inputs and outputs, in one place: says that the session will write `path`. Throws InputError where that
 // is a file the session reads, before or after, by whatever name or link.
 void DeclareOutput(const std::string& path);
+
+// The same rule where no session read the inputs: throws InputError where one of `names` in the folder is one of them.
+void CheckInputsAreKept(const std::vector<std::string>& inputs, const std::string& folder,
+                        const std::vector<std::string>& names);
 
 // At most limits::kFileBytes. Throws InputError when the file is absent, longer, or cannot be read.
 std::string ReadTextFile(const std::string& path);

@@ -11,6 +11,7 @@
 #include "problems/io/urdf_robot.h"
 #include "problems/io/yaml_reader.h"
 #include "problems/limits.h"
+#include "problems/robot_structure.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -224,6 +225,7 @@ UrdfSource ReadUrdfSource(const YamlValue& value, const std::string& stated_in) 
 
 Robot ReadRobotText(const std::string& text, const std::string& file_in_messages,
                     const std::vector<const EffectDefinition*>& own_effects) {
+  CheckOwnEffects(own_effects);
   if (IsUrdf(file_in_messages, text)) {
     Robot robot = ReadUrdfText(text, file_in_messages);
     robot.own_effects = own_effects;
