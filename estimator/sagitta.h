@@ -8,10 +8,12 @@
 // What to measure next: MakePlan (estimator/planning/plan.h). Corrected targets: MakeCompensationInput, Compensate
 // (estimator/results/compensation_csv.h). Long work ends early where an Interruptible scope says so.
 //
-// Units are SI (m, rad, N, kg, s); a rotation's standard deviation is that of a left perturbation, R = exp(delta)
-// R_hat. Input that cannot be used throws InputError {file, line, key, what, hint}, an option out of its range one
-// whose key is Struct.field; a numerical failure is a Status with a message, never an exception. What asks for results
-// that do not exist, of a calibration that is not usable for example, is std::invalid_argument. Nothing here prints.
+// Units are SI (m, rad, N, kg, s) but for Prior and LargestDeviation; a rotation's standard deviation is that of a left
+// perturbation, R = exp(delta) R_hat. Input that cannot be used throws InputError {file, line, key, what, hint}, an
+// option out of its range one whose key is Struct.field. A numerical failure of an estimate is a Status with a message;
+// Predict, Validate and Simulate throw Failure where a load folds the arm. What was interrupted throws Interruption.
+// What asks for results that do not exist, of a calibration that is not usable for example, is std::invalid_argument.
+// Nothing here prints. Functions that return nlohmann::ordered_json need <nlohmann/json.hpp> where they are called.
 #pragma once
 
 #include <cstdint>
@@ -32,6 +34,7 @@
 #include "estimator/results/estimate_json.h"
 #include "estimator/validation/trust.h"
 #include "problems/calibration_problem.h"
+#include "problems/failure.h"
 #include "problems/input_error.h"
 #include "problems/interruption.h"
 #include "problems/io/experiment_inputs.h"
@@ -109,7 +112,7 @@ struct Prediction {
 
 // Points of the rows (x, y, z may be absent), and rotations of those that are poses (AddKnownRotations makes poses of
 // rows whose target's rotation is known). Throws InputError for a station, marker or load that is not known, and
-// std::runtime_error where a load folds the arm.
+// Failure where a load folds the arm.
 Prediction Predict(const KnownRobot& known, const Measurements& rows);
 
 // The rows with what was predicted: the file of `sagitta predict`.
@@ -155,16 +158,16 @@ nlohmann::ordered_json ValidationToJson(const Validation& validation, const Prov
 std::string ValidationToCsv(const Measurements& rows, const Validation& validation);
 
 // The rows with points, and of targets of known rotation poses, as the instrument would have read them. Noise: `sigma`
-// (m) on every axis (rotations: that of their rows), else what rows or
-// experiment state; a stated repeatability moves each joint once per arrival. The same seed gives the same numbers on
-// every machine.
+// (m) on every axis (rotations: that of their rows), else what rows or experiment state; a stated repeatability moves
+// each joint once per arrival. The same seed gives the same numbers on every machine.
 struct SimulateOptions {
   std::optional<double> sigma = {};
   std::uint64_t seed = 1;
 };
 // Throws InputError that names the option (problems/range.h).
 void CheckOptions(const SimulateOptions& options);
-// Rows with simulated readings: the known robot, with noise and repeatability as the experiment states them.
+// Rows with simulated readings: the known robot, with noise and repeatability as the experiment states them. Throws
+// InputError where the truth lacks a station or marker, and Failure where a load or a joint's deviation folds the arm.
 Measurements Simulate(const KnownRobot& known, const Measurements& rows, const Experiment& experiment,
                       const SimulateOptions& options = {});
 

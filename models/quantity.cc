@@ -55,12 +55,14 @@ const QuantityTraits& TraitsOf(Quantity quantity) {
       return kLinearCompliance;
     case Quantity::kSpringRate:
       return kSpringRate;
+    case Quantity::kCount:
+      break;
   }
   return kLength;
 }
 
 double SiPerUnit(const std::string& unit) {
-  for (int i = 0; i <= static_cast<int>(Quantity::kCurvature); ++i) {
+  for (int i = 0; i < static_cast<int>(Quantity::kCount); ++i) {
     const QuantityTraits& traits = TraitsOf(static_cast<Quantity>(i));
     if (unit == traits.unit) return traits.si_per_unit;
   }

@@ -23,6 +23,7 @@ enum class Quantity {
   kGrowth,            // 1/K
   kShift,             // m, stated in um
   kCurvature,         // rad/m
+  kCount,             // how many there are; no quantity itself
 };
 
 // How a quantity is written, and when it counts as held or weak.

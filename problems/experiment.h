@@ -1,4 +1,4 @@
-// An experiment as its file states it (sagitta/experiment/1), SI inside.
+// An experiment as its file states it (sagitta/experiment/1), SI inside but for Prior, which is in the unit of results.
 // Everything that FORMATS section 3 lists is read; what a method does not
 // support yet it refuses with words, it never ignores it.
 #pragma once
@@ -113,10 +113,10 @@ struct EstimateSpec {
   std::vector<std::string> free;
 };
 
-// Knowledge from elsewhere of one parameter.
+// Knowledge from elsewhere of one parameter, not in SI: {0, 0.001} of a length is 1 um.
 struct Prior {
-  double value = 0.0;  // in the parameter's unit of FORMATS section 4
-  double sigma = 0.0;
+  double value = 0.0;  // in the parameter's unit of FORMATS section 4: mm, mrad, deg, urad/Nm, N/mm, …
+  double sigma = 0.0;  // standard deviation, in the same unit
 };
 
 // Which configurations are set aside.

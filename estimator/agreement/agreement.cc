@@ -78,8 +78,8 @@ Differences DifferencesOfParts(const Whole& whole, const PartFit& a, const PartF
 }
 
 // Halves of n independent rows have C_a + C_b = 4 C of the whole. Where they know most parameters far worse than that,
-// they turn the same misfit into far larger errors than the whole does, as they do with noise: then counts of their
-// squares what the whole has of the noise's, by the mean of (C_a + C_b) / 4 C. whole: its variances by noise alone.
+// they turn the same misfit into far larger errors than the whole does, as they do with noise: then their squares are
+// divided by the mean of (C_a + C_b) / 4 C over the parameters. whole: its variances by noise alone.
 PartDifference AsOfTheWhole(const Eigen::VectorXd& whole, PartDifference found) {
   const Eigen::VectorXd ratios = found.covariance.diagonal().cwiseQuotient(4.0 * whole(found.columns));
   if (ratios.size() == 0 || Median({ratios.begin(), ratios.end()}) <= kPoorHalves) return found;

@@ -118,7 +118,9 @@ struct DiagnosisOptions {
 // Throws InputError that names the option (problems/range.h).
 void CheckOptions(const DiagnosisOptions& options);
 
-// Which effects the model lacks. The problem needs held-out configurations for the gap (HoldOutForDiagnosis).
+// Which effects the model lacks. The problem needs held-out configurations for the gap (HoldOutForDiagnosis). Throws
+// InputError for an option out of its range and for fitted readings that are not numbers; a model that does not fit is
+// the status.
 Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& options);
 
 }  // namespace sagitta

@@ -1,5 +1,4 @@
-// What came out: the answer of every method, in SI; tools/ states it in the
-// units of FORMATS section 4.
+// What came out: the answer of every method, in SI; estimator/results states it in the units of FORMATS section 4.
 #pragma once
 
 #include <limits>
@@ -59,13 +58,15 @@ struct Interval {
   double high = 0.0;
 };
 
-// One line of the table: a coordinate with its value and intervals.
+// One line of the table: a coordinate with its value and intervals. Methods give all by the noise alone. Where an
+// estimate is judged (Calibrate, ExtendedCalibration), model error widens ci95 and the unconditional two, and sigma
+// stays as it was: Trust::sigma is the one with model error.
 struct ParameterEstimate {
   std::string name;
   Quantity quantity = Quantity::kLength;
   double value = 0.0;    // SI
   double nominal = 0.0;  // SI; geometric errors 0, base and markers the aligned start
-  double sigma = 0.0;    // 0 unless estimated
+  double sigma = 0.0;    // SI, by the noise alone; 0 unless estimated
   Interval ci95;
   bool free = false;                                        // estimated
   bool identifiable = true;                                 // false: held, the data do not determine it
@@ -73,7 +74,8 @@ struct ParameterEstimate {
   double lower = -std::numeric_limits<double>::infinity();  // that bound, SI
   bool weak = false;                                        // known worse than 1 mm, 1 mrad or half its value
 
-  double dof = std::numeric_limits<double>::infinity();  // of the interval: Student's t; infinity: normal
+  // Student's t of the interval by the noise alone; infinity: normal.
+  double dof = std::numeric_limits<double>::infinity();
   // Interval on the condition that held parameters are where they were put; the unconditional one counts what they may
   // do to it (held_influence.h). Of held ones themselves too; equal to sigma and ci95 where nothing is held.
   bool conditional = false;
@@ -130,9 +132,9 @@ struct Estimate {
   std::vector<ParameterEstimate> table;  // one per coordinate
 
   std::vector<int> estimated;        // coordinates behind the rows of `covariance`
-  Eigen::MatrixXd covariance;        // SI, by intervals.method; profile: that of the model
+  Eigen::MatrixXd covariance;        // SI, by the noise alone, by intervals.method; profile: that of the model
   Eigen::MatrixXd model_covariance;  // SI, (J'J)^-1, scaled where sigma.scaled or not stated
-  Eigen::VectorXd interval_dof;      // of each estimated one's interval; infinity: normal
+  Eigen::VectorXd interval_dof;      // of each estimated one's interval by the noise alone; infinity: normal
   HeldInfluence held;                // what held parameters do to the estimated ones
   IntervalReport intervals;
   Identifiability identifiability;

@@ -3,11 +3,12 @@
 //
 //   parameters   J C J'         of the estimated ones
 //   held         K S K'         K = J_h + J G: what held parameters leave open (held_influence.h)
+//   model        s^2 I          what a rest that no parameter shows adds (AddedByRest)
 //   arm          L L'           the joints' repeatability: where the arm stops at one arrival
-//   instrument   diag(sigma^2)  of one measurement
 //
-// A prediction of the mean has the first two; what one measurement will show has all. Of the readings of
-// many points together: predicted_squares.h, with A = [J sqrt(C), K sqrt(S)].
+// A prediction of the mean has the first three; what one measurement will show has all, and the instrument's
+// covariance, which is handed on by itself (Prediction::instrument). Of the readings of many points together:
+// predicted_squares.h, with A = [J sqrt(C), K sqrt(S)].
 #pragma once
 
 #include <vector>

@@ -46,7 +46,7 @@ NoiseRoots RootsOfWeights(const Experiment& experiment, const NoiseRoots& noise)
   return Eq14Roots(noise, experiment.noise.sigma0, experiment.noise.lambda);
 }
 
-// N^-1 (sum J'W S S'W J) N^-1, rows W J whitened by the weights, S the root of the noise.
+// N^-1 (sum J'W W S S'W W J) N^-1, from rows W J, whitened by the weights; S the root of the noise.
 Eigen::MatrixXd CovarianceOfWeighted(const CalibrationProblem& problem, const ParameterSet& parameters,
                                      const LinearSolution& solution) {
   const std::vector<int> columns = parameters.EstimatedCoordinates();

@@ -4,7 +4,7 @@
 //   W = I / s      equal: ordinary least squares; s common, the root mean square of the noise (it cancels)
 //   W = 1 / (s0 + lambda sigma)   eq. (14) of paper 003, per axis
 //
-//   C = N^-1 J'W S^2 W J N^-1,   N = J'W^2 J                             eq. (11); equal: eq. (8)
+//   C = N^-1 J'W^2 S^2 W^2 J N^-1,   N = J'W^2 J   (J not whitened)      eq. (11); equal: eq. (8)
 //
 // S is the root of the known noise: the estimate is made with W, and judged by S. The
 // misfit is tested by the least chi-square that S allows near the estimate,

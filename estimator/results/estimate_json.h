@@ -52,10 +52,9 @@ struct KnownRobot {
   Eigen::MatrixXd campaign_covariance;
   double halves = 1.0;  // factor by which random halves differ beyond noise, where that is no chance
   PredictionNoise noise;
-  double model_error =
-      1.0;                // factor on standard deviations away from the calibrated configurations (agreement.inflation)
-  double rest = 0.0;      // m, RMS distance: what is left on points that were not fitted beyond noise and parameters
-  double clusters = 0.0;  // configurations that the covariance was found from (sandwich, bootstrap); 0: by the model
+  double model_error = 1.0;  // factor by which model error widens the parameters' intervals (model_error.factor)
+  double rest = 0.0;         // m, RMS distance: what is left on points that were not fitted beyond noise and parameters
+  double clusters = 0.0;     // configurations that the covariance was found from (sandwich, bootstrap); 0: by the model
   struct Parameter {
     double value = 0.0, nominal = 0.0;  // SI
   };

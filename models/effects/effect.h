@@ -13,8 +13,8 @@
 //   instrument    marker, base-frame or station-frame points move, or the
 //                 instrument reads an angle or a range wrong (SightTerm)
 //
-// An effect that depends on what came before a shot (play, heat) says with
-// Remember what it keeps of it: one number per shot, from all shots in the order
+// An effect that depends on what came before a shot (play, heat) says by
+// `remember` what it keeps of it: one number per shot, from all shots in the order
 // they were measured.
 //
 // A new effect is one file with one definition, declared in catalogue.h and
@@ -248,9 +248,10 @@ struct EffectDefinition {
   std::string name;
   std::string title;      // for reports
   std::string reference;  // equation or source
-  EffectTarget target;
-  std::vector<EffectParameter> (*parameters)(const Robot& robot, const EffectSpec& spec);
-  void (*apply)(const EffectContext& context, ShotTerms* terms);
+  EffectTarget target = EffectTarget::kJoint;
+  // Both are needed: null is refused where a robot carries the definition.
+  std::vector<EffectParameter> (*parameters)(const Robot& robot, const EffectSpec& spec) = nullptr;
+  void (*apply)(const EffectContext& context, ShotTerms* terms) = nullptr;
 
   std::vector<SettingDefinition> settings = {};
   bool tilts = false;  // needs the tilt slots of its joint, or of the foot

@@ -5,8 +5,9 @@
     print(estimate.verdict)
     estimate.to_dataframe()
 
-Arrays are in SI (m, rad), one row per reading, and say so in their names. Frames and dictionaries are the files and
-the JSON of docs/FORMATS.md, units in every name, with the numbers of the program to the last digit.
+Arrays are in SI (m, rad) and say so in their names; they have one row per reading, but for joint_values, which has one
+per configuration (of corrected targets one per target). Frames and dictionaries are the files and the JSON of
+docs/FORMATS.md, units in every name, with the numbers of the program to the last digit.
 """
 import difflib as _difflib
 import json as _json
@@ -21,7 +22,7 @@ __version__ = _core.__version__
 
 
 class InputError(ValueError):
-    """Input that cannot be used: says where, and what to do about it."""
+    """Input that cannot be used: says where, and what to do about it. str(error) has place and hint, too."""
 
     file = ""
     line = 0  # of a table in memory its row, from 1
@@ -96,8 +97,9 @@ class _Data:
     stations = _of_core("stations")
     configurations = _of_core("configurations")
     warnings = _of_core("warnings")
-    joint_values = _of_core("joint_values", read_only=True)
-    points_m = _of_core("points_m", read_only=True)
+    joint_values = _of_core("joint_values", "As commanded, rad and m: one row per configuration, in the order of "
+                            "`configurations`; to_dataframe() has them in every row.", read_only=True)
+    points_m = _of_core("points_m", "As measured, in the station's frame, one row per reading.", read_only=True)
 
     def to_csv(self, path):
         with open(path, "w", encoding="utf-8") as file:
@@ -174,8 +176,15 @@ class Estimate(_WithJson):
         return self.to_dict()["verdict"]["trusted"]
 
     fit = _of_json("fit")
-    validation = _of_json("validation")
-    cross_validation = _of_json("cross_validation")
+
+    @property
+    def validation(self):
+        """The errors on rows that were held out, as in estimate.json; None where nothing is held out."""
+        held_out = self.to_dict()["validation"]
+        return held_out if held_out["observations"] > 0 else None
+
+    cross_validation = _of_json(
+        "cross_validation", "The errors on the calibration rows, each predicted by a fit without its configuration.")
     warnings = _of_json("warnings")
 
     @property
@@ -191,13 +200,16 @@ class Estimate(_WithJson):
 
     @property
     def estimated(self):
+        """The names of what was estimated, in the order of correlation and covariance_si."""
         return self.to_dict()["correlation"]["names"]
 
     @property
     def correlation(self):
+        """Of the parameters `estimated`, by the noise alone."""
         return _read_only(_np.array(self.to_dict()["correlation"]["matrix"], dtype=_np.float64))
 
-    covariance_si = _of_core("covariance_si")
+    covariance_si = _of_core("covariance_si", "Of the parameters `estimated`, in SI, by the noise alone: sigma and ci95 "
+                             "of a parameter hold model error as well.")
 
     @property
     def measured_m(self):
@@ -209,8 +221,9 @@ class Estimate(_WithJson):
     def residuals_m(self):
         return _read_only(self.measured_m - self.predicted_m)
 
-    whitened = _of_core("whitened", read_only=True)
-    leverage = _of_core("leverage", read_only=True)
+    whitened = _of_core("whitened", "Residuals by the root of what one reading scatters by.", read_only=True)
+    leverage = _of_core("leverage", "One number per reading: the mean over its axes of the hat matrix's diagonal.",
+                        read_only=True)
     robot_yaml = _of_core("robot_yaml", called=True)
 
     @property
@@ -365,7 +378,9 @@ class Prediction:
         self._core = _core.predict(known, _rows(rows), force)
 
     points_m = _of_core("points_m", read_only=True)
-    covariance_m2 = _of_core("covariance_m2", read_only=True)
+    covariance_m2 = _of_core(
+        "covariance_m2", "N x 3 x 3, of the mean: parameters with their model error, what was held, and what the "
+        "calibration left; not of where the arm stops, nor of the instrument.", read_only=True)
     warnings = _of_core("warnings", "What `sagitta predict` warns of, and the model error that the figures carry.")
 
     def to_dataframe(self):
@@ -406,7 +421,7 @@ class Compensation:
     status = _of_core("status")
     warnings = _of_core(
         "warnings", "What `sagitta compensate` says of targets outside the measured joint ranges and of model error.")
-    joint_values = _of_core("joint_values", read_only=True)
+    joint_values = _of_core("joint_values", "To be commanded, rad and m, one row per target.", read_only=True)
 
     def to_dataframe(self):
         """The file of `sagitta compensate`."""
@@ -437,9 +452,18 @@ def _experiment(experiment):
     return experiment._core
 
 
-def _names(names):
-    """One text is a list as well, as it is for the flags: "geometry/p_x1,geometry/p_y1"."""
-    return _core.split_names(names) if isinstance(names, str) else list(names)
+def _names(names, key):
+    """Any iterable of texts. One text is a list as well, as it is for the flags: "geometry/p_x1,geometry/p_y1"."""
+    if names is None or isinstance(names, str):
+        return _core.split_names(names) if names else []
+    try:
+        found = list(names)
+    except TypeError:
+        raise TypeError("%s: names are expected, not %s" % (key, type(names).__name__)) from None
+    for name in found:
+        if not isinstance(name, str):
+            raise TypeError("%s: every name is a text, not %s" % (key, type(name).__name__))
+    return found
 
 
 def _whole(number, name, least=-2**31, most=2**31 - 1):
@@ -457,10 +481,15 @@ def _seed(seed):
     return _whole(seed, "seed", 0, 2**64 - 1)
 
 
+def _sources(tables, name):
+    """One table, or a list of them; the rows of a result are a table, too."""
+    def table(one):
+        return one.to_dataframe() if isinstance(one, _Data) else one
+    return _tables.sources([table(one) for one in tables] if isinstance(tables, (list, tuple)) else table(tables), name)
+
+
 def _rows(rows):
-    if isinstance(rows, _Data):
-        return [("rows", dict(_tables.source(rows.to_dataframe(), "rows")[1]))]
-    return _tables.sources(rows, "rows")
+    return _sources(rows, "rows")
 
 
 def _path_or_text(robot, name):
@@ -471,23 +500,34 @@ def _path_or_text(robot, name):
     if not hasattr(robot, "keys"):
         raise TypeError("%s: a path, its text or a dictionary of its keys is expected, not %s"
                         % (name, type(robot).__name__))
-    return _json.dumps(robot, default=_plain), True
+    return _json.dumps(_plain(robot, "")), True
 
 
-def _plain(value):
-    """NumPy's numbers and arrays in settings."""
-    return value.tolist()
+def _plain(value, key):
+    """What stands under a key, as JSON has it; NumPy's numbers and arrays are numbers and lists."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if hasattr(value, "keys"):
+        return {str(name): _plain(value[name], "%s.%s" % (key, name) if key else str(name)) for name in value.keys()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item, "%s[%d]" % (key, i)) for i, item in enumerate(value)]
+    if value is None or isinstance(value, (str, bool, int, float)):
+        return value
+    raise _tables._input_error("%s: a number, a text, a list or a dictionary is expected, not %s"
+                               % (key, type(value).__name__), key)
 
 
 def read(robot_or_experiment, *measurements, sigma_mm=None, holdout=None, seed=None, free=(), fixed=(),
          points_required=True, **settings):
     """An experiment: one file sagitta/experiment/1, or a robot and its measurements.
 
-    robot: a path (YAML, URDF), its text, or a dictionary of its keys. measurements: paths, pandas frames or mappings of
-    columns, named as in docs/FORMATS.md section 2; arrays of several columns are q_deg, xyz_mm, sigma_mm, ...
+    robot: a path (YAML, URDF), its text, or a dictionary of its keys. measurements: paths, pandas frames, mappings of
+    columns, named as in docs/FORMATS.md section 2, or rows that a call gave (simulate, plan, read); arrays of several
+    columns are q_deg, xyz_mm, sigma_mm, ...
     settings: the keys of an experiment file, as noise={"sigma_mm": 0.05}.
-    sigma_mm, holdout, seed, free, fixed: the flags of `sagitta calibrate`; they replace what file or rows say. seed: of
-    the rows that are held out.
+    sigma_mm (mm), holdout (a fraction), seed, free, fixed (any iterable of names, or one text): the flags of `sagitta
+    calibrate`; they replace what file or rows say. seed: of the rows that are held out. points_required=False: rows may
+    lack x, y, z, as for simulate and plan. Raises InputError.
     """
     if not measurements:
         if not isinstance(robot_or_experiment, (str, _os.PathLike)):
@@ -502,8 +542,8 @@ def read(robot_or_experiment, *measurements, sigma_mm=None, holdout=None, seed=N
         text, is_text = _path_or_text(robot_or_experiment, "robot")
         tables = []
         for i, table in enumerate(measurements):
-            tables += _tables.sources(table, "measurements" if len(measurements) == 1 else "measurements[%d]" % i)
-        core = _core.assemble(text, is_text, tables, _json.dumps(settings, default=_plain), sigma_mm is None,
+            tables += _sources(table, "measurements" if len(measurements) == 1 else "measurements[%d]" % i)
+        core = _core.assemble(text, is_text, tables, _json.dumps(_plain(settings, "")), sigma_mm is None,
                               points_required)
     if sigma_mm is not None:
         core.set_sigma(float(sigma_mm))
@@ -511,8 +551,10 @@ def read(robot_or_experiment, *measurements, sigma_mm=None, holdout=None, seed=N
         core.set_holdout(float(holdout), 1 if seed is None else _seed(seed))
     elif seed is not None:
         core.set_validation_seed(_seed(seed))
-    core.set_free(_names(free)) if free else None
-    core.set_fixed(_names(fixed)) if fixed else None
+    for names, key, replace in ((free, "free", core.set_free), (fixed, "fixed", core.set_fixed)):
+        listed = _names(names, key)
+        if listed:
+            replace(listed)
     return Experiment(core)
 
 
@@ -522,7 +564,12 @@ def load(path):
 
 
 def calibrate(experiment, *, method="joint", threads=1, seed=1, force=False, progress=None):
-    """Everything unknown in one solve. progress: called with a sentence now and then."""
+    """Everything unknown in one solve.
+
+    method: as --method. threads: results do not depend on how many. seed: of the random halves that are compared.
+    force: goes on where the nominal robot cannot have made the readings. progress: called with a sentence now and then.
+    Raises InputError, and NumericalError where there is no estimate.
+    """
     inputs = _experiment(experiment)
     return Estimate(_core.calibrate(inputs, method, _whole(threads, "threads"), _seed(seed), force, "sagitta.calibrate",
                                     progress))
@@ -627,10 +674,11 @@ def plan(experiment, *, poses=None, accuracy_mm=None, augment=False, criterion="
     wishes = {
         "poses": None if poses is None else _whole(poses, "poses"),
         "accuracy_mm": None if accuracy_mm is None else float(accuracy_mm), "augment": augment,
-        "criterion": criterion, "discriminate": ",".join(_names(discriminate)), "pool": _whole(pool, "pool"),
+        "criterion": criterion, "discriminate": ",".join(_names(discriminate, "discriminate")),
+        "pool": _whole(pool, "pool"),
         "seed": _seed(seed), "random_tests": random_tests,
-        "candidates": [] if candidates is None else _tables.sources(candidates, "candidates"),
-        "tests": [] if tests is None or random_tests else _tables.sources(tests, "tests"),
+        "candidates": [] if candidates is None else _sources(candidates, "candidates"),
+        "tests": [] if tests is None or random_tests else _sources(tests, "tests"),
         "cell": ("", False) if cell is None else _path_or_text(cell, "cell"), "move": move,
         "model_error": _estimate_text(model_error),
     }

@@ -58,7 +58,8 @@ int main(int, char** argv) {
   int found = 0;
   for (const sagitta::ParameterEstimate& row : result.estimate.table) {
     if (row.name.rfind("effect/driven_harmonic", 0) != 0) continue;
-    std::cout << row.name << " = " << 1e6 * row.value << " +- " << 1.96e6 * row.sigma << " urad\n";
+    std::cout << row.name << " = " << 1e6 * row.value << " urad, 95 % from " << 1e6 * row.ci95.low << " to "
+              << 1e6 * row.ci95.high << "\n";
     found += std::abs(row.value) < 4.0 * row.sigma;  // nothing of the kind is in the data
   }
   if (!sagitta::IsUsable(result.estimate.status) || found != 2) return 1;

@@ -48,9 +48,11 @@ void AddTouch(const sagitta::CalibrationProblem& problem, int shot, sagitta::Par
   ceres_problem->AddResidualBlock(cost, nullptr, blocks);
 }
 
-// Standard deviation of marker/<id>/z, looked up by name, after a solve with `touches` of the plane; m.
-double SolveAndLookUp(const sagitta::CalibrationProblem& problem, int touches) {
-  sagitta::ParameterSet parameters = sagitta::Calibrate(problem).estimate.parameters;
+// Standard deviation of marker/<id>/z, looked up by name, after a solve with `touches` of the plane; m. The calibrated
+// problem knows the noise that was found.
+double SolveAndLookUp(const sagitta::Calibration& calibration, int touches) {
+  const sagitta::CalibrationProblem& problem = calibration.problem;
+  sagitta::ParameterSet parameters = calibration.estimate.parameters;
   ceres::Problem ceres_problem;
   sagitta::AddToProblem(problem, sagitta::CalibrationResiduals(problem), &parameters, &ceres_problem);
   for (int shot = 0; shot < touches; ++shot) AddTouch(problem, shot, &parameters, &ceres_problem);
@@ -71,8 +73,9 @@ double SolveAndLookUp(const sagitta::CalibrationProblem& problem, int touches) {
 }  // namespace
 
 int main(int, char** argv) {
-  const sagitta::CalibrationProblem problem = sagitta::ReadExperiment({argv[1]});
-  const double alone = SolveAndLookUp(problem, 0), touched = SolveAndLookUp(problem, 12);
+  const sagitta::Calibration calibration = sagitta::Calibrate(sagitta::ReadExperiment({argv[1]}));
+  if (!sagitta::IsUsable(calibration.estimate.status)) return 3;
+  const double alone = SolveAndLookUp(calibration, 0), touched = SolveAndLookUp(calibration, 12);
   std::cout << 1e6 * alone << " um without, " << 1e6 * touched << " um with 12 touches\n";
   return alone > 0.0 && touched > 0.0 && touched < alone ? 0 : 1;
 }

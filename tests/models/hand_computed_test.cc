@@ -62,6 +62,10 @@ TEST(HandComputed, UnitsOfResults) {
                                             {"ppm/K", 1e-6},
                                             {"urad/m", 1e-6}};
   for (const auto& [unit, value] : si) EXPECT_NEAR(SiPerUnit(unit), value, 1e-12 * value) << unit;
+  for (int i = 0; i < static_cast<int>(Quantity::kCount); ++i) {
+    const std::string unit = TraitsOf(static_cast<Quantity>(i)).unit;
+    EXPECT_EQ(si.count(unit), 1u) << unit;
+  }
 }
 
 // An instrument that has turned by a fifth of a radian: the derivative of the rotation it reads, by differences.

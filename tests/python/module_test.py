@@ -96,6 +96,21 @@ class SameAsTheProgram(FolderTest):
         written = columns_of(self.folder / "program" / "residuals.csv")
         self.assertEqual(list(residuals["res_x_mm"]), [float(cell) for cell in written["res_x_mm"]])
 
+    def test_nothing_held_out_is_no_perfect_robot(self):
+        estimate = sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))
+        self.assertIsNone(estimate.validation)
+        self.assertEqual(estimate.to_dict()["validation"]["observations"], 0)
+        self.assertGreater(estimate.cross_validation["before"]["distance_rms_mm"],
+                           estimate.cross_validation["distance_rms_mm"])
+        held_out = sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml", holdout=0.3))
+        self.assertEqual(held_out.validation, held_out.to_dict()["validation"])
+        self.assertGreater(held_out.validation["distance_rms_mm"], 0.0)
+
+    def test_joint_values_are_those_of_configurations(self):
+        experiment = sagitta.read(KR270 / "experiment.yaml")
+        self.assertEqual(len(experiment.joint_values), len(experiment.configurations))
+        self.assertEqual(len(experiment.points_m), len(experiment))
+
     def test_an_estimate_says_what_it_lacks(self):
         estimate = sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))
         name = estimate.estimated[0]
@@ -484,6 +499,38 @@ class Errors(FolderTest):
         self.assertFalse(fixed["geometry/p_x1"].free or fixed["geometry/p_y1"].free)
         error = self.caught(sagitta.plan, sagitta.read(KR270 / "experiment.yaml"), poses=3, discriminate="backlsh/A3")
         self.assertIn("backlsh", str(error))
+
+    def test_names_are_any_iterable_of_texts(self):
+        files = (KR270 / "robot.yaml", KR270 / "geometric.csv")
+        names = ["geometry/p_x1", "geometry/p_y1"]
+        for some in (np.array(names), pandas.Series(names), set(names), (name for name in names), dict.fromkeys(names)):
+            fixed = sagitta.calibrate(sagitta.read(*files, sigma_mm=0.1, fixed=some))
+            self.assertFalse(fixed["geometry/p_x1"].free or fixed["geometry/p_y1"].free, some)
+        for nothing in (None, "", [], np.array([])):
+            self.assertEqual(len(sagitta.read(*files, free=nothing)), 54)
+        for wrong in (7, [7], np.array([names])):
+            for flag in ("free", "fixed"):
+                with self.assertRaisesRegex(TypeError, "^%s: " % flag):
+                    sagitta.read(*files, **{flag: wrong})
+        with self.assertRaisesRegex(TypeError, "^discriminate: "):
+            sagitta.plan(sagitta.read(KR270 / "experiment.yaml"), poses=3, discriminate=[1])
+
+    def test_settings_that_no_file_can_hold(self):
+        files = (KR270 / "robot.yaml", KR270 / "geometric.csv")
+        error = self.caught(sagitta.read, *files, estimate={"geometry": {"p_x1"}})
+        self.assertEqual(error.key, "estimate.geometry")
+        self.assertIn("estimate.geometry", str(error))
+        self.assertEqual(self.caught(sagitta.read, *files, markers={"P1": {"xyz_mm": [1, 2, object()]}}).key,
+                         "markers.P1.xyz_mm[2]")
+        robot = {"schema": "sagitta/robot/1", "joints": [{"name": "A1", "type": {"revolute"}}]}
+        self.assertEqual(self.caught(sagitta.read, robot, files[1]).key, "joints[0].type")
+
+    def test_rows_of_a_result_are_measurements(self):
+        experiment = sagitta.read(KR270 / "experiment.yaml")
+        rows = sagitta.simulate(experiment, sagitta.calibrate(experiment), sigma_mm=0.02)
+        again = sagitta.read(KR270 / "robot.yaml", rows, sigma_mm=0.02)
+        np.testing.assert_array_equal(again.to_dataframe()["x_mm"], rows.to_dataframe()["x_mm"])
+        self.assertEqual(sagitta.calibrate(again).status, "converged")
 
     def test_names_with_two_settings_are_one(self):
         name = "effect/backlash[by=torque,width_Nm=30]/A3"

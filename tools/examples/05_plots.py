@@ -27,7 +27,8 @@ figure.savefig("residuals.png", dpi=120)
 table = estimate.to_dataframe()
 geometry = table[table.index.str.startswith("geometry/") & table["free"] & (table["unit"] == "mm")]
 figure, bars = plt.subplots(figsize=(8, 4), layout="constrained")
-bars.errorbar(geometry["value"], geometry.index, xerr=1.96 * geometry["sigma"], fmt="o", capsize=3)
+value, low, high = geometry["value"], geometry["ci95_low"], geometry["ci95_high"]
+bars.errorbar(value, geometry.index, xerr=(value - low, high - value), fmt="o", capsize=3)
 bars.axvline(0, linewidth=0.5)
 bars.set(xlabel="error with 95 % interval (mm)")
 figure.savefig("parameters.png", dpi=120)
