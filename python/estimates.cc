@@ -43,7 +43,7 @@ struct CalibratedExperiment {
 
 // What was said, and the model error that figures of this estimate carry, where there is any: what commands print.
 std::vector<std::string> WithModelError(std::vector<std::string> warnings, const KnownRobot& known) {
-  const std::string words = ModelErrorInWords(known);
+  const std::string words = WhatFiguresCarry(known);
   if (!words.empty()) warnings.push_back(words);
   return warnings;
 }

@@ -120,7 +120,7 @@ int RunProgram(const CommandLine& line) {
   std::cout << SummaryOf(result) << "Program: " << FLAGS_program_out << "\n";
   if (any) std::cout << FlangeOfTheMarkers();
   SayWhatTheWayDoes(known);
-  const std::string model_error = ModelErrorInWords(known);
+  const std::string model_error = WhatFiguresCarry(known);
   if (!model_error.empty()) std::cout << model_error << "\n";
   return any ? 0 : kNumericalFailure;
 }
@@ -162,7 +162,7 @@ int RunCompensate(const CommandLine& line) {
   Summarise(results, FLAGS_out);
   SayWhatTheWayDoes(known);
   if (outside > 0) std::cout << TargetsOutsideMeasured(outside) << "\n";
-  const std::string model_error = ModelErrorInWords(known);
+  const std::string model_error = WhatFiguresCarry(known);
   if (!model_error.empty()) std::cout << model_error << "\n";
   const bool any = std::any_of(results.begin(), results.end(), [](const CompensatedTarget& r) {
     return r.solution.status == TargetStatus::kOk || r.solution.status == TargetStatus::kSingular;

@@ -44,7 +44,7 @@ int RunPredict(const CommandLine& line) {
   progress.reset();
   std::cout << PredictedInWords(rows.NumRows(), largest, known.noise.freedom, FLAGS_out);
   for (const std::string& warning : warnings) std::cout << "Warning: " << warning << "\n";
-  const std::string model_error = ModelErrorInWords(known);
+  const std::string model_error = WhatFiguresCarry(known);
   if (!model_error.empty()) std::cout << model_error << "\n";
   return 0;
 }

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "estimator/agreement/part_fits.h"
+#include "estimator/agreement/shared_errors.h"
 #include "estimator/agreement/splits.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/sandwich.h"
@@ -257,7 +258,9 @@ BetweenParts CheckAgreement(const CalibrationProblem& problem, const AgreementOp
     report.inflation = std::max(report.inflation, kind.inflation);
   }
   const bool repeats_lie = report.repeats.known && report.repeats.p_value < level;
-  report.sandwich_advised = !whole.by_sandwich && (larger || repeats_lie);
+  report.shared_errors = SharedErrors(problem, whole);
+  const bool err_alike = std::exp(LogNormalCdf(-report.shared_errors)) < level;
+  report.sandwich_advised = !whole.by_sandwich && (larger || repeats_lie || err_alike);
   DescribeAgreement(problem, &report);
   return between;
 }

@@ -47,6 +47,7 @@ struct AgreementReport {
   bool disagrees = false;       // at the experiment's significance
   double sandwich_ratio = 1.0;  // median over the parameters of the sandwich's standard deviation over the model's
   bool sandwich_advised = false;
+  double shared_errors = 0.0;  // by how many standard deviations points of one shot err more alike than by chance
   RepeatFit repeats;
   std::vector<std::string> words;
 };

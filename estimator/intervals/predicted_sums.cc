@@ -1,5 +1,6 @@
 #include "estimator/intervals/predicted_sums.h"
 
+#include <Eigen/Cholesky>
 #include <map>
 
 #include "estimator/statistics/distributions.h"
@@ -53,10 +54,32 @@ void PredictedSums::AddArrival(const NoiseRoots& instrument, const RowMajorMatri
 }
 
 // tr V = tr N + tr R'SR, tr V^2 = tr N^2 + 2 tr R'QR + |R'SR|^2 with S = J'J, Q = J'NJ.
-PredictedSquares PredictedSums::Squares(const Eigen::MatrixXd& root) {
-  const Eigen::MatrixXd moved = root.transpose() * (points_.Total() + alike_) * root;
+PredictedSquares PredictedSums::Squares(const Eigen::MatrixXd& root, Eigen::MatrixXd* products) {
+  const Eigen::MatrixXd all = points_.Total() + alike_;
+  if (products != nullptr) *products = all;
+  const Eigen::MatrixXd moved = root.transpose() * all * root;
   const Eigen::MatrixXd mixed = root.transpose() * (by_noise_.Total() + alike_by_noise_) * root;
   return {trace_ + moved.trace(), trace_, square_ + 2.0 * mixed.trace() + moved.squaredNorm()};
+}
+
+SquaresOfFolds::SquaresOfFolds(const Eigen::MatrixXd& normal, double noise)
+    : noise_(noise), root_(normal.llt().matrixL()), together_(Eigen::MatrixXd::Zero(normal.rows(), normal.cols())) {}
+
+void SquaresOfFolds::Add(const Eigen::MatrixXd& root, PredictedSums* points) {
+  Eigen::MatrixXd products;
+  const PredictedSquares own = points->Squares(noise_ * root, &products);
+  const Eigen::MatrixXd along = noise_ * root.transpose() * root_;
+  const Eigen::MatrixXd shared = along.transpose() * (root.transpose() * products * root) * along;
+  together_ += shared;
+  sum_.trace += own.trace;
+  sum_.of_noise += own.of_noise;
+  sum_.trace_of_square += own.trace_of_square - shared.squaredNorm();
+}
+
+PredictedSquares SquaresOfFolds::Total() const {
+  PredictedSquares total = sum_;
+  total.trace_of_square += together_.squaredNorm();
+  return total;
 }
 
 std::vector<int> ArrivalsOf(const CalibrationProblem& problem, const std::vector<int>& observations) {

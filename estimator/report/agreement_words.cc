@@ -61,10 +61,14 @@ std::string Advised(const CalibrationProblem& problem) {
 
 void DescribeSandwich(const CalibrationProblem& problem, AgreementReport* report) {
   if (!report->sandwich_advised) return;
-  std::string words =
-      "The intervals assume that the rows are independent and alike. Judged by whole configurations "
-      "(covariance: sandwich) they would be " +
-      Significant(report->sandwich_ratio, 2) + " times as wide (median)";
+  constexpr double kSaid = 2.0;  // standard deviations
+  std::string words = "The intervals assume that the rows are independent and alike. ";
+  if (report->shared_errors > kSaid) {
+    words += "Points of one shot err alike (by " + Significant(report->shared_errors, 2) +
+             " standard deviations of chance): the arm is off there, not the instrument. ";
+  }
+  words += "Judged by whole configurations (covariance: sandwich) they would be " +
+           Significant(report->sandwich_ratio, 2) + " times as wide (median)";
   if (report->random_share_model > 0.0) {
     words += "; of the differences between random halves their joint 95 % intervals hold " +
              WholePercent(report->random_share_model) + ", with the sandwich " +

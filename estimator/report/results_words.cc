@@ -9,11 +9,16 @@ namespace {
 
 std::string Points(int number) { return std::to_string(number) + (number == 1 ? " point" : " points"); }
 
+// Configurations from which on 95 % regions of predicted points hold 93 % and more where the covariance is found from
+// them: of simulated arms of four to six joints 81.5 [77.9, 84.7] (12), 82.5 (15), 84.7 (20), 90.0 [87.3, 92.3] (30)
+// and 93.2 [90.6, 95.4] % (60).
+constexpr double kManyClusters = 60.0;
+
 std::string Named(const std::string& name) { return name.empty() ? "none" : name; }
 
 }  // namespace
 
-std::string ModelErrorInWords(const KnownRobot& known) {
+std::string WhatFiguresCarry(const KnownRobot& known) {
   std::string words;
   if (known.model_error > 1.0) {
     words = "Standard deviations carry the model error that the calibration found: those of the parameters are about " +
@@ -24,6 +29,14 @@ std::string ModelErrorInWords(const KnownRobot& known) {
     words += std::string(words.empty() ? "" : " ") +
              "No point is said to be better known than what the calibration left on points that were not fitted, " +
              InMillimetres(known.rest) + " RMS beyond what the stated noise and parameters explain.";
+  }
+  if (known.clusters > 0.0 && known.clusters < kManyClusters) {
+    words +=
+        std::string(words.empty() ? "" : " ") + "The covariance was found from " + Significant(known.clusters, 6) +
+        " configurations (sandwich or bootstrap), whose own scatter no 95 % region of a point allows for: of "
+        "simulated calibrations with 12 to 20 configurations such regions held 82 to 85 %, with 30 they held 90 %, "
+        "with 60 they held 93 %. covariance: model has no such limit (with repeatability_urad: estimate where "
+        "joints scatter).";
   }
   return words;
 }

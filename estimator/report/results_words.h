@@ -9,8 +9,9 @@ namespace sagitta {
 struct KnownRobot;
 struct ProgramLoad;
 
-// Of predictions where the estimate carries model error; "" where it has none.
-std::string ModelErrorInWords(const KnownRobot& known);
+// Of predictions: the model error that their standard deviations carry, and what they do not where the covariance was
+// found from few configurations. "": neither.
+std::string WhatFiguresCarry(const KnownRobot& known);
 
 // Poses outside the joint ranges of the calibration; joints: "j1 by 100 deg".
 std::string PosesOutsideMeasured(size_t outside, size_t poses, const std::vector<std::string>& joints);

@@ -459,13 +459,10 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStr
   const NoiseRoots weighed = FitRoots(problem, quoted, kFallbackSigma);
   Eigen::Matrix3Xd errors = ErrorsOfFolds(problem, fitted, estimate, plan, calibrated, quoted, weighed, true, &*fit);
   RecalibrateWhereLost(problem, fitted, plan, *fit, quoted, &errors);
-  PredictedSquares predicted;
-  for (Fold& fold : fit->folds) {
-    const PredictedSquares own = fold.predicted.Squares(AppliedNoise(estimate.sigma) * fold.root);
-    predicted.trace += own.trace;
-    predicted.of_noise += own.of_noise;
-    predicted.trace_of_square += own.trace_of_square;
-  }
+  const auto n = static_cast<Eigen::Index>(fit->columns.size());
+  SquaresOfFolds squares(fit->sums.topLeftCorner(n, n), AppliedNoise(estimate.sigma));
+  for (Fold& fold : fit->folds) squares.Add(fold.root, &fold.predicted);
+  const PredictedSquares predicted = squares.Total();
   result.folds = plan.count();
   result.unseen = MeasureUnseen(problem, quoted, errors);
   ComparePrediction(predicted, estimate, &result.unseen);

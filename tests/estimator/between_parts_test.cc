@@ -141,7 +141,7 @@ TEST(BetweenParts, PredictionsCarryItLikeTheTable) {
   for (const size_t k : {0u, 7u}) {
     EXPECT_NEAR(wide.covariances[k].mean().trace() / narrow.covariances[k].mean().trace(), 4.0, 1e-6);
   }
-  EXPECT_THAT(ModelErrorInWords(known), HasSubstr("carry the model error"));
+  EXPECT_THAT(WhatFiguresCarry(known), HasSubstr("carry the model error"));
 }
 
 // A moment estimate may say that a combination varies less than nothing: then noise alone is left.

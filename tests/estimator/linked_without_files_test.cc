@@ -16,6 +16,7 @@
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
 #include "problems/io/csv_table.h"
+#include "problems/io/files.h"
 #include "problems/io/measurement_writer.h"
 #include "tests/support/in_memory.h"
 #include "tests/support/paths.h"
@@ -145,9 +146,72 @@ TEST(RowsInMemory, WhatIsFittedWasRead) {
   EXPECT_THAT(WordsOf([&] { Calibrate(ProblemOf(rows)); }),
               AllOf(StartsWith("InputError configuration c1, marker M2"), HasSubstr("no number")));
   EXPECT_THAT(WordsOf([&] { Diagnose(ProblemOf(rows), {}); }), HasSubstr("configuration c1, marker M2"));
+  EXPECT_THAT(WordsOf([&] { CheckReadings(ProblemOf(rows), "go on"); }), HasSubstr("configuration c1, marker M2"));
+  EXPECT_THAT(WordsOf([&] { RunMethod(ProblemOf(rows), Method::kTwoStep, Calibrated().estimate, {}); }),
+              HasSubstr("configuration c1, marker M2"));
+  Experiment held_out;
+  held_out.validation.kind = ValidationSpec::Kind::kFraction;
+  held_out.validation.fraction = 0.9;
+  EXPECT_THAT(WordsOf([&] { Calibrate(ProblemOf(rows, held_out)); }), HasSubstr("configuration c1, marker M2"));
   EXPECT_TRUE(Predict(Known(), rows).points.allFinite());
   rows.ExcludeRow(4);
   EXPECT_TRUE(IsUsable(Calibrate(ProblemOf(rows)).estimate.status));
+}
+
+// As Calibrate counts them.
+TEST(RowsInMemory, ExcludedAndLostReadingsDoNotJudge) {
+  const Validation all = Validate(Known(), Rows());
+  EXPECT_EQ(all.after.observations, static_cast<int>(Rows().observations.size()));
+  Measurements rows = Rows();
+  rows.observations[4].point_in_station.x() += 0.005;
+  const Validation with = Validate(Known(), rows);
+  EXPECT_FALSE(with.refutation.empty());
+  rows.ExcludeRow(4);
+  const Validation without = Validate(Known(), rows);
+  EXPECT_EQ(without.after.observations, all.after.observations - 1);
+  EXPECT_TRUE(without.refutation.empty());
+  EXPECT_EQ(without.predicted.cols(), all.predicted.cols());
+  rows.ExcludeRow(4, false);
+  rows.observations[4].point_in_station.x() = kNan;
+  const Validation lost = Validate(Known(), rows);
+  EXPECT_EQ(lost.after.rms, without.after.rms);
+  EXPECT_EQ(lost.predicted_rms, without.predicted_rms);
+  EXPECT_EQ(lost.p_value, without.p_value);
+  for (Observation& row : rows.observations) row.excluded = true;
+  EXPECT_THAT(WordsOf([&] { Validate(Known(), rows); }), HasSubstr("nothing judges the estimate"));
+}
+
+TEST(RowsInMemory, ResultsBelongToTheirRows) {
+  Measurements fewer = test::ReadingsInMemory(test::ArmInMemory(), 20);
+  const Prediction prediction = Predict(Known(), Rows());
+  const Validation validation = Validate(Known(), Rows());
+  const auto refused = StartsWith("invalid_argument ");
+  EXPECT_THAT(WordsOf([&] { PredictionToCsv(fewer, prediction); }), refused);
+  EXPECT_THAT(WordsOf([&] { LargestDeviation(prediction, fewer); }), refused);
+  EXPECT_THAT(WordsOf([&] { LeftOpenInWords(Known(), fewer, prediction); }), refused);
+  EXPECT_THAT(WordsOf([&] { WarningsOf(Known(), fewer, prediction); }), refused);
+  EXPECT_THAT(WordsOf([&] { Contradiction(Known(), fewer, prediction.points); }), refused);
+  EXPECT_THAT(WordsOf([&] { CheckReadings(Known(), fewer, prediction.points, "go on"); }), refused);
+  EXPECT_THAT(WordsOf([&] { ValidationToCsv(fewer, validation); }), refused);
+}
+
+TEST(RowsInMemory, AnInputIsNotOverwritten) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "input_is_kept";
+  std::filesystem::remove_all(folder);
+  WriteCalibration(Calibrated(), folder.string());
+  Experiment experiment;
+  experiment.robot_file = (folder / "robot.calibrated.yaml").string();
+  const std::string before = ReadTextFile(experiment.robot_file);
+  const Calibration again = Calibrate(ProblemOf(Rows(), experiment));
+  EXPECT_THAT(WordsOf([&] { WriteCalibration(again, folder.string()); }), HasSubstr("would be overwritten"));
+  EXPECT_EQ(ReadTextFile(experiment.robot_file), before);
+  WriteCalibration(again, (folder / "other").string());
+}
+
+TEST(RowsInMemory, APlanKnowsItsEffects) {
+  PlanRequest request;
+  request.discriminate = {{"nonsense", "A1", {}, {}}, {"joint_harmonic", "A1", {{"order", "1"}}, {}}};
+  EXPECT_THAT(WordsOf([&] { MakePlan(test::ArmInMemory(), Rows(), {}, request); }), HasSubstr("'nonsense'"));
 }
 
 // m or rad, of a parameter, from Ceres' covariance of the residuals of a calibrated problem; as a share of what the
@@ -216,6 +280,12 @@ TEST(ResidualsOfACalibration, BelongToTheirProblem) {
   selection = whole;
   selection.noise.pop_back();
   EXPECT_THAT(words(selection, problem.parameters), HasSubstr("a noise for each"));
+  selection = whole;
+  selection.noise[3].setZero();
+  EXPECT_THAT(words(selection, problem.parameters), HasSubstr("has no noise"));
+  selection = whole;
+  selection.deviation_factor = -1.0;
+  EXPECT_THAT(words(selection, problem.parameters), HasSubstr("not above 0"));
   const CalibrationProblem other = problem.WithEffects({{"joint_harmonic", "A2", {{"order", "1"}}, {}}});
   EXPECT_THAT(words(whole, other.parameters), HasSubstr("another problem"));
 }

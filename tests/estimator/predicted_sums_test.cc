@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
+#include <Eigen/Cholesky>
 
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/least_squares/linearization.h"
@@ -29,14 +29,15 @@ CalibrationProblem Deviating(double held_out) {
   return test::Kr270ProblemOf(data, experiment);
 }
 
-// Adds tr V and tr V^2 of points whose parameters have the covariance C: V = J C J' + N, N_ik = [i = k] S S' + L_i L_k'
-// for points of one arrival.
-void AddDense(const CalibrationProblem& problem, const Estimate& estimate, const std::vector<int>& rows,
-              const Eigen::MatrixXd& covariance, PredictedSquares* sums) {
+// Of the rows: J in m, and the covariance of their readings, m^2: S S' + L_i L_k' for points of one arrival.
+struct DenseRows {
+  Eigen::MatrixXd jacobian, noise;
+};
+DenseRows DenseOf(const CalibrationProblem& problem, const Estimate& estimate, const std::vector<int>& rows) {
   const NoiseRoots metres(rows.size(), Matrix3<double>::Identity());
   const Linearization all =
       Linearize(problem, estimate.parameters, rows, estimate.estimated, metres, LatentTreatment::kIgnore);
-  Eigen::MatrixXd v = all.jacobian * covariance * all.jacobian.transpose();
+  DenseRows dense{all.jacobian, Eigen::MatrixXd::Zero(all.jacobian.rows(), all.jacobian.rows())};
   const auto visit_of = [&](size_t k) {
     const Shot& shot = problem.data().shots[problem.data().observations[rows[k]].shot];
     return std::make_pair(shot.configuration, shot.visit);
@@ -45,44 +46,53 @@ void AddDense(const CalibrationProblem& problem, const Estimate& estimate, const
     for (size_t k = 0; k < rows.size(); ++k) {
       const auto a = static_cast<Eigen::Index>(3 * i), b = static_cast<Eigen::Index>(3 * k);
       if (visit_of(i) != visit_of(k)) continue;
-      v.block(a, b, 3, 3) += all.latent.middleRows(a, 3) * all.latent.middleRows(b, 3).transpose();
-      if (i == k) v.block(a, a, 3, 3) += estimate.noise[rows[i]] * estimate.noise[rows[i]].transpose();
+      dense.noise.block(a, b, 3, 3) = all.latent.middleRows(a, 3) * all.latent.middleRows(b, 3).transpose();
+      if (i == k) dense.noise.block(a, a, 3, 3) += estimate.noise[rows[i]] * estimate.noise[rows[i]].transpose();
     }
   }
-  sums->trace += v.trace();
-  sums->trace_of_square += (v * v).trace();
+  return dense;
+}
+
+PredictedSquares SquaresOf(const Eigen::MatrixXd& v) {
+  PredictedSquares squares;
+  squares.trace = v.trace();
+  squares.trace_of_square = (v * v).trace();
+  return squares;
 }
 
 TEST(PredictedSums, HeldOutPointsShareTheDeviationsOfTheirArrival) {
   const CalibrationProblem problem = Deviating(0.3);
   Estimate estimate = EstimateJointly(problem);
   ASSERT_TRUE(estimate.held.coordinates.empty());
-  PredictedSquares expected;
-  AddDense(problem, estimate, problem.ValidationObservations(), estimate.covariance, &expected);
+  const DenseRows dense = DenseOf(problem, estimate, problem.ValidationObservations());
+  const PredictedSquares expected =
+      SquaresOf(dense.jacobian * estimate.covariance * dense.jacobian.transpose() + dense.noise);
   const UnseenPoints holdout = test::JudgeTrust(problem, 1, &estimate).holdout;
   EXPECT_NEAR(holdout.freedom / expected.Freedom(), 1.0, 1e-9);
   EXPECT_NEAR(3.0 * holdout.points * holdout.predicted_rms * holdout.predicted_rms / expected.trace, 1.0, 1e-9);
 }
 
-TEST(PredictedSums, PointsOfAFoldShareThemToo) {
+// e = E n of all points, each predicted by the fit of the other folds: E is 1 within a fold, and
+// -J_f (J_o' C_oo^-1 J_o)^-1 J_o' C_oo^-1 of the others. V = E C E'.
+TEST(PredictedSums, PointsOfAFoldShareThemAndFoldsShareTheirRows) {
   const CalibrationProblem problem = Deviating(0.0);
   Estimate estimate = EstimateJointly(problem);
   const std::vector<int> rows = problem.CalibrationObservations(), fold_of = FoldsOf(problem, 1);
-  const NoiseRoots noise(estimate.noise.begin(), estimate.noise.end());
-  PredictedSquares expected;
+  const DenseRows dense = DenseOf(problem, estimate, rows);
+  Eigen::MatrixXd errors = Eigen::MatrixXd::Identity(dense.noise.rows(), dense.noise.rows());
   for (int fold = 0; fold < kFolds; ++fold) {
-    std::vector<int> own, others;
-    for (const int i : rows) {
-      const bool is_own = fold_of[problem.data().shots[problem.data().observations[i].shot].configuration] == fold;
-      (is_own ? own : others).push_back(i);
+    std::vector<Eigen::Index> own, others;
+    for (size_t k = 0; k < rows.size(); ++k) {
+      const bool is_own =
+          fold_of[problem.data().shots[problem.data().observations[rows[k]].shot].configuration] == fold;
+      for (int axis = 0; axis < 3; ++axis) (is_own ? own : others).push_back(static_cast<Eigen::Index>(3 * k) + axis);
     }
-    NoiseRoots roots;
-    for (const int i : others) roots.push_back(noise[i]);
-    const Eigen::MatrixXd j =
-        Linearize(problem, estimate.parameters, others, estimate.estimated, roots, LatentTreatment::kMarginalise)
-            .jacobian;
-    AddDense(problem, estimate, own, (j.transpose() * j).inverse(), &expected);
+    const Eigen::MatrixXd j = dense.jacobian(others, Eigen::all);
+    const Eigen::MatrixXd weighed = Eigen::MatrixXd(dense.noise(others, others)).llt().solve(j);
+    const Eigen::MatrixXd gain = Eigen::MatrixXd(j.transpose() * weighed).ldlt().solve(weighed.transpose());
+    errors(own, others) = -dense.jacobian(own, Eigen::all) * gain;
   }
+  const PredictedSquares expected = SquaresOf(errors * dense.noise * errors.transpose());
   const UnseenPoints unseen = test::JudgeTrust(problem, 1, &estimate).cross_validation.unseen;
   EXPECT_NEAR(unseen.freedom / expected.Freedom(), 1.0, 1e-6);
   EXPECT_NEAR(3.0 * unseen.points * unseen.predicted_rms * unseen.predicted_rms / expected.trace, 1.0, 1e-6);

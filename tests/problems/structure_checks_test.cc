@@ -12,6 +12,7 @@
 #include "models/effects/catalogue.h"
 #include "problems/calibration_problem.h"
 #include "problems/input_error.h"
+#include "problems/io/robot_file.h"
 #include "tests/support/in_memory.h"
 
 namespace sagitta::structure_checks_test {
@@ -132,12 +133,107 @@ TEST(Structure, AChainWithADefectIsRefused) {
       AllOf(HasSubstr("gravity compensator"), HasSubstr("joint 9")));
 }
 
+// The table is what is written, the chain is what is calibrated.
+TEST(Structure, AChainIsThatOfItsTable) {
+  const auto a_length = [](Given* g) -> ElementaryTransform* {
+    return &g->robot.chain.transforms[static_cast<size_t>(g->robot.chain.FindError("A2.a"))];
+  };
+  const auto refused = AllOf(HasSubstr("Robot::dh"), HasSubstr("ChainFromDhTable"));
+  EXPECT_THAT(Refusal([&](Given* g) { a_length(g)->nominal += 0.01; }), refused);
+  EXPECT_THAT(Refusal([&](Given* g) { a_length(g)->error = "A2.other"; }), refused);
+  EXPECT_THAT(Refusal([](Given* g) { g->robot.chain.joints[5].name = "J6"; }), refused);
+  EXPECT_THAT(Refusal([](Given* g) {
+                g->robot.chain.transforms[static_cast<size_t>(g->robot.chain.JointTransform(5))].sign = -1.0;
+              }),
+              refused);
+  EXPECT_THAT(Refusal([](Given* g) {
+                g->robot.chain.transforms.push_back({Motion::kTranslation, Axis::kX, 0.1});
+              }),
+              refused);
+  EXPECT_EQ(Refusal([&](Given* g) {
+              a_length(g)->nominal += 0.01;
+              g->robot.dh.reset();
+            }),
+            "");
+  EXPECT_EQ(Refusal([](Given* g) { g->robot = WithGeometricErrors(g->robot, {{"A2.a", 0.01}}); }), "");
+}
+
+TEST(Structure, CompliancesAreThoseOfAFile) {
+  const auto with = [](const std::vector<JointCompliance>& compliances) {
+    return Refusal([&](Given* g) { g->robot.compliances = compliances; });
+  };
+  EXPECT_EQ(with({{1, {{0.0, 1e-6}}, false}, {2, {{-1.0, 1e-6}, {1.0, 2e-6}}, true}}), "");
+  EXPECT_THAT(with({{1, {{0.0, 1e-6}}, false}, {1, {{0.0, 1e-6}}, false}}), HasSubstr("'A2' has two compliances"));
+  EXPECT_THAT(with({{1, {{0.0, 1e-6}, {1.0, 1e-6}}, false}}), HasSubstr("no table"));
+  EXPECT_THAT(with({{1, {{1.0, 1e-6}, {1.0, 2e-6}}, true}}), HasSubstr("have to increase"));
+  EXPECT_THAT(with({{1, {{0.0, -1e-6}}, false}}), HasSubstr("not below 0"));
+}
+
+TEST(Structure, PriorsBelongToValues) {
+  const auto spring = [](const std::vector<double>& sigmas) {
+    return Refusal([&](Given* g) {
+      g->robot.gravity_compensator = GravityCompensator{1, 0.1, 0.1, 0.1, 0.5, 1e4, true};
+      g->robot.gravity_compensator->prior_sigmas = sigmas;
+    });
+  };
+  EXPECT_EQ(spring({0.0, 0.0, 0.0, 0.0, 10.0}), "");
+  EXPECT_THAT(spring({1.0, 1.0}), HasSubstr("2 standard deviations of priors, there are 5 values"));
+  EXPECT_THAT(spring({1.0, 1.0, 1.0, 1.0, -1.0}), HasSubstr("negative"));
+  EXPECT_THAT(Refusal([](Given* g) {
+                g->robot.effects = {{"joint_harmonic", "A1", {{"order", "1"}}, {0.0, 0.0}, {-1e-5, 0.0}}};
+              }),
+              HasSubstr("negative"));
+}
+
+TEST(Structure, CouplingsAreThoseOfAFile) {
+  const auto with = [](const Coupling& coupling) {
+    return Refusal([&](Given* g) {
+      g->robot.chain.couplings = {coupling};
+      g->robot.dh.reset();
+    });
+  };
+  EXPECT_EQ(with({2, 1, -1.0}), "");
+  EXPECT_THAT(with({1, 1, -1.0}), HasSubstr("cannot drive itself"));
+  EXPECT_THAT(with({2, 1, kNan}), HasSubstr("ratio"));
+}
+
+TEST(Structure, NamesCanBeWritten) {
+  EXPECT_THAT(Refusal([](Given* g) { g->data.markers[1] = "M\n2"; }), HasSubstr("control character"));
+}
+
+TEST(Structure, RotationsAreRotations) {
+  const auto with = [](const Matrix3<double>& rotation, double sigma) {
+    return Refusal([&](Given* g) {
+      Observation turn = g->data.observations[4];
+      turn.kind = ReadingKind::kRotation;
+      turn.partner = 4;
+      turn.mutable_rotation()->in_station = rotation;
+      turn.mutable_rotation()->sigma.setConstant(sigma);
+      const int place = static_cast<int>(g->data.observations.size());
+      g->data.observations[4].partner = place;
+      g->data.shots[static_cast<size_t>(turn.shot)].observations.push_back(place);
+      g->data.observations.push_back(turn);
+    });
+  };
+  const Matrix3<double> one = Matrix3<double>::Identity();
+  EXPECT_EQ(with(one, 1e-4), "");
+  for (const double factor : {0.0, -1.0, 2.0}) EXPECT_THAT(with(factor * one, 1e-4), HasSubstr("no rotation matrix"));
+  EXPECT_THAT(with(one, -1e-4), HasSubstr("standard deviation"));
+}
+
+TEST(Structure, AStatedNoiseIsStated) {
+  EXPECT_THAT(Refusal([](Given* g) { g->experiment.noise.from = NoiseSpec::From::kSigma; }), HasSubstr("noise.sigma"));
+}
+
 TEST(Structure, EffectsAreKnownAndWhole) {
   const auto with = [](const EffectSpec& spec) { return Refusal([&](Given* g) { g->robot.effects = {spec}; }); };
   EXPECT_EQ(with({"joint_harmonic", "A1", {{"order", "1"}}, {}}), "");
   EXPECT_THAT(with({"nope", "A1", {}, {}}), HasSubstr("there is no effect 'nope'"));
   EXPECT_THAT(with({"joint_harmonic", "A9", {{"order", "1"}}, {}}), HasSubstr("no joint 'A9'"));
   EXPECT_THAT(with({"joint_harmonic", "A1", {{"order", "abc"}}, {}}), HasSubstr("'order' cannot be 'abc'"));
+  for (const char* order : {"-5", "0", "1000000"}) {
+    EXPECT_THAT(with({"joint_harmonic", "A1", {{"order", order}}, {}}), HasSubstr("'order' cannot be"));
+  }
   EXPECT_THAT(with({"joint_harmonic", "A1", {{"order", "1"}, {"ordre", "2"}}, {}}), HasSubstr("no setting 'ordre'"));
   EXPECT_THAT(with({"joint_coupling", "A3", {{"driver", "A9"}}, {}}), HasSubstr("no joint 'A9'"));
   EXPECT_THAT(with({"hysteresis", "A1", {}, {}}), HasSubstr("setting 'width_deg' is missing"));
@@ -167,6 +263,44 @@ TEST(Structure, AnOwnEffectHasANameOfItsOwn) {
   EXPECT_THAT(Refusal([](Given* g) { g->robot.own_effects = {nullptr}; }), HasSubstr("null"));
 }
 
+// What it adds in a shot is looked at when it is added.
+TEST(Structure, TermsOfAnOwnEffectLeadSomewhere) {
+  static double factor = 1.0;
+  static int transform = 0, beyond = 0;
+  EffectDefinition mine = OwnEffect("mine");
+  mine.apply = [](const EffectContext& context, ShotTerms* terms) {
+    terms->slots.push_back({transform, context.first_parameter + beyond, factor});
+  };
+  const auto words = [&](int at, int parameter, double times) {
+    transform = at, beyond = parameter, factor = times;
+    try {
+      return Refusal([&](Given* g) {
+        g->robot.own_effects = {&mine};
+        g->robot.effects = {{"mine", "A1", {{"order", "1"}}, {}}};
+      });
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+  };
+  EXPECT_EQ(words(0, 0, 1.0), "");
+  EXPECT_THAT(words(1000, 0, 1.0), AllOf(HasSubstr("effect 'mine'"), HasSubstr("transform 1000")));
+  EXPECT_THAT(words(0, 1000, 1.0), HasSubstr("names parameter"));
+  EXPECT_THAT(words(0, 0, kNan), HasSubstr("number that is none"));
+}
+
+TEST(Structure, EffectsThatAreAddedAreThere) {
+  Given given;
+  const CalibrationProblem problem = MakeCalibrationProblem(given.robot, given.data, given.experiment);
+  EXPECT_THROW(problem.WithEffects({{"nonsense", "A1", {}, {}}}), InputError);
+  EXPECT_THROW(problem.WithEffects({{"joint_harmonic", "A1", {{"order", "1"}}, {1.0}}}), InputError);
+  Robot robot = given.robot;
+  robot.effects = {{"nonsense", "A1", {}, {}}};
+  EXPECT_THROW(ForwardModel{robot}, std::invalid_argument);
+  EffectDefinition empty = OwnEffect("mine");
+  empty.parameters = nullptr;
+  EXPECT_THROW(ReadRobotText(RobotToYaml(given.robot), "robot", {&empty}), InputError);
+}
+
 TEST(Structure, NumbersAreNumbers) {
   for (const double wrong : {kNan, kInfinity, -kInfinity, 1e200}) {
     EXPECT_THAT(Refusal([&](Given* g) { g->data.configurations[3].q[2] = wrong; }), HasSubstr("configuration c3"));
@@ -182,7 +316,14 @@ TEST(Structure, NumbersAreNumbers) {
     EXPECT_THAT(Refusal([&](Given* g) { g->data.shots[5].wrench.force.x() = wrong; }), HasSubstr("shot 5"));
     EXPECT_THAT(Refusal([&](Given* g) { g->data.observations[4].sigma.x() = wrong; }), HasSubstr("observation 4"));
   }
-  EXPECT_THAT(Refusal([](Given* g) { g->data.observations[4].sigma.x() = -1e-5; }), HasSubstr("negative"));
+  EXPECT_THAT(Refusal([](Given* g) { g->data.observations[4].sigma.x() = -1e-5; }), HasSubstr("observation 4"));
+  EXPECT_THAT(Refusal([](Given* g) { g->data.observations[4].sigma.x() = 1e-12; }), HasSubstr("standard deviation"));
+  EXPECT_THAT(Refusal([](Given* g) { g->robot.chain.joints[2].min = kNan; }), HasSubstr("joint A3"));
+  EXPECT_THAT(Refusal([](Given* g) {
+                g->data.shots[5].has_time = true;
+                g->data.shots[5].time = 1e300;
+              }),
+              HasSubstr("shot 5"));
   for (const double wrong : {kInfinity, -kInfinity, 1e200}) {
     EXPECT_THAT(Refusal([&](Given* g) { g->data.observations[4].point_in_station.x() = wrong; }),
                 HasSubstr("observation 4"));

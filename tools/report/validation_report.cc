@@ -51,7 +51,7 @@ Section Residuals(const KnownRobot& known, const Validation& validation) {
                                  " mm from noise and parameter uncertainty: " + Significant(excess, 2) + " times (" +
                                  PValueInWords(validation.p_value) + ").");
   }
-  const std::string model_error = ModelErrorInWords(known);
+  const std::string model_error = WhatFiguresCarry(known);
   if (!model_error.empty()) section.paragraphs.push_back(model_error);
   for (const std::string& warning : validation.warnings) section.paragraphs.push_back("- " + warning + ".");
   return section;
