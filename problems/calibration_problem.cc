@@ -288,7 +288,7 @@ CalibrationProblem CalibrationProblem::WithEffects(const std::vector<EffectSpec>
         GravityCompensator{robot().chain.FindJoint(spec.target), p[0], p[1], p[2], p[3], p[4], true};
     adds_compensator = true;
   }
-  CheckEffectSpecs(extended);
+  CheckEffectsAreThere(extended);
   CalibrationProblem problem(ForwardModel(extended, data_->markers), data_, experiment_);
   problem.parameters.CopyByName(parameters);
   if (adds_compensator)

@@ -176,7 +176,15 @@ bool HasItsJoints(const Robot& robot, const EffectDefinition& definition, const 
   });
 }
 
+const EffectDefinition& DefinitionOf(const Robot& robot, const EffectSpec& spec) {
+  const EffectDefinition* definition = FindEffect(robot, spec.effect);
+  if (definition != nullptr) return *definition;
+  FailStructure("effects of the robot", "there is no effect '" + spec.effect + "'",
+                SpellingHint(spec.effect, EffectNames(robot)));
+}
+
 void CheckValues(const Robot& robot, const EffectDefinition& definition, const EffectSpec& spec) {
+  if (!HasItsJoints(robot, definition, spec)) return;
   const size_t parameters = definition.parameters(robot, spec).size();
   if (!spec.values.empty() && spec.values.size() != parameters) {
     FailStructure(spec.Path(), std::to_string(spec.values.size()) + " values, the effect has " +
@@ -204,20 +212,20 @@ void CheckOwnEffects(const std::vector<const EffectDefinition*>& own_effects) {
   }
 }
 
+void CheckEffectsAreThere(const Robot& robot) {
+  for (const EffectSpec& spec : robot.effects) CheckValues(robot, DefinitionOf(robot, spec), spec);
+}
+
 void CheckEffectSpecs(const Robot& robot) {
   std::set<std::string> seen;
   for (const EffectSpec& spec : robot.effects) {
-    const EffectDefinition* definition = FindEffect(robot, spec.effect);
-    if (definition == nullptr) {
-      FailStructure("effects of the robot", "there is no effect '" + spec.effect + "'",
-                    SpellingHint(spec.effect, EffectNames(robot)));
-    }
-    CheckSettings(robot, *definition, spec);
-    if (definition->target == EffectTarget::kError && robot.chain.FindError(spec.target) < 0) {
+    const EffectDefinition& definition = DefinitionOf(robot, spec);
+    CheckSettings(robot, definition, spec);
+    if (definition.target == EffectTarget::kError && robot.chain.FindError(spec.target) < 0) {
       FailStructure(spec.Path(), "the robot has no geometric error '" + spec.target + "'");
     }
     if (!seen.insert(spec.Path()).second) FailStructure(spec.Path(), "the effect stands twice");
-    if (HasItsJoints(robot, *definition, spec)) CheckValues(robot, *definition, spec);
+    CheckValues(robot, definition, spec);
   }
 }
 

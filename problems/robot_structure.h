@@ -14,7 +14,10 @@ void CheckRobotStructure(const Robot& robot);
 // Definitions of the user's own that can be called, under names that the catalogue has not. Throws InputError.
 void CheckOwnEffects(const std::vector<const EffectDefinition*>& own_effects);
 
-// Effects that there are, with the settings, targets and numbers of values that they need. Throws InputError.
+// Effects that there are, no more values than they have parameters. Throws InputError.
+void CheckEffectsAreThere(const Robot& robot);
+
+// The same, with the settings, targets and numbers of values that they need. Throws InputError.
 void CheckEffectSpecs(const Robot& robot);
 
 }  // namespace sagitta

@@ -192,6 +192,7 @@ void AddLinearUnits(const Chain& chain, Readings* readings) {
 
 Reading RobotIn(const CalibrationProblem& problem, Motion motion, double factor, RobotNumbers unit) {
   Robot scaled = problem.robot();
+  scaled.dh.reset();  // its chain alone is read in another unit
   for (ElementaryTransform& transform : scaled.chain.transforms) {
     if (transform.motion == motion) transform.nominal *= factor;
   }
