@@ -151,7 +151,7 @@ TEST(RowsInMemory, WhatIsFittedWasRead) {
               HasSubstr("configuration c1, marker M2"));
   Experiment held_out;
   held_out.validation.kind = ValidationSpec::Kind::kFraction;
-  held_out.validation.fraction = 0.9;
+  held_out.validation.fraction = 0.5;
   EXPECT_THAT(WordsOf([&] { Calibrate(ProblemOf(rows, held_out)); }), HasSubstr("configuration c1, marker M2"));
   EXPECT_TRUE(Predict(Known(), rows).points.allFinite());
   rows.ExcludeRow(4);
@@ -210,6 +210,7 @@ TEST(RowsInMemory, AnInputIsNotOverwritten) {
 
 TEST(RowsInMemory, APlanKnowsItsEffects) {
   PlanRequest request;
+  request.poses = 6;
   request.discriminate = {{"nonsense", "A1", {}, {}}, {"joint_harmonic", "A1", {{"order", "1"}}, {}}};
   EXPECT_THAT(WordsOf([&] { MakePlan(test::ArmInMemory(), Rows(), {}, request); }), HasSubstr("'nonsense'"));
 }
