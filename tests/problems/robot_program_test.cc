@@ -5,26 +5,12 @@
 #include <gtest/gtest.h>
 
 #include "models/constants.h"
-#include "tests/problems/file_test_support.h"
+#include "tests/problems/robot_program_test_support.h"
 
 namespace sagitta::robot_program_test {
 namespace {
 
 using ::testing::HasSubstr;
-
-class RobotProgramTest : public FileTest {
- protected:
-  RobotProgram ReadAs(const std::string& name, const std::string& text) {
-    return ReadRobotProgram(Write(name, text), 6);
-  }
-};
-
-const ProgramPoint& PointNamed(const RobotProgram& program, const std::string& name) {
-  for (const ProgramPoint& point : program.points) {
-    if (point.name == name) return point;
-  }
-  throw std::runtime_error("no point " + name);
-}
 
 std::vector<double> ValuesOf(const ProgramPoint& point) {
   std::vector<double> values;
@@ -358,17 +344,6 @@ TEST_F(RobotProgramTest, OnlyTheNumbersOfAPointChange) {
       EXPECT_EQ(text.substr(old_end), changed.substr(new_end));
     }
   }
-}
-
-// "line name: reason" of every motion to what is not corrected, "line name" of the others.
-std::vector<std::string> MotionsOf(const RobotProgram& program) {
-  std::vector<std::string> lines;
-  for (const ProgramMotion& motion : program.motions) {
-    const ProgramPoint& point = program.points[static_cast<size_t>(motion.point)];
-    lines.push_back(std::to_string(motion.line) + " " + motion.name +
-                    (point.untouched.empty() ? "" : ": " + point.untouched));
-  }
-  return lines;
 }
 
 // A target without numbers in this file is a point too: one that stays as it is.

@@ -25,6 +25,7 @@ class FanucReader {
   bool NumberOf(const std::string& name, size_t begin, size_t end, TextNumber* number) const;
   std::string FrameNumber(const std::string& name, const char* zero, size_t begin, size_t end) const;
   void ReadConfiguration(size_t begin, size_t end, ProgramPoint* point) const;
+  void ReadExternalAxes(size_t begin, size_t end, ProgramPoint* point) const;
   void ReadMotions(size_t end);
   void ReadCommands(size_t end);
   int PointOf(const std::string& name, TextRange place);
@@ -76,6 +77,17 @@ void FanucReader::ReadConfiguration(size_t begin, size_t end, ProgramPoint* poin
   for (int j = 0; j < joints_; ++j) point->branch.ranges.push_back({j, {-kPi, kPi}});
 }
 
+// E1 = 100.000 mm
+void FanucReader::ReadExternalAxes(size_t begin, size_t end, ProgramPoint* point) const {
+  for (int e = 1; e <= 3 && point->untouched.empty(); ++e) {
+    const std::string axis = "E" + std::to_string(e);
+    TextNumber number;
+    if (!NumberOf(axis, begin, end, &number) || number.value == 0.0) continue;
+    point->untouched = ExternalAxisInWords(axis, code_, number);
+  }
+  if (joints_ > 6 && point->untouched.empty()) point->untouched = kMoreThanSixJoints;
+}
+
 // The first motion to each point, and what hangs on the flange then.
 void FanucReader::ReadMotions(size_t end) {
   // PAYLOAD[2], PAYLOAD[R[3]], P[4], P[GP1:4]
@@ -120,6 +132,8 @@ void FanucReader::ReadCommands(size_t end) {
   static const std::regex target =
       MakePattern("\\b(PR?)\\s*\\[\\s*(?:GP1\\s*:\\s*)?(\\d+|[A-Z]+\\s*\\[[^\\]]*\\])[^\\]]*\\]");
   static const std::regex incremental = MakePattern("\\bINC\\b");
+  static const std::regex displaced =
+      MakePattern("\\b(?:TOOL_OFFSET|OFFSET|VOFFSET|COORD)\\b|\\bOFFSET\\s*,|\\bVR\\s*\\[");
   const auto stop = code_.begin() + static_cast<std::ptrdiff_t>(end);
   for (const std::smatch& match : AllMatches(code_.begin(), stop, command)) {
     const size_t begin = static_cast<size_t>(match.position(0) + match.length(0));
@@ -128,6 +142,7 @@ void FanucReader::ReadCommands(size_t end) {
     const auto targets = AllMatches(body.begin(), body.end(), target);
     std::smatch found;
     const bool is_increment = SearchPattern(body, &found, incremental);
+    const bool is_displaced = SearchPattern(body, displaced);
     for (size_t i = 0; i < targets.size() && i < (match[1] == "C" ? 2U : 1U); ++i) {
       const size_t at = begin + static_cast<size_t>(targets[i].position(0));
       const TextRange place = {at, at + static_cast<size_t>(targets[i].length(0))};
@@ -137,6 +152,8 @@ void FanucReader::ReadCommands(size_t end) {
       ProgramPoint& point = program_.points[static_cast<size_t>(motion.point)];
       if (is_increment && point.untouched.empty())
         point.untouched = "an incremental motion goes on from where the arm is";
+      if (is_displaced && point.untouched.empty())
+        point.untouched = "a motion to it is displaced (Offset, Tool_Offset, VOFFSET, COORD)";
     }
   }
 }
@@ -165,6 +182,7 @@ void FanucReader::ReadPosition(const std::string& name, size_t open, size_t end)
     point.numbers.push_back(number);
   }
   if (!point.is_joints) {
+    ReadExternalAxes(group, next, &point);
     point.frame = FrameNumber("UF", kWorldName, group, next);
     point.tool = FrameNumber("UT", kFlangeName, group, next);
     ReadConfiguration(group, next, &point);
@@ -174,8 +192,10 @@ void FanucReader::ReadPosition(const std::string& name, size_t open, size_t end)
 
 void FanucReader::Read() {
   program_.notation = PoseNotation::kWprDegrees;
-  const size_t section = code_.find("/POS");
-  if (section == std::string::npos) return;
+  static const std::regex positions = MakePattern("(?:^|\\n)[ \\t]*(/POS)\\b");  // not one in a remark
+  std::smatch section_match;
+  if (!SearchPattern(code_, &section_match, positions)) return;
+  const size_t section = static_cast<size_t>(section_match.position(1));
   static const std::regex head = MakePattern("\\bP\\s*\\[\\s*(\\d+)[^\\]]*\\]\\s*(\\{)");
   for (const std::smatch& match : AllMatches(code_.begin() + static_cast<std::ptrdiff_t>(section), code_.end(), head)) {
     const size_t open = section + static_cast<size_t>(match.position(2));

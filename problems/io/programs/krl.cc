@@ -3,22 +3,26 @@
 // ...}, J {...}} with the centre of mass in the flange and all that hangs there in it, is $LOAD; BAS sets it with
 // $TOOL. What the program changes as it runs (LOAD_DATA[1].M = 5, a second LOAD_DATA[1] = {...}) is not stated.
 #include <limits>
+#include <optional>
 #include <set>
 
 #include "models/constants.h"
 #include "problems/input_error.h"
 #include "problems/io/pattern.h"
+#include "problems/io/programs/krl_flow.h"
 #include "problems/io/programs/program_text.h"
 
 namespace sagitta {
 namespace {
 
 using Fields = std::map<std::string, TextRange>;
-
 class KrlReader {
  public:
   KrlReader(int joints, RobotProgram* program)
-      : joints_(joints), program_(*program), code_(UpperCase(WithoutComments(program->text, ";", '"'))) {}
+      : joints_(joints),
+        program_(*program),
+        code_(UpperCase(WithoutComments(program->text, ";", '"'))),
+        flow_(FlowOfKrl(code_)) {}
 
   void Read();
 
@@ -37,16 +41,26 @@ class KrlReader {
   int LiteralPoint(const std::string& word, TextRange place);
   int NamedPoint(const std::string& word, TextRange place);
   void UseHere(int index, size_t at);
+  void UseScene(bool is_first, ProgramPoint* point);
+  void ReadWith(const std::string& line, size_t begin);
+  void SetScene(const std::string& what, const std::string& value, size_t at);
+  void CheckFrames();
+  void ReadPointDeclaration(const std::string& type, const std::string& name, size_t open);
+  void CheckStatus(bool is_linear, ProgramPoint* point);
+  void ReadAllFrameData();
   std::string NameOf(const std::string& text, size_t at, const char* null_name,
                      std::map<std::string, Pose<double>>* stated);
 
   const int joints_;
   RobotProgram& program_;
   const std::string code_;
-  std::string tool_, base_, load_;  // as set so far; "": not
+  ProgramFlow flow_;  // "": tool, base or load is not set so far
   std::map<std::string, size_t> named_;
-  std::vector<bool> used_;   // by a motion
-  std::set<size_t> loaded_;  // points whose FDAT says the tool, and so the load
+  std::vector<bool> used_;                      // by a motion
+  std::set<size_t> loaded_;                     // points whose FDAT says the tool, and so the load
+  std::set<size_t> frames_;                     // declared as FRAME: targets only where a motion goes to them
+  std::map<std::string, size_t> frame_data_;    // FDAT: where its aggregate opens
+  std::pair<int, int> status_before_ = {0, 0};  // bits that the motion before states, and what they are
   StatedOnce<ProgramLoad> loads_;
   StatedOnce<Pose<double>> tools_, bases_;
 };
@@ -65,7 +79,7 @@ Fields KrlReader::FieldsAt(size_t open) const {
     size_t name_end = part.first;
     while (name_end < part.second && (IsWordCharacter(code_[name_end]))) ++name_end;
     size_t value = name_end;
-    while (value < part.second && code_[value] == ' ') ++value;
+    while (value < part.second && (code_[value] == ' ' || code_[value] == '\t')) ++value;
     fields[code_.substr(part.first, name_end - part.first)] = {value, part.second};
   }
   return fields;
@@ -94,14 +108,29 @@ void KrlReader::FillPose(const Fields& fields, ProgramPoint* point) const {
     }
     point->numbers.push_back(number);
   }
-  TextNumber status, turn;
+  for (int e = 1; e <= 6 && point->untouched.empty(); ++e) {
+    const std::string axis = "E" + std::to_string(e);
+    const auto field = fields.find(axis);
+    TextNumber number;
+    if (field == fields.end()) continue;
+    if (!NumberAt(code_, field->second, &number)) {
+      point->untouched = "external axis " + axis + " is not written as a number";
+    } else if (number.value != 0.0) {
+      point->untouched = ExternalAxisInWords(axis, code_, number);
+    }
+  }
+  if (joints_ > 6 && point->untouched.empty()) point->untouched = kMoreThanSixJoints;
   const auto s = fields.find("S"), t = fields.find("T");
-  if (s == fields.end() || t == fields.end() || !NumberAt(code_, s->second, &status) ||
-      !NumberAt(code_, t->second, &turn)) {
+  if (s == fields.end() || t == fields.end()) {
     point->branch.from_before = true;  // LIN and CIRC stay on the branch where the arm is
     return;
   }
-  const int bits = static_cast<int>(status.value), turns = static_cast<int>(turn.value);
+  const std::optional<int> status = KrlBitsAt(code_, s->second), turn = KrlBitsAt(code_, t->second);
+  if (!status || !turn) {
+    if (point->untouched.empty()) point->untouched = "its status or turn is not written as a number";
+    return;
+  }
+  const int bits = *status, turns = *turn;
   point->branch.wrist_behind = (bits & 1) != 0;
   point->branch.elbow_past_stretch = (bits & 2) != 0;
   point->branch.wrist_negative = (bits & 4) != 0;
@@ -131,17 +160,28 @@ void KrlReader::UseHere(int index, size_t at) {
   const size_t i = static_cast<size_t>(index);
   used_.resize(program_.points.size(), false);
   ProgramPoint& point = program_.points[i];
-  if (!used_[i]) point.used_at = at;
-  if (loaded_.count(i) == 0) UseLoad(load_, !used_[i], &point);
+  const bool is_first = !used_[i];
+  if (is_first) point.used_at = at;
+  if (loaded_.count(i) == 0) UseLoads(flow_.Of(kKrlLoad), is_first, &point);
   used_[i] = true;
-  if (point.is_joints || !point.untouched.empty()) return;
-  const bool fits = (point.tool.empty() || point.tool == tool_) && (point.frame.empty() || point.frame == base_);
-  if (!fits) {
-    point.untouched = "the program moves to it with more than one tool or base";
+  if (!point.is_joints && point.untouched.empty()) UseScene(is_first, &point);
+}
+
+void KrlReader::UseScene(bool is_first, ProgramPoint* point) {
+  const FlowValues &tools = flow_.Of(kKrlTool), &bases = flow_.Of(kKrlBase);
+  if (flow_.Of(kKrlMode) != FlowValues{""}) {
+    point->untouched = "$IPO_MODE may be #TCP there: the tool stands in the room and the robot holds the workpiece";
     return;
   }
-  point.tool = tool_;
-  point.frame = base_;
+  const std::string &tool = *tools.begin(), &base = *bases.begin();
+  const bool fits = (point->tool == tool || (is_first && point->tool.empty())) &&
+                    (point->frame == base || (is_first && point->frame.empty()));
+  if (!fits || tools.size() > 1 || bases.size() > 1) {
+    point->untouched = "the program moves to it with more than one tool or base";
+    return;
+  }
+  point->tool = tool;
+  point->frame = base;
 }
 
 std::string KrlReader::NameOf(const std::string& text, size_t at, const char* null_name,
@@ -177,6 +217,38 @@ void KrlReader::StateLoad(const std::string& name, size_t open) {
   loads_.State(name, load, &program_.loads);
 }
 
+// $TOOL, $BASE or $LOAD = value, $IPO_MODE = #TCP
+void KrlReader::SetScene(const std::string& what, const std::string& value, size_t at) {
+  if (what == "IPO_MODE") {
+    flow_.Set(kKrlMode, value == "#BASE" ? "" : value);
+  } else if (what == "TOOL") {
+    flow_.Set(kKrlTool, NameOf(value, at, kFlangeName, &program_.tools));
+  } else if (what == "BASE") {
+    flow_.Set(kKrlBase, NameOf(value, at, kWorldName, &program_.frames));
+  } else if (value[0] != '{') {
+    flow_.Set(kKrlLoad, value);
+  } else {
+    const std::string load = "$LOAD of line " + std::to_string(LineAt(code_, at));
+    flow_.Set(kKrlLoad, load);
+    StateLoad(load, at);
+  }
+}
+
+// SLIN XP1 WITH $VEL.CP = 0.2, $BASE = BASE_DATA[2]: for this one motion.
+void KrlReader::ReadWith(const std::string& line, size_t begin) {
+  static const std::regex with = MakePattern("[\\s}\\])]WITH\\s+(?=\\$)"),
+                          set = MakePattern("^\\$(TOOL|BASE|LOAD|IPO_MODE)\\s*=\\s*");
+  std::smatch match;
+  if (!SearchPattern(line, &match, with)) return;
+  const size_t from = begin + static_cast<size_t>(match.position(0) + match.length(0));
+  for (const TextRange& part : PartsOf(code_, from, begin + line.size())) {
+    const std::string text = code_.substr(part.first, part.second - part.first);
+    if (!SearchPattern(text, &match, set)) continue;
+    const size_t length = static_cast<size_t>(match.length(0));
+    SetScene(match[1], text.substr(length), part.first + length);
+  }
+}
+
 // $LOAD = ..., LOAD_DATA[1] = {...}, DECL LOAD GRIPPER = {...}
 bool KrlReader::ReadLoad(const std::string& line, size_t begin) {
   static const std::regex set = MakePattern("^\\s*\\$LOAD\\s*=\\s*(\\S.*?)\\s*$");
@@ -185,11 +257,7 @@ bool KrlReader::ReadLoad(const std::string& line, size_t begin) {
       MakePattern("^\\s*(?:DECL\\s+)?(?:GLOBAL\\s+)?(?:CONST\\s+)?LOAD\\s+(\\w+)()\\s*=\\s*(\\{)");
   std::smatch match;
   if (SearchPattern(line, &match, set)) {
-    load_ = match[1];
-    const size_t at = begin + static_cast<size_t>(match.position(1));
-    if (load_[0] != '{') return true;
-    load_ = "$LOAD of line " + std::to_string(LineAt(code_, at));
-    StateLoad(load_, at);
+    SetScene("LOAD", match[1], begin + static_cast<size_t>(match.position(1)));
     return true;
   }
   if (!SearchPattern(line, &match, data) && !SearchPattern(line, &match, named)) return false;
@@ -201,20 +269,18 @@ bool KrlReader::ReadLoad(const std::string& line, size_t begin) {
 
 // $TOOL = ..., $BASE = ..., BAS(#TOOL, 1), TOOL_DATA[1] = {...}
 void KrlReader::ReadScene(const std::string& line, size_t begin) {
-  static const std::regex set = MakePattern("^\\s*\\$(TOOL|BASE)\\s*=\\s*(\\S.*?)\\s*$");
+  static const std::regex set = MakePattern("^\\s*\\$(TOOL|BASE|IPO_MODE)\\s*=\\s*(\\S.*?)\\s*$");
   static const std::regex bas = MakePattern("BAS\\s*\\(\\s*#(TOOL|BASE)\\s*,\\s*(\\d+)\\s*\\)");
   static const std::regex data = MakePattern("^\\s*(TOOL_DATA|BASE_DATA)\\s*\\[\\s*(\\d+)\\s*\\]\\s*=\\s*(\\{)");
   std::smatch match;
   if (SearchPattern(line, &match, set)) {
-    const size_t at = begin + static_cast<size_t>(match.position(2));
-    const bool is_tool = match[1] == "TOOL";
-    (is_tool ? tool_ : base_) =
-        NameOf(match[2], at, is_tool ? kFlangeName : kWorldName, is_tool ? &program_.tools : &program_.frames);
+    SetScene(match[1], match[2], begin + static_cast<size_t>(match.position(2)));
   } else if (SearchPattern(line, &match, bas)) {
-    const bool is_tool = match[1] == "TOOL";
+    const bool is_tool = match[1] == "TOOL", is_null = match[2] == "0";
+    const std::string place = "[" + match[2].str() + "]";
     const std::string null_name = is_tool ? kFlangeName : kWorldName;
-    (is_tool ? tool_ : base_) = match[2] == "0" ? null_name : match[1].str() + "_DATA[" + match[2].str() + "]";
-    if (is_tool) load_ = match[2] == "0" ? "" : "LOAD_DATA[" + match[2].str() + "]";
+    flow_.Set(is_tool ? kKrlTool : kKrlBase, is_null ? null_name : match[1].str() + "_DATA" + place);
+    if (is_tool) flow_.Set(kKrlLoad, is_null ? "" : "LOAD_DATA" + place);
   } else if (SearchPattern(line, &match, data)) {
     std::map<std::string, Pose<double>> one;
     const std::string written = "{";
@@ -238,7 +304,7 @@ bool KrlReader::ReadChange(const std::string& line, size_t begin) {
   if (match[1].matched) {
     if (!is_part) return false;
     const std::string here = "$" + match[1].str() + " of line " + std::to_string(LineAt(code_, begin));
-    (match[1] == "TOOL" ? tool_ : match[1] == "BASE" ? base_ : load_) = here;
+    flow_.Set(match[1] == "TOOL" ? kKrlTool : match[1] == "BASE" ? kKrlBase : kKrlLoad, here);
     return true;
   }
   const auto changed = is_literal ? named_.end() : named_.find(match[4]);
@@ -259,10 +325,17 @@ bool KrlReader::ReadChange(const std::string& line, size_t begin) {
   return true;
 }
 
-// FDAT of XP1 is FP1.
+// FDAT of XP1 is FP1; it may stand above its point or below.
+void KrlReader::ReadAllFrameData() {
+  static const std::regex data = MakePattern("\\bFDAT\\s+(F[\\w$]*)\\s*=\\s*(\\{)");
+  for (const std::smatch& match : AllMatches(code_.begin(), code_.end(), data)) {
+    frame_data_[match[1]] = static_cast<size_t>(match.position(2));
+  }
+}
+
 void KrlReader::ReadFrameData(const std::string& name, size_t open) {
   const auto found = named_.find("X" + name.substr(1));
-  if (found == named_.end()) return;
+  if (found == named_.end() || name[0] != 'F') return;
   const Fields fields = FieldsAt(open);
   ProgramPoint& point = program_.points[found->second];
   const auto number = [&](const char* field, const std::string& stem, const char* zero) -> std::string {
@@ -290,9 +363,8 @@ int KrlReader::LiteralPoint(const std::string& word, TextRange place) {
     return AddComputedPoint(name, line, place.first, "it states only a part of the pose", &program_);
   }
   ProgramPoint& point = program_.points.back();
-  point.tool = tool_;
-  point.frame = base_;
-  point.load = load_;
+  UseLoads(flow_.Of(kKrlLoad), true, &point);
+  if (!point.is_joints && point.untouched.empty()) UseScene(true, &point);
   return static_cast<int>(before);
 }
 
@@ -315,39 +387,95 @@ int KrlReader::NamedPoint(const std::string& word, TextRange place) {
   return index;
 }
 
+// Controllers go by status and turn for PTP alone: LIN and CIRC stay on the branch where the arm is. Which that is the
+// motion before says: by its status, or by the sign of A5.
+void KrlReader::CheckStatus(bool is_linear, ProgramPoint* point) {
+  if (point->is_joints && point->numbers.size() > 4) {
+    const double a5 = point->numbers[4].value;
+    status_before_ = {a5 == 0.0 ? 0 : 4, a5 < 0.0 ? 4 : 0};
+    return;
+  }
+  const StatedBranch& branch = point->branch;
+  if (!branch.wrist_behind || !branch.elbow_past_stretch || !branch.wrist_negative) {
+    if (point->numbers.empty()) status_before_ = {0, 0};  // it stands in another file
+    return;
+  }
+  const int bits =
+      (*branch.wrist_behind ? 1 : 0) + (*branch.elbow_past_stretch ? 2 : 0) + (*branch.wrist_negative ? 4 : 0);
+  if (is_linear && ((bits ^ status_before_.second) & status_before_.first) != 0) {
+    if (point->untouched.empty()) {
+      point->untouched = "its status is another than where the arm comes from, and LIN and CIRC do not change it";
+    }
+    return;
+  }
+  status_before_ = {7, bits};
+}
+
 // PTP and LIN go to the first part, CIRC over the first to the second; what follows says how.
 void KrlReader::ReadMotion(const std::string& word, size_t begin, size_t end) {
   const bool is_relative = word.find("REL") != std::string::npos;
   const size_t targets = word.find("CIRC") != std::string::npos ? 2 : 1;
   const std::vector<TextRange> parts = PartsOf(code_, begin, end);
+  const std::vector<FlowValues> as_set = flow_.All();
+  ReadWith(code_.substr(begin, end - begin), begin);
   for (size_t i = 0; i < parts.size() && i < targets; ++i) {
     if (parts[i].first >= parts[i].second) continue;
     ProgramMotion motion = MotionTo(word, code_, parts[i]);
     motion.point = code_[parts[i].first] == '{' ? LiteralPoint(word, parts[i]) : NamedPoint(word, parts[i]);
     program_.motions.push_back(motion);
-    std::string& untouched = program_.points[static_cast<size_t>(motion.point)].untouched;
-    if (is_relative) untouched = "a relative motion: it goes on from where the arm is";
+    ProgramPoint& point = program_.points[static_cast<size_t>(motion.point)];
+    if (is_relative) point.untouched = "a relative motion: it goes on from where the arm is";
+    CheckStatus(word.find("PTP") == std::string::npos, &point);
+  }
+  flow_.SetAll(as_set);
+}
+
+void KrlReader::ReadPointDeclaration(const std::string& type, const std::string& name, size_t open) {
+  const size_t index = program_.points.size();
+  AddPoint(name, open);
+  if (program_.points.size() == index) return;
+  if (type == "FRAME") frames_.insert(index);
+  if (name.back() == ']') program_.points.back().untouched = "it is one of an array";
+  const auto data = frame_data_.find("F" + name.substr(1));
+  if (name[0] == 'X' && data != frame_data_.end()) ReadFrameData(data->first, data->second);
+}
+
+// A FRAME is a target only where a motion goes to it, and what a base, a tool or a geometric operator (:) is computed
+// of is none.
+void KrlReader::CheckFrames() {
+  static const std::regex operand = MakePattern("(?:\\$(?:BASE|TOOL)\\s*=|:)\\s*$");
+  used_.resize(program_.points.size(), false);
+  for (const auto& [name, index] : named_) {
+    ProgramPoint& point = program_.points[index];
+    if (point.is_joints || !point.untouched.empty()) continue;
+    const bool is_frame = frames_.count(index) > 0;
+    if (is_frame && !used_[index]) point.untouched = "no motion in this file goes to it";
+    for (const size_t at : PlacesOf(code_, name)) {
+      const size_t line = code_.find_last_of('\n', at) + 1, next = code_.find_first_not_of(" \t", at + name.size());
+      const bool is_left = is_frame && next < code_.size() && code_[next] == ':';
+      if (is_left || SearchPattern(code_.substr(line, at - line), operand)) {
+        point.untouched = "a base, a tool or another pose is computed of it";
+      }
+    }
   }
 }
 
 void KrlReader::ReadLine(size_t begin, size_t end) {
   const std::string line = code_.substr(begin, end - begin);
   static const std::regex declaration = MakePattern(
-      "^\\s*(?:DECL\\s+)?(?:GLOBAL\\s+)?(?:CONST\\s+)?(?:(E6POS|POS|FRAME|E6AXIS|AXIS|FDAT)\\s+)?([A-Z_$][\\w$]*)\\s*="
-      "\\s*\\{");
-  static const std::regex motion = MakePattern("^\\s*(S?(?:PTP|LIN|CIRC)(?:_REL)?|SPL)\\s+(?=\\S)");
+      "^\\s*(?:DECL\\s+)?(?:GLOBAL\\s+)?(?:CONST\\s+)?(?:(E6POS|POS|FRAME|E6AXIS|AXIS|FDAT)\\s+)?([A-Z_$][\\w$]*(?:\\[["
+      "^"
+      "\\]]*\\])?)\\s*=\\s*\\{");
+  static const std::regex motion = MakePattern("^\\s*(S?(?:PTP|LIN|CIRC)(?:_REL)?|SPL)(?:\\s+(?=\\S)|(?=\\{))");
   std::smatch match;
   if (SearchPattern(line, &match, motion)) {
     ReadMotion(match[1], begin + static_cast<size_t>(match.position(0) + match.length(0)), end);
   } else if (ReadChange(line, begin)) {
     return;
-  } else if (SearchPattern(line, &match, declaration) && match[2].str()[0] != '$') {
+  } else if (SearchPattern(line, &match, declaration) && match[2].str()[0] != '$' &&
+             match[2].str().find("_DATA[") == std::string::npos) {
     const size_t open = begin + static_cast<size_t>(match.position(0) + match.length(0)) - 1;
-    if (match[1] == "FDAT") {
-      ReadFrameData(match[2], open);
-    } else {
-      AddPoint(match[2], open);
-    }
+    if (match[1] != "FDAT") ReadPointDeclaration(match[1], match[2], open);
   } else if (!ReadLoad(line, begin)) {
     ReadScene(line, begin);
   }
@@ -355,11 +483,14 @@ void KrlReader::ReadLine(size_t begin, size_t end) {
 
 void KrlReader::Read() {
   program_.notation = PoseNotation::kAbcDegrees;
+  ReadAllFrameData();
   for (size_t begin = 0; begin < code_.size();) {
     const size_t end = std::min(code_.find('\n', begin), code_.size());
+    flow_.MoveTo(end);
     ReadLine(begin, end);
     begin = end + 1;
   }
+  CheckFrames();
 }
 
 }  // namespace

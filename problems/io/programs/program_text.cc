@@ -8,6 +8,9 @@ namespace sagitta {
 
 std::string WithoutComments(const std::string& text, const std::string& comment, char quote) {
   std::string code = text;
+  for (size_t i = 0; i < code.size(); ++i) {
+    if (code[i] == '\r' && (i + 1 == code.size() || code[i + 1] != '\n')) code[i] = '\n';
+  }
   for (size_t i = 0; i < code.size();) {
     size_t end = i;
     if (code.compare(i, comment.size(), comment) == 0) {
@@ -34,6 +37,17 @@ int LineAt(const std::string& text, size_t position) {
 std::string UpperCase(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::toupper(c); });
   return text;
+}
+
+std::vector<size_t> PlacesOf(const std::string& code, const std::string& name) {
+  std::vector<size_t> places;
+  for (size_t at = code.find(name); at != std::string::npos; at = code.find(name, at + 1)) {
+    const size_t end = at + name.size();
+    if (at > 0 && IsWordCharacter(code[at - 1])) continue;
+    if (end < code.size() && IsWordCharacter(code[end])) continue;
+    places.push_back(at);
+  }
+  return places;
 }
 
 size_t EndOfBracket(std::string_view code, size_t open) {
@@ -89,6 +103,11 @@ std::string Quoted(std::string_view code, TextRange range) {
     if (!is_blank || (!text.empty() && text.back() != ' ')) text += is_blank ? ' ' : code[i];
   }
   return text.size() > kLongest ? text.substr(0, kLongest) + "…" : text;
+}
+
+std::string ExternalAxisInWords(const std::string& axis, std::string_view code, const TextNumber& value) {
+  return "external axis " + axis + " stands at " + std::string(code.substr(value.begin, value.end - value.begin)) +
+         ": where the arm's base is then, the file does not say";
 }
 
 ProgramMotion MotionTo(const std::string& command, const std::string& code, TextRange target) {

@@ -10,12 +10,16 @@
 
 namespace sagitta {
 
-// The text with comments and quoted strings blanked out, byte for byte in place. `comment`: what starts one.
+// The text with comments and quoted strings blanked out, byte for byte in place; a line that ends with a carriage
+// return alone ends with \n. `comment`: what starts one.
 std::string WithoutComments(const std::string& text, const std::string& comment, char quote);
 
 int LineAt(const std::string& text, size_t position);  // from 1
 
 std::string UpperCase(std::string text);
+
+// Where `name` stands as a word of its own.
+std::vector<size_t> PlacesOf(const std::string& code, const std::string& name);
 
 inline bool IsWordCharacter(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '$'; }
 
@@ -31,6 +35,11 @@ bool NumberAt(std::string_view code, TextRange range, TextNumber* number);
 
 // code[range] on one line, cut where it is long.
 std::string Quoted(std::string_view code, TextRange range);
+
+// Why a point stays of which an external axis has a value.
+std::string ExternalAxisInWords(const std::string& axis, std::string_view code, const TextNumber& value);
+constexpr const char* kMoreThanSixJoints =
+    "the robot file has more than six joints: which of them are external axes of the program is not stated";
 
 // The target of a motion command as it is written at `target`. Its point is still to be found.
 ProgramMotion MotionTo(const std::string& command, const std::string& code, TextRange target);

@@ -1,17 +1,23 @@
 // ABB RAPID: robtarget [[x, y, z], [q1..q4], [cf1, cf4, cf6, cfx], [...]] and jointtarget [[...], [...]], declared or
 // in the motion itself. The motion says tool and work object; without \WObj it is wobj0, the world. What hangs on the
 // flange is the tool's load, its centre of mass in the flange, and that of the last GripLoad, its centre of mass in the
-// tool.
+// tool. A name of a routine's own hides the module's.
+#include <algorithm>
 #include <optional>
 #include <set>
 
 #include "models/constants.h"
 #include "problems/input_error.h"
 #include "problems/io/pattern.h"
+#include "problems/io/programs/program_flow.h"
 #include "problems/io/programs/program_text.h"
+#include "problems/io/programs/rapid_flow.h"
 
 namespace sagitta {
 namespace {
+
+// "CONFL\OFF", "PDISPOFF"
+bool IsOff(const std::string& value) { return value.size() >= 3 && value.compare(value.size() - 3, 3, "OFF") == 0; }
 
 class RapidReader {
  public:
@@ -19,34 +25,103 @@ class RapidReader {
       : joints_(joints),
         program_(*program),
         code_(WithoutComments(program->text, "!", '"')),
-        upper_(UpperCase(code_)) {}
+        upper_(UpperCase(code_)),
+        flow_(FlowOfRapid(upper_)) {}
 
   void Read();
 
  private:
+  // How a motion goes to its targets.
+  struct Manner {
+    std::string tool, frame, total_load;
+    bool is_clear = true;  // tool and work object are names
+    bool is_linear = false;
+    size_t at = 0;
+  };
+
+  void ReadRoutines();
   void ReadDeclarations();
   void ReadChanges();  // of tools, work objects, loads and targets as the program runs
-  void ReadMotions();
-  bool ReadStatement(size_t begin, size_t end);  // false: it is no motion
+  void ReadInstructions();
+  void ReadMotion(const std::smatch& match);
+  Manner MannerOf(const std::smatch& match, TextRange arguments, const std::vector<TextRange>& positional);
+  void ReadUnknownInstructions();
+  void ReadOtherUse(size_t point, size_t at, size_t name_end);
   void AddTarget(const std::string& name, size_t open, bool is_joints);
+  void ReadConfiguration(const std::vector<TextNumber>& numbers, ProgramPoint* point) const;
   void AddTool(const std::string& name, size_t open);
   void AddWorkObject(const std::string& name, size_t open);
-  void ReadGripLoad(size_t begin, size_t end);
-  std::string LoadWith(const std::string& tool, const std::string& total);
+  std::string LoadWith(const std::string& tool, const std::string& total, const std::string& gripped);
   void ReadTarget(const std::string& command, TextRange part, bool is_joints);
-  void Use(int index_of_point, const std::string& tool, const std::string& frame, const std::string& load);
+  void Use(int index_of_point, const Manner& manner);
+  std::string WhyNot(const Manner& manner, const ProgramPoint& point) const;
+  bool UseConfiguration(const Manner& manner, bool is_first, ProgramPoint* point);
+  // As `named_` has it: "3#P10" is P10 of the third routine.
+  std::string KeyAt(size_t at, const std::string& name) const;
+  bool IsParameter(size_t at, const std::string& name) const;
 
   const int joints_;
   RobotProgram& program_;
   const std::string code_, upper_;
+  ProgramFlow flow_;
+  std::vector<TextRange> routines_;
+  std::vector<std::set<std::string>> parameters_, locals_;  // by routine
   std::map<std::string, size_t> named_;
   std::map<std::string, std::string> refused_;  // tools and work objects that stand in the way of a correction
   std::map<std::string, ProgramLoad> tool_loads_, payloads_;  // in the flange, in the tool
   StatedOnce<ProgramLoad> stated_tool_loads_, stated_payloads_;
   StatedOnce<Pose<double>> stated_tools_, stated_frames_;
-  std::string gripped_;  // by the last GripLoad; "": nothing
   std::vector<bool> used_;
+  std::vector<TextRange> motions_;  // the statements
 };
+
+void RapidReader::ReadRoutines() {
+  static const std::regex head = MakePattern("\\b(PROC|FUNC|TRAP)\\s+(?:\\w+\\s+)?\\w+\\s*(?:\\(([^)]*)\\))?");
+  static const std::regex parameter = MakePattern("(\\w+)\\s*(?:\\{[^}]*\\})?\\s*(?:,|\\||$)");
+  for (const std::smatch& match : AllMatches(upper_.begin(), upper_.end(), head)) {
+    const size_t begin = static_cast<size_t>(match.position(0));
+    const size_t end = std::min(upper_.find("END" + match[1].str(), begin), upper_.size());
+    routines_.emplace_back(begin, end);
+    parameters_.emplace_back();
+    locals_.emplace_back();
+    const std::string list = match[2];
+    for (const std::smatch& one : AllMatches(list.begin(), list.end(), parameter)) parameters_.back().insert(one[1]);
+  }
+}
+
+bool RapidReader::IsParameter(size_t at, const std::string& name) const {
+  for (size_t r = 0; r < routines_.size(); ++r) {
+    if (at >= routines_[r].first && at < routines_[r].second && parameters_[r].count(name) > 0) return true;
+  }
+  return false;
+}
+
+std::string RapidReader::KeyAt(size_t at, const std::string& name) const {
+  for (size_t r = 0; r < routines_.size(); ++r) {
+    if (at < routines_[r].first || at >= routines_[r].second) continue;
+    if (locals_[r].count(name) + parameters_[r].count(name) > 0) return std::to_string(r) + "#" + name;
+  }
+  return name;
+}
+
+void RapidReader::ReadConfiguration(const std::vector<TextNumber>& numbers, ProgramPoint* point) const {
+  const int turns[] = {0, 3, 5};
+  for (int i = 0; i < 3; ++i) {
+    const double quadrant = numbers[7 + static_cast<size_t>(i)].value;
+    point->branch.ranges.push_back({turns[i], {quadrant * kPi / 2, (quadrant + 1) * kPi / 2}});
+  }
+  const int shape = static_cast<int>(numbers[10].value);
+  point->branch.wrist_negative = (shape & 1) != 0;
+  point->branch.elbow_of_zero = (shape & 2) == 0;
+  point->branch.wrist_behind = (shape & 4) != 0;
+  constexpr double kUnused = 8.9e9;  // 9E9: there is no such axis
+  for (size_t i = 0; i < 6 && point->untouched.empty(); ++i) {
+    const double value = numbers[11 + i].value;
+    if (value >= kUnused || value == 0.0) continue;
+    point->untouched = ExternalAxisInWords(std::string("eax_") + "abcdef"[i], code_, numbers[11 + i]);
+  }
+  if (joints_ > 6 && point->untouched.empty()) point->untouched = kMoreThanSixJoints;
+}
 
 void RapidReader::AddTarget(const std::string& name, size_t open, bool is_joints) {
   const std::vector<TextNumber> numbers = NumbersInBracket(code_, open);
@@ -54,6 +129,7 @@ void RapidReader::AddTarget(const std::string& name, size_t open, bool is_joints
   point.name = name;
   point.line = LineAt(code_, open);
   point.is_joints = is_joints;
+  point.used_at = std::string::npos;
   const size_t expected = is_joints ? 12 : 17;
   if (numbers.size() != expected) {
     point.untouched = "it is not written in numbers alone";
@@ -62,17 +138,13 @@ void RapidReader::AddTarget(const std::string& name, size_t open, bool is_joints
     if (joints_ > 6) point.untouched = "the robot has more than six joints";
   } else {
     point.numbers.assign(numbers.begin(), numbers.begin() + 7);
-    const int turns[] = {0, 3, 5};
-    for (int i = 0; i < 3; ++i) {
-      const double quadrant = numbers[7 + static_cast<size_t>(i)].value;
-      point.branch.ranges.push_back({turns[i], {quadrant * kPi / 2, (quadrant + 1) * kPi / 2}});
-    }
-    const int shape = static_cast<int>(numbers[10].value);
-    point.branch.wrist_negative = (shape & 1) != 0;
-    point.branch.elbow_of_zero = (shape & 2) == 0;
-    point.branch.wrist_behind = (shape & 4) != 0;
+    ReadConfiguration(numbers, &point);
   }
-  named_[UpperCase(name)] = program_.points.size();
+  const std::string key = UpperCase(name);
+  for (size_t r = 0; r < routines_.size(); ++r) {
+    if (open >= routines_[r].first && open < routines_[r].second) locals_[r].insert(key);
+  }
+  named_[KeyAt(open, key)] = program_.points.size();
   program_.points.push_back(point);
 }
 
@@ -107,7 +179,7 @@ void RapidReader::AddTool(const std::string& name, size_t open) {
 }
 
 // "GUN and PIECE": tool and workpiece as one body. `total`: what \TLoad names in place of both, "": nothing.
-std::string RapidReader::LoadWith(const std::string& tool, const std::string& total) {
+std::string RapidReader::LoadWith(const std::string& tool, const std::string& total, const std::string& gripped) {
   if (!total.empty() && total != "LOAD0") return total;
   std::vector<ProgramLoad> bodies;
   std::string name;
@@ -118,9 +190,9 @@ std::string RapidReader::LoadWith(const std::string& tool, const std::string& to
     is_stated = found != tool_loads_.end();
     if (is_stated) bodies.push_back(found->second);
   }
-  if (!gripped_.empty()) {
-    name += (name.empty() ? "" : " and ") + gripped_;
-    const auto found = payloads_.find(gripped_);
+  if (!gripped.empty()) {
+    name += (name.empty() ? "" : " and ") + gripped;
+    const auto found = payloads_.find(gripped);
     const auto held_by = program_.tools.find(tool);
     is_stated &= found != payloads_.end() && (tool == kFlangeName || held_by != program_.tools.end());
     if (is_stated) {
@@ -138,14 +210,6 @@ std::string RapidReader::LoadWith(const std::string& tool, const std::string& to
   if (all.mass > 0.0) all.centre /= all.mass;
   program_.loads[name] = all;
   return name;
-}
-
-// GripLoad piece1;
-void RapidReader::ReadGripLoad(size_t begin, size_t end) {
-  static const std::regex grip = MakePattern("\\bGRIPLOAD\\s+(\\w+)");
-  const std::string statement = upper_.substr(begin, end - begin);
-  std::smatch match;
-  if (SearchPattern(statement, &match, grip)) gripped_ = match[1] == "LOAD0" ? "" : match[1].str();
 }
 
 // [robhold, ufprog, ufmec, uframe, oframe]
@@ -209,61 +273,153 @@ void RapidReader::ReadChanges() {
       stated_tools_.Change(name, &program_.tools);
     }
     if (program_.frames.count(name) > 0) stated_frames_.Change(name, &program_.frames);
-    if (named_.count(name) > 0) program_.points[named_[name]].untouched = "the program changes it as it runs";
+    const auto target = named_.find(KeyAt(at, name));
+    if (target != named_.end()) program_.points[target->second].untouched = "the program changes it as it runs";
   }
 }
 
-void RapidReader::Use(int index_of_point, const std::string& tool, const std::string& frame, const std::string& load) {
+std::string RapidReader::WhyNot(const Manner& manner, const ProgramPoint& point) const {
+  for (const RapidVariable variable : {kDisplacement, kAxisOffset}) {
+    for (const std::string& value : flow_.Of(variable)) {
+      if (point.is_joints || value.empty() || IsOff(value)) continue;
+      return "a displacement (PDispOn, PDispSet, EOffsOn, EOffsSet) may be active there";
+    }
+  }
+  if (!manner.is_clear) return "its tool or work object is chosen as the program runs";
+  for (const std::string& name : {manner.tool, manner.frame}) {
+    if (refused_.count(name) > 0) return refused_.at(name);
+  }
+  return "";
+}
+
+// After ConfJ\Off and ConfL\Off the solution is the one that is nearest to where the arm is. False: the text does not
+// decide whether it is.
+bool RapidReader::UseConfiguration(const Manner& manner, bool is_first, ProgramPoint* point) {
+  const FlowValues& values = flow_.Of(manner.is_linear ? kConfL : kConfJ);
+  const auto off = static_cast<size_t>(
+      std::count_if(values.begin(), values.end(), [](const std::string& value) { return IsOff(value); }));
+  const bool is_off = off == values.size();
+  const bool is_clear =
+      (is_off || (off == 0 && values.count(kSetElsewhere) == 0)) && (is_first || is_off == point->branch.from_before);
+  point->branch.from_before = is_off;
+  return is_clear;
+}
+
+void RapidReader::Use(int index_of_point, const Manner& manner) {
   const size_t index = static_cast<size_t>(index_of_point);
   used_.resize(program_.points.size(), false);
   ProgramPoint* point = &program_.points[index];
-  if (used_[index] && (point->tool != tool || point->frame != frame) && point->untouched.empty()) {
+  const bool is_first = !used_[index], was_untouched = !point->untouched.empty();
+  used_[index] = true;
+  if (is_first) point->used_at = manner.at;
+  FlowValues loads;
+  for (const std::string& gripped : flow_.Of(kGripped)) {
+    loads.insert(LoadWith(manner.tool, manner.total_load, gripped));
+  }
+  UseLoads(loads, is_first, point);
+  if (!was_untouched) point->untouched = WhyNot(manner, *point);
+  if (!point->is_joints && point->untouched.empty() && !UseConfiguration(manner, is_first, point)) {
+    point->untouched = "the program moves to it with and without its configuration (ConfJ, ConfL)";
+  }
+  if (!is_first && (point->tool != manner.tool || point->frame != manner.frame) && point->untouched.empty()) {
     point->untouched = "the program moves to it with more than one tool or work object";
   }
-  UseLoad(load, !used_[index], point);
-  used_[index] = true;
-  point->tool = tool;
-  point->frame = frame;
-  for (const std::string& name : {tool, frame}) {
-    if (refused_.count(name) > 0 && point->untouched.empty()) point->untouched = refused_.at(name);
+  point->tool = manner.tool;
+  point->frame = manner.frame;
+}
+
+// Speed, zone, tool, \WObj and \TLoad; behind the tool of MoveLDO stand a signal and its value, of MoveLSync a name.
+RapidReader::Manner RapidReader::MannerOf(const std::smatch& match, TextRange arguments,
+                                          const std::vector<TextRange>& positional) {
+  static const std::regex object = MakePattern("\\\\\\s*WOBJ\\b");
+  static const std::regex object_name = MakePattern("\\\\\\s*WOBJ\\s*:=\\s*(\\w+)\\s*(?=\\\\|,|$)");
+  static const std::regex tool_name = MakePattern("^(\\w+)\\s*(?=\\\\|$)");
+  static const std::regex total = MakePattern("\\\\\\s*TLOAD\\s*:=\\s*(\\w+)");
+  const std::string text = upper_.substr(arguments.first, arguments.second - arguments.first);
+  Manner manner;
+  manner.at = arguments.first;
+  manner.is_linear = match[3] != "J" && match[3] != "ABSJ";
+  const size_t targets = match[3] == "C" ? 2 : 1, behind = match[4].matched ? 2 : match[5].matched ? 1 : 0;
+  const bool is_move = match[1].str().compare(0, 4, "MOVE") == 0;
+  const bool is_complete =
+      positional.size() > targets + behind + 1 && (!is_move || positional.size() == targets + 3 + behind);
+  std::smatch found;
+  std::string frame = "WOBJ0";
+  if (SearchPattern(text, &found, object_name)) {
+    frame = found[1];
+  } else if (SearchPattern(text, object)) {
+    manner.is_clear = false;
+  }
+  if (SearchPattern(text, &found, total)) manner.total_load = found[1];
+  const TextRange place = is_complete ? positional[positional.size() - 1 - behind] : TextRange();
+  const std::string tool_text = upper_.substr(place.first, place.second - place.first);
+  const bool is_named = is_complete && SearchPattern(tool_text, &found, tool_name);
+  const std::string tool = is_named ? found[1].str() : "";
+  manner.is_clear &= is_named && !IsParameter(manner.at, tool) && !IsParameter(manner.at, frame);
+  manner.tool = tool == "TOOL0" ? kFlangeName : tool;
+  manner.frame = frame == "WOBJ0" ? kWorldName : frame;
+  return manner;
+}
+
+// MoveL p10, v1000, z50, tool1 \WObj := wobj1, wherever it stands in a line: IF di1=1 MoveL ..., CASE 1: MoveL ...
+void RapidReader::ReadMotion(const std::smatch& match) {
+  const size_t begin = static_cast<size_t>(match.position(1));
+  const size_t after = static_cast<size_t>(match.position(0) + match.length(0));
+  const size_t end = std::min(code_.find(';', begin), code_.size());
+  motions_.emplace_back(begin, end);
+  std::vector<TextRange> positional;
+  for (const TextRange& part : PartsOf(code_, after, end)) {
+    if (part.first >= part.second || code_[part.first] != '\\') positional.push_back(part);  // \Conc
+  }
+  const Manner manner = MannerOf(match, {after, end}, positional);
+  const std::string command = code_.substr(begin, static_cast<size_t>(match.length(1)));
+  const size_t first = match[2].matched ? 2 : 0;  // SearchL signal, place, target
+  const size_t last = std::min(first + (match[3] == "C" ? 2 : 1), positional.size());
+  for (size_t i = first; i < last; ++i) {
+    if (positional[i].first >= positional[i].second) continue;
+    ReadTarget(command, positional[i], match[3] == "ABSJ");
+    Use(program_.motions.back().point, manner);
   }
 }
 
-// MoveL p10, v1000, z50, tool1 \WObj := wobj1
-bool RapidReader::ReadStatement(size_t begin, size_t end) {
-  static const std::regex motion = MakePattern(
-      "^(?:[^;]*\\b(?:THEN|ELSE|DO)\\b)?\\s*((?:MOVE|TRIGG|(SEARCH)|ARC|SPOT|DISP)(ABSJ|[JLC])(?:[DAG]O|SYNC|IOS|START|"
-      "END)?\\d?)(?=[\\s\\\\])\\s*");
-  static const std::regex object = MakePattern("\\\\\\s*WOBJ\\s*:=\\s*(\\w+)");
-  static const std::regex tool_at_end = MakePattern("^(\\w+)");
-  static const std::regex total_load = MakePattern("\\\\\\s*TLOAD\\s*:=\\s*(\\w+)");
-  const std::string statement = upper_.substr(begin, end - begin);
-  std::smatch match;
-  if (!SearchPattern(statement, &match, motion)) return false;
-  std::smatch with_object;
-  const std::string frame_name = SearchPattern(statement, &with_object, object) ? with_object[1].str() : "WOBJ0";
-  const std::string frame = frame_name == "WOBJ0" ? kWorldName : frame_name;
-  const std::vector<TextRange> parts = PartsOf(code_, begin + static_cast<size_t>(match.length(0)), end);
-  const std::string last = upper_.substr(parts.back().first, parts.back().second - parts.back().first);
-  std::smatch tool_match;
-  std::string tool = SearchPattern(last, &tool_match, tool_at_end) ? tool_match[1].str() : "";
-  if (tool == "TOOL0") tool = kFlangeName;
-  std::smatch total;
-  const std::string load =
-      LoadWith(tool, SearchPattern(statement, &total, total_load) ? total[1].str() : std::string());
-  size_t to_skip = match[2].matched ? 2 : 0, targets = match[3] == "C" ? 2 : 1;  // SearchL signal, place, target
-  for (const TextRange& part : parts) {
-    if (part.first >= part.second || code_[part.first] == '\\') continue;  // \Conc
-    if (to_skip > 0) {
-      --to_skip;
-      continue;
+// Of an instruction that is not known, or a routine that is handed the point, nobody knows with which tool it moves.
+void RapidReader::ReadUnknownInstructions() {
+  const auto named = named_;
+  for (const auto& [key, index] : named) {
+    if (program_.points[index].numbers.empty() || program_.points[index].is_joints) continue;
+    const std::string name = key.substr(key.find('#') + 1);
+    for (const size_t at : PlacesOf(upper_, name)) {
+      const bool is_read = std::any_of(motions_.begin(), motions_.end(),
+                                       [&](const TextRange& m) { return at >= m.first && at < m.second; });
+      if (!is_read && KeyAt(at, name) == key) ReadOtherUse(index, at, at + name.size());
     }
-    if (targets-- == 0) break;
-    ReadTarget(code_.substr(begin + static_cast<size_t>(match.position(1)), static_cast<size_t>(match.length(1))), part,
-               match[3] == "ABSJ");
-    Use(program_.motions.back().point, tool, frame, load);
   }
-  return true;
+}
+
+void RapidReader::ReadOtherUse(size_t index, size_t at, size_t name_end) {
+  static const std::regex option = MakePattern("\\\\\\s*\\w+\\s*:="), returned = MakePattern("\\bRETURN\\s+$"),
+                          offset = MakePattern("\\b(?:OFFS|RELTOOL)\\s*\\(\\s*$");
+  const size_t next = upper_.find_first_not_of(" \t\r\n", name_end);
+  if (next == std::string::npos || std::string_view(",;\\").find(upper_[next]) == std::string_view::npos) return;
+  const size_t begin = upper_.find_last_of(';', at) + 1;  // npos + 1 is 0
+  const std::string before = upper_.substr(begin, at - begin);
+  const auto count = [&](char c) { return std::count(before.begin(), before.end(), c); };
+  if (ReplacePattern(before, option, "").find(":=") != std::string::npos || SearchPattern(before, returned)) return;
+  if (count('(') > count(')') && !SearchPattern(before, offset)) return;  // a value is computed of it
+  ProgramPoint& point = program_.points[index];
+  if (before.find("PDISPON") != std::string::npos) {
+    if (point.untouched.empty()) point.untouched = "PDispOn computes a displacement of it";
+    return;
+  }
+  const size_t line = std::max(begin, upper_.find_last_of('\n', at) + 1);
+  ProgramMotion motion = MotionTo("", code_, {line, std::min(code_.find(';', at), code_.size())});
+  motion.name.erase(0, 1);
+  motion.point = static_cast<int>(index);
+  program_.motions.push_back(motion);
+  if (point.untouched.empty()) {
+    point.untouched = "an instruction that is not known as a motion, or a routine, is handed it (line " +
+                      std::to_string(LineAt(code_, at)) + ")";
+  }
 }
 
 // p10, [[...]], Offs(p10, ...), RelTool(p10, ...), and what is computed: p{3}, CRobT().
@@ -276,11 +432,12 @@ void RapidReader::ReadTarget(const std::string& command, TextRange part, bool is
   std::smatch word;
   motion.is_offset = SearchPattern(text, &word, offset);
   if (motion.is_offset || SearchPattern(text, &word, name_alone)) {
-    const auto [named, is_new] = named_.try_emplace(word[1], 0);
+    const auto [named, is_new] = named_.try_emplace(KeyAt(part.first, word[1]), 0);
     if (is_new) {
       const std::string name =
           code_.substr(part.first + static_cast<size_t>(word.position(1)), static_cast<size_t>(word.length(1)));
       named->second = static_cast<size_t>(AddPointElsewhere(name, motion.line, part.first, &program_));
+      if (IsParameter(part.first, word[1])) program_.points.back().untouched = "it is handed to the routine";
     }
     motion.point = static_cast<int>(named->second);
   } else if (text[0] == '[') {
@@ -295,23 +452,36 @@ void RapidReader::ReadTarget(const std::string& command, TextRange part, bool is
   program_.motions.push_back(motion);
 }
 
-void RapidReader::ReadMotions() {
-  for (size_t begin = 0; begin < code_.size();) {
-    const size_t end = std::min(code_.find(';', begin), code_.size());
-    ReadGripLoad(begin, end);
-    // PROC main() and IF ... THEN before it end without a semicolon: the motion begins on a line of its own.
-    for (size_t line = begin; line < end; line = code_.find('\n', line) + 1) {
-      if (ReadStatement(line, end) || code_.find('\n', line) >= end) break;
+void RapidReader::ReadInstructions() {
+  static const std::regex instruction = MakePattern(
+      "\\b(?:((?:MOVE|TRIGG|(SEARCH)|ARC|SPOT|DISP)(ABSJ|[JLC])(?:([DAG]O)|(SYNC)|IOS|START|END)?\\d?)(?=[\\s\\\\])"
+      "|(GRIPLOAD)\\s+([^;]*?)\\s*(?=;|$)|(PDISP|EOFFS)(ON|SET|OFF)\\b|(CONF[JL])\\b\\s*(?:\\\\\\s*(ON|OFF)\\b)?)");
+  static const std::regex declared = MakePattern("\\b(?:PROC|TRAP|FUNC\\s+\\w+)\\s+$");
+  for (const std::smatch& match : AllMatches(upper_.begin(), upper_.end(), instruction)) {
+    const size_t at = static_cast<size_t>(match.position(0));
+    flow_.MoveTo(at);
+    if (match[6].matched) {
+      const std::string load = Quoted(upper_, {at + static_cast<size_t>(match.position(7) - match.position(0)),
+                                               at + static_cast<size_t>(match.length(0))});
+      flow_.Set(kGripped, load == "LOAD0" ? "" : load);
+    } else if (match[8].matched) {
+      flow_.Set(match[8] == "PDISP" ? kDisplacement : kAxisOffset, match[9]);
+    } else if (match[10].matched) {
+      flow_.Set(match[10] == "CONFJ" ? kConfJ : kConfL, match[11]);
+    } else if (const size_t line = at - std::min<size_t>(at, 60);
+               !SearchPattern(upper_.substr(line, at - line), declared)) {
+      ReadMotion(match);
     }
-    begin = end + 1;
   }
 }
 
 void RapidReader::Read() {
   program_.notation = PoseNotation::kQuaternion;
+  ReadRoutines();
   ReadDeclarations();
   ReadChanges();
-  ReadMotions();
+  ReadInstructions();
+  ReadUnknownInstructions();
 }
 
 }  // namespace

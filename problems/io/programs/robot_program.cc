@@ -132,6 +132,10 @@ RobotProgram ReadRobotProgram(const std::string& path, int joints) {
   program.path = path;
   program.dialect = DialectOf(path);
   program.text = ReadTextFile(path);
+  if (program.text.find('\0') != std::string::npos) {
+    throw InputError({path, 0, ""}, "this is no text of one byte per character (UTF-16?)",
+                     "save it as UTF-8 or ANSI, as controllers do");
+  }
   switch (program.dialect) {
     case ProgramDialect::kKrl:
       ReadKrl(joints, &program);

@@ -1,0 +1,71 @@
+#include "problems/io/programs/krl_flow.h"
+
+#include <algorithm>
+
+#include "problems/io/pattern.h"
+#include "problems/io/programs/program_text.h"
+
+namespace sagitta {
+namespace {
+
+// The first routine of a file is its program.
+std::vector<FlowEvent> KrlEvents(const std::string& code) {
+  static const std::regex words = MakePattern(
+      "(?:^|\\n)[ \\t]*(?:GLOBAL[ "
+      "\\t]+)?(DEFFCT|DEF|ENDFCT|END|IF|ELSE|ENDIF|SWITCH|CASE|DEFAULT|ENDSWITCH|LOOP|ENDLOOP|"
+      "FOR|ENDFOR|WHILE|ENDWHILE|REPEAT|UNTIL)\\b(?:[ \\t]+(?:\\w+[ \\t]+)?(\\w+)[ \\t]*(?=\\())?");
+  static const std::map<std::string, FlowKind> kinds = {
+      {"DEF", FlowKind::kRoutine},         {"DEFFCT", FlowKind::kRoutine},
+      {"END", FlowKind::kRoutineEnd},      {"ENDFCT", FlowKind::kRoutineEnd},
+      {"IF", FlowKind::kBranch},           {"ELSE", FlowKind::kElse},
+      {"ENDIF", FlowKind::kBranchEnd},     {"SWITCH", FlowKind::kSwitch},
+      {"CASE", FlowKind::kMiddle},         {"DEFAULT", FlowKind::kElse},
+      {"ENDSWITCH", FlowKind::kBranchEnd}, {"LOOP", FlowKind::kLoop},
+      {"ENDLOOP", FlowKind::kLoopEnd},     {"FOR", FlowKind::kLoop},
+      {"ENDFOR", FlowKind::kLoopEnd},      {"WHILE", FlowKind::kLoop},
+      {"ENDWHILE", FlowKind::kLoopEnd},    {"REPEAT", FlowKind::kLoop},
+      {"UNTIL", FlowKind::kLoopEnd}};
+  std::vector<FlowEvent> events = FlowEventsOf(code, words, kinds);
+  for (FlowEvent& event : events) {
+    if (event.kind != FlowKind::kRoutine) continue;
+    event.is_main = true;
+    break;
+  }
+  if (code.find("GOTO") == std::string::npos) return events;
+  static const std::regex label = MakePattern("(?:^|\\n)[ \\t]*(\\w+)[ \\t]*:[ \\t\\r]*(?=\\n)");
+  for (const std::smatch& match : AllMatches(code.begin(), code.end(), label)) {
+    events.push_back({static_cast<size_t>(match.position(1)), FlowKind::kJoin, "", 0, false});
+  }
+  std::stable_sort(events.begin(), events.end(), [](const auto& a, const auto& b) { return a.at < b.at; });
+  return events;
+}
+
+std::vector<FlowVariable> KrlVariables() {
+  static const std::string part = "(?:\\s*\\.\\s*\\w+)*\\s*=(?!=)[^\\n]*";
+  static const std::vector<FlowVariable> variables = {
+      {MakePattern("\\$TOOL" + part + "|\\bBAS\\s*\\(\\s*#TOOL[^\\n]*"), {""}, false},
+      {MakePattern("\\$BASE" + part + "|\\bBAS\\s*\\(\\s*#BASE[^\\n]*"), {""}, false},
+      {MakePattern("\\$LOAD" + part + "|\\bBAS\\s*\\(\\s*#TOOL[^\\n]*"), {"", kSetElsewhere}, false},
+      {MakePattern("\\$IPO_MODE" + part), {"", kSetElsewhere}, false}};
+  return variables;
+}
+
+}  // namespace
+
+std::optional<int> KrlBitsAt(const std::string& code, TextRange range) {
+  static const std::regex written = MakePattern("^'\\s*([BH])\\s*([0-9A-F]{1,8})\\s*'$");
+  TextNumber number;
+  if (NumberAt(code, range, &number) && number.value == static_cast<int>(number.value)) {
+    return static_cast<int>(number.value);
+  }
+  const std::string text = code.substr(range.first, range.second - range.first);
+  std::smatch match;
+  if (!SearchPattern(text, &match, written)) return std::nullopt;
+  const bool is_binary = match[1] == "B";
+  if (is_binary && match[2].str().find_first_not_of("01") != std::string::npos) return std::nullopt;
+  return static_cast<int>(std::stoul(match[2], nullptr, is_binary ? 2 : 16));
+}
+
+ProgramFlow FlowOfKrl(const std::string& code) { return ProgramFlow(code, KrlEvents(code), KrlVariables()); }
+
+}  // namespace sagitta

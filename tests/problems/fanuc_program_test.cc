@@ -1,0 +1,43 @@
+// FANUC LS: what a program does not say for certain of a point stays as it is, with the reason.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/problems/robot_program_test_support.h"
+
+namespace sagitta::fanuc_program_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+class FanucProgramTest : public RobotProgramTest {
+ protected:
+  std::string WhyOf(const std::string& motions, const std::string& external = "", int joints = 6) {
+    const std::string text =
+        "/PROG X\n/MN\n" + motions + "/POS\nP[1]{\n   GP1:\n\tUF : 0, UT : 0,\t\tCONFIG : 'F U T, 0, 0, 0'," +
+        "\n\tX = 563.9 mm,\tY = 112.9 mm,\tZ = 727.4 mm,\n\tW = 159.8 deg,\tP = 11.2 deg,\tR = -26.8 deg" + external +
+        "\n};\n/END\n";
+    return PointNamed(ReadRobotProgram(Write("a.ls", text), joints), "P[1]").untouched;
+  }
+};
+
+TEST_F(FanucProgramTest, DisplacedPointsStay) {
+  EXPECT_EQ(WhyOf("   1:L P[1] 100mm/sec FINE    ;\n"), "");
+  for (const char* words : {"Offset,PR[1]", "Tool_Offset,PR[2]", "Offset", "VOFFSET,VR[1]", "COORD"})
+    EXPECT_THAT(WhyOf("   1:L P[1] 100mm/sec FINE " + std::string(words) + "    ;\n"), HasSubstr("displaced")) << words;
+  // With and without.
+  EXPECT_THAT(WhyOf("   1:L P[1] 100mm/sec FINE ;\n   2:L P[1] 100mm/sec FINE Offset,PR[1] ;\n"),
+              HasSubstr("displaced"));
+}
+
+TEST_F(FanucProgramTest, ExternalAxes) {
+  EXPECT_EQ(WhyOf("", ",\n\tE1=     0.000  mm"), "");
+  EXPECT_THAT(WhyOf("", ",\n\tE1=   100.000  mm"), HasSubstr("E1 stands at 100.000"));
+  EXPECT_THAT(WhyOf("", "", 7), HasSubstr("more than six joints"));
+}
+
+TEST_F(FanucProgramTest, TheSectionOfPositionsBeginsALine) {
+  EXPECT_THAT(WhyOf("   1:  ! see section /POS ;\n   2:L P[1] 10mm/sec FINE INC  ;\n"), HasSubstr("incremental"));
+}
+
+}  // namespace
+}  // namespace sagitta::fanuc_program_test

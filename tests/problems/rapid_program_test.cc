@@ -1,0 +1,141 @@
+// RAPID: what a program does not say for certain of a point stays as it is, with the reason.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/problems/robot_program_test_support.h"
+
+namespace sagitta::rapid_program_test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+std::string Target(const std::string& name, const std::string& external = "9E9") {
+  return "CONST robtarget " + name + ":=[[500,117,432],[0.289408322,0.186309935,0.915164453,0.209774775],[0,0,0,0],[" +
+         external + ",9E9,9E9,9E9,9E9,9E9]];\n";
+}
+
+class RapidProgramTest : public RobotProgramTest {
+ protected:
+  RobotProgram Module(const std::string& declarations, const std::string& routines) {
+    return ReadAs("a.mod", "MODULE M\n" + declarations + routines + "ENDMODULE\n");
+  }
+  RobotProgram Main(const std::string& body, const std::string& declarations = Target("p1")) {
+    return Module(declarations, "PROC main()\n" + body + "ENDPROC\n");
+  }
+  std::string WhyOf(const std::string& body) { return PointNamed(Main(body), "p1").untouched; }
+};
+
+TEST_F(RapidProgramTest, MotionsStandAnywhereInALine) {
+  const std::string first = "MoveL p1,v100,fine,tA;\n", two_tools = "more than one tool";
+  for (const char* second : {"IF di1=1 MoveL p1,v100,fine,tB;\n", "TEST a\nCASE 1: MoveL p1,v100,fine,tB;\nENDTEST\n",
+                             "TEST a\nDEFAULT: MoveL p1,v100,fine,tB;\nENDTEST\n", "label1: MoveL p1,v100,fine,tB;\n",
+                             "WaitTime 1; MoveL p1,v100,fine,tB;\n"}) {
+    const RobotProgram program = Main(first + second);
+    EXPECT_EQ(program.motions.size(), 2U) << second;
+    EXPECT_THAT(PointNamed(program, "p1").untouched, HasSubstr(two_tools)) << second;
+  }
+}
+
+TEST_F(RapidProgramTest, TheToolIsCountedFromTheFront) {
+  EXPECT_EQ(PointNamed(Main("MoveLDO p1,v100,fine,tA,do1,1;\n"), "p1").tool, "TA");
+  EXPECT_EQ(PointNamed(Main("MoveJGO p1,v100,fine,tA\\WObj:=w1,go1,\\Value:=5;\n"), "p1").frame, "W1");
+  EXPECT_EQ(PointNamed(Main("MoveLSync p1,v100,z10,tA,\"pr1\";\n"), "p1").tool, "TA");
+  EXPECT_EQ(PointNamed(Main("TriggL p1,v100,gunon,fine,tA;\n"), "p1").tool, "TA");
+  EXPECT_THAT(WhyOf("MoveLDO p1,v100,fine,tA,do1,1;\nMoveLDO p1,v100,fine,tB,do1,1;\n"), HasSubstr("one tool"));
+  for (const char* chosen : {"MoveL p1,v100,fine,ts{1};\n", "MoveL p1,v100,fine,cell.tool;\n",
+                             "MoveL p1,v100,fine,tA\\WObj:=ws{2};\n", "MoveL p1,v100,fine,tA\\WObj?w;\n"})
+    EXPECT_THAT(WhyOf(chosen), HasSubstr("chosen as the program runs")) << chosen;
+}
+
+TEST_F(RapidProgramTest, InstructionsThatAreNotKnownAreListed) {
+  const RobotProgram program = Main(
+      "MoveJ p1,v100,fine,tA;\nCapL p1,v100,cap1,z10,tB;\nEGMMoveL e1,p2,v10,z1,tB;\nMoveL p3,v10,z1,tB;\n"
+      "q:=p3;\nx:=CalcJointT(p3,tA);\n",
+      Target("p1") + Target("p2") + Target("p3"));
+  EXPECT_THAT(PointNamed(program, "p1").untouched, HasSubstr("not known as a motion"));
+  EXPECT_THAT(PointNamed(program, "p2").untouched, HasSubstr("not known as a motion"));
+  EXPECT_EQ(PointNamed(program, "p3").untouched, "");
+  EXPECT_EQ(program.motions.size(), 4U);
+}
+
+TEST_F(RapidProgramTest, DisplacedPointsStay) {
+  const std::string move = "MoveL p1,v100,fine,tA;\n";
+  for (const char* set : {"PDispSet frame1;\n", "PDispOn\\ExeP:=pe,ps,tA;\n", "EOffsSet eo;\n", "EOffsOn ps;\n"}) {
+    EXPECT_THAT(WhyOf(set + move), HasSubstr("displacement")) << set;
+    EXPECT_THAT(WhyOf("IF a THEN\n" + std::string(set) + "ENDIF\n" + move), HasSubstr("displacement")) << set;
+  }
+  EXPECT_EQ(WhyOf("PDispSet frame1;\nPDispOff;\n" + move), "");
+  EXPECT_EQ(WhyOf(move + "PDispSet frame1;\n"), "");
+  EXPECT_THAT(WhyOf(move + "PDispOn p1,tA;\n"), HasSubstr("PDispOn computes"));
+}
+
+TEST_F(RapidProgramTest, ExternalAxes) {
+  const RobotProgram program = Main("", Target("unused") + Target("zero", "0") + Target("track", "100"));
+  EXPECT_EQ(PointNamed(program, "unused").untouched, "");
+  EXPECT_EQ(PointNamed(program, "zero").untouched, "");
+  EXPECT_THAT(PointNamed(program, "track").untouched, HasSubstr("eax_a stands at 100"));
+  const RobotProgram rail = ReadRobotProgram(Write("rail.mod", "MODULE M\n" + Target("p1") + "ENDMODULE\n"), 7);
+  EXPECT_THAT(PointNamed(rail, "p1").untouched, HasSubstr("more than six joints"));
+}
+
+TEST_F(RapidProgramTest, WithoutMonitoringTheNearestSolutionIsMeant) {
+  const std::string joint = "MoveJ p1,v100,fine,tA;\n", linear = "MoveL p1,v100,fine,tA;\n";
+  const auto is_from_before = [&](const std::string& body) { return PointNamed(Main(body), "p1").branch.from_before; };
+  EXPECT_FALSE(is_from_before(linear));
+  EXPECT_TRUE(is_from_before("ConfL\\Off;\n" + linear));
+  EXPECT_FALSE(is_from_before("ConfL\\Off;\n" + joint));
+  EXPECT_TRUE(is_from_before("ConfJ \\Off;\n" + joint));
+  EXPECT_FALSE(is_from_before("ConfL\\Off;\nConfL\\On;\n" + linear));
+  EXPECT_THAT(WhyOf("ConfL\\Off;\n" + linear + "ConfL\\On;\n" + linear), HasSubstr("with and without"));
+  EXPECT_THAT(WhyOf("IF a ConfL\\Off;\n" + linear), HasSubstr("with and without"));
+  const RobotProgram called =
+      Module(Target("p1"), "PROC main()\ninit;\n" + linear + "ENDPROC\nPROC init()\nConfL\\Off;\nENDPROC\n");
+  EXPECT_TRUE(PointNamed(called, "p1").branch.from_before);
+  EXPECT_EQ(PointNamed(called, "p1").untouched, "");
+}
+
+TEST_F(RapidProgramTest, WhatARoutineGripsHoldsNotInTheNextOne) {
+  const std::string piece = "PERS loaddata piece:=[6,[5,-10,40],[1,0,0,0],0,0,0];\n" + Target("p1") + Target("p2");
+  const RobotProgram program = Module(
+      piece + Target("p3") + Target("p4"),
+      "PROC main()\nMoveL p3,v100,fine,tA;\npick;\nMoveL p4,v100,fine,tA;\nplace;\nENDPROC\nPROC place()\nMoveL "
+      "p2,v100,fine,tA;\nGripLoad load0;\nENDPROC\nPROC pick()\nGripLoad piece;\nMoveL p1,v100,fine,tA;\nENDPROC\n");
+  EXPECT_EQ(PointNamed(program, "p3").load, "TA");
+  EXPECT_EQ(PointNamed(program, "p3").other_load, "");
+  EXPECT_EQ(PointNamed(program, "p4").other_load, "TA and one that another line sets");
+  EXPECT_EQ(PointNamed(program, "p2").other_load, "TA and one that another line sets");
+  EXPECT_EQ(PointNamed(program, "p1").load, "TA and PIECE");
+  EXPECT_EQ(PointNamed(program, "p1").other_load, "");
+  const std::string motion = "MoveL p1,v100,fine,tA;\n";
+  EXPECT_EQ(PointNamed(Main("IF a THEN\nGripLoad piece;\nENDIF\n" + motion, piece), "p1").other_load, "TA and PIECE");
+  EXPECT_EQ(PointNamed(Main("IF a GripLoad piece;\n" + motion, piece), "p1").other_load, "TA and PIECE");
+  EXPECT_EQ(PointNamed(Main("IF a THEN\nGripLoad piece;\nELSE\nGripLoad piece;\nENDIF\n" + motion, piece), "p1").load,
+            "TA and PIECE");
+  EXPECT_EQ(PointNamed(Main("WHILE a DO\n" + motion + "GripLoad piece;\nENDWHILE\n", piece), "p1").other_load,
+            "TA and one that another line sets");
+}
+
+TEST_F(RapidProgramTest, NamesOfARoutineAreItsOwn) {
+  const std::string local = "VAR" + Target("p1").substr(5), move = "MoveL p1,v100,fine,";
+  const RobotProgram program = Module("", "PROC a()\n" + local + move + "tA;\nENDPROC\nPROC b()\n" + local + move +
+                                              "tB;\nENDPROC\n" + "PROC c(robtarget p1)\n" + move + "tC;\nENDPROC\n");
+  ASSERT_EQ(program.points.size(), 3U);
+  EXPECT_EQ(program.points[0].tool, "TA");
+  EXPECT_EQ(program.points[1].tool, "TB");
+  EXPECT_EQ(program.points[1].untouched, "");
+  EXPECT_THAT(program.points[2].untouched, HasSubstr("handed to the routine"));
+}
+
+TEST_F(RapidProgramTest, LinesMayEndWithACarriageReturn) {
+  std::string text = "MODULE M\n! a remark\n" + Target("p1") + "PROC main()\nMoveL p1,v100,fine,tA;\nENDPROC\n";
+  for (char& c : text) c = c == '\n' ? '\r' : c;
+  const RobotProgram program = ReadAs("a.mod", text);
+  EXPECT_THAT(MotionsOf(program), ElementsAre("5 MoveL p1"));
+  EXPECT_EQ(WithCorrectedPoints(program, {}), text);
+  const std::string wide = std::string("\xff\xfe") + "M" + std::string(1, '\0');
+  EXPECT_THAT(ErrorOf([&] { ReadAs("b.mod", wide); }), HasSubstr("UTF-16"));
+}
+
+}  // namespace
+}  // namespace sagitta::rapid_program_test
