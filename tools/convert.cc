@@ -57,12 +57,13 @@ namespace {
 // How OUT is to describe the robot.
 struct WriteOptions {
   std::string as;             // chain, dh, mdh, ur; empty: as the robot does
-  std::string template_file;  // URDF or .conf that is edited; may be empty
+  std::string template_file;  // URDF or .conf that is edited, calibration.yaml of the arm; may be empty
   bool plain = false;         // without Hayati's beta
   RobotReadOptions read;      // links of the template, nominal robot
+  std::string in;
 };
 
-WriteOptions WriteOptionsFromFlags() { return {FLAGS_as, FLAGS_template, FLAGS_plain, RobotOptionsFromFlags()}; }
+WriteOptions WriteOptionsFromFlags() { return {FLAGS_as, FLAGS_template, FLAGS_plain, RobotOptionsFromFlags(), ""}; }
 
 struct Written {
   std::string text;
@@ -139,10 +140,18 @@ DhConvention ConventionOf(const std::string& as) {
   return as == "mdh" ? DhConvention::kModified : DhConvention::kStandard;
 }
 
+Written ToUrCalibration(const Robot& robot, const WriteOptions& options) {
+  const std::string& own = options.template_file.empty() ? options.in : options.template_file;
+  const std::string hash = HashOfUrCalibration(ReadTextFile(own), own);
+  Written written{RobotToUrCalibration(robot, hash), {}, true};
+  if (hash.empty()) written.notes.push_back(HashIsMissing());
+  return written;
+}
+
 Written ToYaml(const Robot& robot, const WriteOptions& options) {
   Written written;
   const std::string as = Wanted(options, options.plain && !robot.dh ? "dh" : OwnDescription(robot));
-  if (as == "ur") return {RobotToUrCalibration(robot), {}, true};
+  if (as == "ur") return ToUrCalibration(robot, options);
   Robot result = robot;
   if (as == "chain") {
     result.dh.reset();
@@ -192,8 +201,9 @@ Written ToUrConf(const Robot& robot, const WriteOptions& options) {
 
 Written WrittenAs(const Robot& robot, const std::string& out, const WriteOptions& options) {
   const std::string ending = std::filesystem::path(out).extension().string();
-  if (!options.template_file.empty() && ending != ".urdf" && ending != ".conf") {
-    throw InputError({"", 0, "--template"}, "only a URDF or a .conf is edited", "OUT has to end in .urdf or .conf");
+  if (!options.template_file.empty() && ending != ".urdf" && ending != ".conf" && options.as != "ur") {
+    throw InputError({"", 0, "--template"}, "only a URDF, a .conf or a calibration.yaml (--as=ur) is edited",
+                     "OUT has to end in .urdf or .conf");
   }
   if (ending == ".conf") return ToUrConf(robot, options);
   if (ending == ".urdf") return ToUrdf(robot, options);
@@ -254,7 +264,8 @@ int RunConvert(const CommandLine& line) {
   const std::string& in = line.arguments[0];
   const std::string& out = FLAGS_out.empty() ? line.arguments[1] : FLAGS_out;
   const OutputFile file(out);
-  const WriteOptions options = WriteOptionsFromFlags();
+  WriteOptions options = WriteOptionsFromFlags();
+  options.in = in;
   const RobotReading reading = ReadAnyRobot(in, options.read);
   const Written written = WrittenAs(reading.robot, out, options);
   constexpr double kSame = 1e-9;  // m

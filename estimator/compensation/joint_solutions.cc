@@ -13,8 +13,15 @@ namespace {
 // reaches a solution; of at most eight (sixteen) branches each then is missed once in 10^4 (10^2) after 240.
 constexpr int kSolutionStarts = 240;
 constexpr double kSameSolution = 1e-5;  // rad or m, between two solutions
-constexpr double kOnEdge = 1e-6;        // rad: the sign of an angle this small is not determined
-constexpr double kMeet = 1e-3;          // m, within which wrist axes count as meeting
+// rad: what a file states of an angle that is this close to the edge of a range, or to zero, is rounding of the pose
+// (0.01 mm and 1e-6 of a quaternion are 1e-5 to 1e-4 rad). Solutions are 90 or 180 deg apart.
+constexpr double kOnEdge = 0.1 * kDegree;
+constexpr double kExact = 1e-6;  // rad: solutions within that of what is stated come first
+// rad: beyond that a solution near the one that is stated may be another than the controller's.
+constexpr double kNearStated = 45.0 * kDegree;
+// rad: controllers are reported to disregard turn bits within that of 0.
+constexpr double kTurnBitsCount = 2.0 * kDegree;
+constexpr double kMeet = 1e-3;  // m, within which wrist axes count as meeting
 
 // What is known of the arm's shape: wrist centre and where it lies, of six revolute joints with a spherical wrist.
 class ArmShape {
@@ -122,24 +129,52 @@ bool TurnIntoRanges(const Chain& chain, const StatedBranch& branch, Eigen::Vecto
   return true;
 }
 
-// Branches with the turn numbers as ranges of joints: one, or one per three joints that the numbers may be of.
-std::vector<StatedBranch> BranchesOf(const StatedBranch& branch, int joints) {
-  if (branch.turns.size() != 3) return {branch};
+// How far joint j is out of a range that is stated for it, rad; 0: it is not.
+double OutOfRange(const StatedBranch& branch, int j, double value) {
+  double out = 0.0;
+  for (const auto& [index, range] : branch.ranges) {
+    if (index == j) out = std::max({out, range.first - value, value - range.second});
+  }
+  return out;
+}
+
+double FarthestOut(const StatedBranch& branch, const Eigen::VectorXd& q) {
+  double out = 0.0;
+  for (int j = 0; j < q.size(); ++j) out = std::max(out, OutOfRange(branch, j, q[j]));
+  return out;
+}
+
+// FANUC: "0, 0, 0" is read as every joint within half a turn; here as the turn numbers that it states.
+StatedBranch WithTurns(StatedBranch branch, int joints) {
+  const bool is_without = static_cast<int>(branch.ranges.size()) == joints &&
+                          std::all_of(branch.ranges.begin(), branch.ranges.end(),
+                                      [](const auto& range) { return range.second == std::make_pair(-kPi, kPi); });
+  if (is_without) branch.ranges.clear(), branch.turns = {0, 0, 0};
+  return branch;
+}
+
+std::vector<std::vector<int>> ThreesOf(int joints) {
   std::vector<std::vector<int>> threes;
-  if (branch.turn_joints.size() == 3) {
-    threes.push_back(branch.turn_joints);
-  } else {
-    for (int a = 0; a < joints; ++a) {
-      for (int b = a + 1; b < joints; ++b) {
-        for (int c = b + 1; c < joints; ++c) threes.push_back({a, b, c});
-      }
+  for (int a = 0; a < joints; ++a) {
+    for (int b = a + 1; b < joints; ++b) {
+      for (int c = b + 1; c < joints; ++c) threes.push_back({a, b, c});
     }
   }
+  return threes;
+}
+
+// Branches with the turn numbers as ranges of joints: one, or one per three joints that the numbers may be of. The
+// others stand within half a turn, or, others_turn, anywhere.
+std::vector<StatedBranch> BranchesOf(const StatedBranch& branch, int joints, bool others_turn) {
+  if (branch.turns.size() != 3) return {branch};
   std::vector<StatedBranch> branches;
-  for (const std::vector<int>& three : threes) {
+  const bool is_stated = branch.turn_joints.size() == 3;
+  for (const std::vector<int>& three :
+       is_stated ? std::vector<std::vector<int>>{branch.turn_joints} : ThreesOf(joints)) {
     StatedBranch one = branch;
     for (int j = 0; j < joints; ++j) {
       const auto counted = std::find(three.begin(), three.end(), j);
+      if (counted == three.end() && others_turn) continue;
       const int turn = counted == three.end() ? 0 : branch.turns[static_cast<size_t>(counted - three.begin())];
       one.ranges.push_back({j, {(2 * turn - 1) * kPi, (2 * turn + 1) * kPi}});
     }
@@ -148,10 +183,11 @@ std::vector<StatedBranch> BranchesOf(const StatedBranch& branch, int joints) {
   return branches;
 }
 
-bool Agrees(const ArmShape& shape, const StatedBranch& branch, const Eigen::VectorXd& q) {
+// edge: rad, within which the sign of joint 5 is not determined.
+bool Agrees(const ArmShape& shape, const StatedBranch& branch, double edge, const Eigen::VectorXd& q) {
   // Half a turn and more of joint 5 counts as below 0 (KUKA: status bit 2).
   const double flip = q.size() > 4 ? std::remainder(q[4], 2 * kPi) : 0.0;
-  if (branch.wrist_negative && std::abs(flip) > kOnEdge && (flip < 0.0) != *branch.wrist_negative) return false;
+  if (branch.wrist_negative && std::abs(flip) > edge && (flip < 0.0) != *branch.wrist_negative) return false;
   if (!shape.is_known()) return true;
   if (branch.wrist_behind && shape.IsBehind(q) != *branch.wrist_behind) return false;
   const double slope = shape.ElbowSlope(q);
@@ -164,50 +200,154 @@ bool IsOnTarget(const FlangeSolution& solution) {
   return solution.status == TargetStatus::kOk || solution.status == TargetStatus::kSingular;
 }
 
+// Of a wrist whose axes meet the three signs leave one solution.
+bool StatesShape(const StatedBranch& branch) {
+  return branch.wrist_negative && branch.wrist_behind && (branch.elbow_of_zero || branch.elbow_past_stretch);
+}
+
+// The solutions that agree with one of the branches. Those that do so but for rounding count where no other does.
+class Agreeing {
+ public:
+  Agreeing(const Chain& chain, const ArmShape& shape, const std::vector<StatedBranch>& branches)
+      : chain_(chain), shape_(shape), branches_(branches) {}
+
+  void Add(const Eigen::VectorXd& solution) {
+    for (const StatedBranch& branch : branches_) {
+      Eigen::VectorXd q = solution;
+      if (!TurnIntoRanges(chain_, branch, &q) || !Agrees(shape_, branch, kOnEdge, q)) continue;
+      const bool is_exact = FarthestOut(branch, q) <= kExact && Agrees(shape_, branch, kExact, q);
+      AddTo(is_exact ? &exact_ : &at_edge_, q);
+    }
+  }
+  const std::vector<Eigen::VectorXd>& exact() const { return exact_; }
+  const std::vector<Eigen::VectorXd>& found() const { return exact_.empty() ? at_edge_ : exact_; }
+
+ private:
+  static void AddTo(std::vector<Eigen::VectorXd>* list, const Eigen::VectorXd& q) {
+    const bool is_new = std::none_of(list->begin(), list->end(),
+                                     [&](const Eigen::VectorXd& other) { return (other - q).norm() < kSameSolution; });
+    if (is_new) list->push_back(q);
+  }
+
+  const Chain& chain_;
+  const ArmShape& shape_;
+  const std::vector<StatedBranch>& branches_;
+  std::vector<Eigen::VectorXd> exact_, at_edge_;
+};
+
+// Solutions of one pose by the nominal, rigid arm.
+class PoseSolver {
+ public:
+  PoseSolver(const Chain& nominal, const Pose<double>& flange_in_base)
+      : nominal_(nominal), flange_(flange_in_base), model_(nominal), rigid_(model_, model_.NominalValues()) {}
+
+  FlangeSolution From(const Eigen::VectorXd& start, bool within_limits) const {
+    const FlangeFunction arm = [&](const Eigen::VectorXd& q, FlangeState* state) {
+      return rigid_.At(q, ShotInput(q), Matrix3<double>::Identity(), {}, state);
+    };
+    return SolveFlange(nominal_, arm, flange_, start, within_limits);
+  }
+
+  BranchFound NearBefore(const Eigen::VectorXd& before) const {
+    if (before.size() == 0) return {{}, SolutionNotStated()};
+    const FlangeSolution near = From(before, true);
+    return IsOnTarget(near) ? BranchFound{near.q, ""} : BranchFound{{}, NoSolutionNearBefore()};
+  }
+
+  BranchFound NearStated(const std::vector<double>& stated) const {
+    const Eigen::VectorXd start = Eigen::Map<const Eigen::VectorXd>(stated.data(), static_cast<int>(stated.size()));
+    const FlangeSolution near = From(start, true);
+    if (!IsOnTarget(near)) return {{}, NoSolutionNearStated()};
+    const double off = (near.q - start).lpNorm<Eigen::Infinity>();
+    return off <= kNearStated ? BranchFound{near.q, ""} : BranchFound{{}, StatedIsFarOff(off)};
+  }
+
+  BranchFound Configured(const StatedBranch& branch, const Eigen::VectorXd& before, bool others_turn) const;
+
+ private:
+  const Chain& nominal_;
+  const Pose<double> flange_;
+  const ForwardModel model_;
+  const LoadedArm rigid_;
+};
+
+BranchFound PoseSolver::Configured(const StatedBranch& branch, const Eigen::VectorXd& before, bool others_turn) const {
+  const ArmShape shape(nominal_);
+  const std::vector<StatedBranch> branches = BranchesOf(branch, nominal_.num_joints(), others_turn);
+  Agreeing agreeing(nominal_, shape, branches);
+  // A path mostly stays on its branch: where there can be one solution only and the pose before leads to it, the
+  // search over all starts would end there, too.
+  if (before.size() > 0 && shape.is_known() && StatesShape(branch) && branches.size() == 1) {
+    const FlangeSolution near = From(before, false);
+    if (near.status == TargetStatus::kOk) agreeing.Add(near.q);
+    if (!agreeing.exact().empty()) return {agreeing.exact()[0], ""};
+  }
+  bool reached = false;
+  for (int k = 0; k < kSolutionStarts; ++k) {
+    const FlangeSolution solution = From(SpreadStart(nominal_, k, /*within_a_turn=*/true), false);
+    if (!IsOnTarget(solution)) continue;
+    reached = true;
+    agreeing.Add(solution.q);
+    if (shape.is_known() && agreeing.found().size() == 1 && k > kSolutionStarts / 4)
+      break;  // all three signs are determined: it is the one
+  }
+  const std::vector<Eigen::VectorXd>& found = agreeing.found();
+  if (found.size() == 1) return {found[0], ""};
+  if (found.size() > 1) return {{}, branches.size() > 1 ? TurnsInWords() : SolutionsAreSeveral(found.size())};
+  return {{}, reached ? NoSolutionAsStated() : PoseOutOfReach()};
+}
+
+// A range of a whole turn is left for the one a turn away, anything else for the quadrant or the sign next to it.
+bool IsLeftForGood(const StatedBranch& branch, int j, double value) {
+  const double out = OutOfRange(branch, j, value);
+  if (out > kTurnBitsCount) return true;
+  return out > kExact && std::any_of(branch.ranges.begin(), branch.ranges.end(), [&](const auto& range) {
+           return range.first == j && std::abs(range.second.second - range.second.first - 2 * kPi) < kExact;
+         });
+}
+
+BranchKept KeptOf(const ArmShape& shape, const StatedBranch& branch, const Eigen::VectorXd& q) {
+  BranchKept kept;
+  kept.is_shape = Agrees(shape, branch, kExact, q);
+  for (int j = 0; j < q.size(); ++j) {
+    if (OutOfRange(branch, j, q[j]) > kExact) kept.out.push_back(j);
+    kept.is_near &= !IsLeftForGood(branch, j, q[j]);
+  }
+  kept.is_near &= kept.is_shape;
+  return kept;
+}
+
 }  // namespace
 
 BranchFound FindBranch(const Chain& nominal, const Pose<double>& flange_in_base, const StatedBranch& branch,
                        const Eigen::VectorXd& before) {
+  const PoseSolver solver(nominal, flange_in_base);
+  if (!branch.near.empty()) return solver.NearStated(branch.near);
+  if (branch.from_before || !branch.states_anything()) return solver.NearBefore(before);
+  const BranchFound found = solver.Configured(branch, before, false);
+  const StatedBranch counted = WithTurns(branch, nominal.num_joints());
+  if (found.why_not != NoSolutionAsStated() || counted.turns.size() != 3) return found;
+  // A joint beyond half a turn is one that is not counted: joint 3 of many arms.
+  return solver.Configured(counted, before, true);
+}
+
+BranchKept KeepsBranch(const Chain& nominal, const StatedBranch& branch, const Eigen::VectorXd& meant,
+                       const Eigen::VectorXd& q) {
+  if (branch.from_before || !branch.states_anything()) return {};
   const ArmShape shape(nominal);
-  const ForwardModel model(nominal);
-  const LoadedArm rigid(model, model.NominalValues());
-  const FlangeFunction arm = [&](const Eigen::VectorXd& q, FlangeState* state) {
-    return rigid.At(q, ShotInput(q), Matrix3<double>::Identity(), {}, state);
-  };
-  if (branch.from_before || !branch.states_anything()) {
-    if (before.size() == 0) {
-      return {{}, SolutionNotStated()};
+  const int joints = nominal.num_joints();
+  // Which joints turn numbers are of is not known where several would have led to `meant`: all of them have to be kept.
+  for (const bool others_turn : {false, true}) {
+    std::vector<BranchKept> kept;
+    for (const StatedBranch& one : BranchesOf(others_turn ? WithTurns(branch, joints) : branch, joints, others_turn)) {
+      if (FarthestOut(one, meant) <= kOnEdge) kept.push_back(KeptOf(shape, one, q));
     }
-    const FlangeSolution near = SolveFlange(nominal, arm, flange_in_base, before, true);
-    if (IsOnTarget(near)) return {near.q, ""};
-    return {{}, NoSolutionNearBefore()};
+    const auto rank = [](const BranchKept& k) { return 2 * k.is_near + k.is_exact(); };
+    if (!kept.empty())
+      return *std::min_element(kept.begin(), kept.end(),
+                               [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
   }
-  const std::vector<StatedBranch> branches = BranchesOf(branch, nominal.num_joints());
-  std::vector<Eigen::VectorXd> found;
-  bool reached = false;
-  for (int k = 0; k < kSolutionStarts; ++k) {
-    const FlangeSolution solution =
-        SolveFlange(nominal, arm, flange_in_base, SpreadStart(nominal, k, /*within_a_turn=*/true), false);
-    if (!IsOnTarget(solution)) continue;
-    reached = true;
-    for (const StatedBranch& one : branches) {
-      Eigen::VectorXd q = solution.q;
-      if (!TurnIntoRanges(nominal, one, &q) || !Agrees(shape, one, q)) continue;
-      const bool is_new = std::none_of(
-          found.begin(), found.end(), [&](const Eigen::VectorXd& other) { return (other - q).norm() < kSameSolution; });
-      if (is_new) found.push_back(q);
-    }
-    if (shape.is_known() && found.size() == 1 && k > kSolutionStarts / 4)
-      break;  // all three signs are determined: it is the one
-  }
-  if (found.size() == 1) return {found[0], ""};
-  if (found.size() > 1 && branches.size() > 1) {
-    return {{}, TurnsInWords()};
-  }
-  if (found.size() > 1) {
-    return {{}, SolutionsAreSeveral(found.size())};
-  }
-  return {{}, reached ? NoSolutionAsStated() : PoseOutOfReach()};
+  return {};
 }
 
 }  // namespace sagitta

@@ -1,5 +1,6 @@
 #include "estimator/report/compensation_words.h"
 
+#include "models/constants.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -55,6 +56,19 @@ std::string SolutionNotStated() {
 }
 
 std::string NoSolutionNearBefore() { return "no joint values near those before it reach it"; }
+
+std::string NoSolutionNearStated() {
+  return "no joint values near those that its inverse kinematics starts from reach it";
+}
+
+std::string StatedIsFarOff(double off) {
+  return "the joint values that its inverse kinematics starts from are up to " + Significant(off / kDegree, 3) +
+         " deg off the solution found: which one the controller chooses is not certain";
+}
+
+std::string TwoSolutionsMeant() {
+  return "the program moves to it with more than one joint solution, each of which would need a correction of its own";
+}
 
 std::string SolutionsAreSeveral(size_t found) {
   return std::to_string(found) +

@@ -21,6 +21,9 @@ std::string IterationUnsettled(double position, double rotation);
 // Why a pose of a program has no joint solution.
 std::string SolutionNotStated();
 std::string NoSolutionNearBefore();
+std::string NoSolutionNearStated();      // near the joints that an inverse kinematics starts from
+std::string StatedIsFarOff(double off);  // rad: of a joint
+std::string TwoSolutionsMeant();
 std::string SolutionsAreSeveral(size_t found);
 std::string NoSolutionAsStated();
 std::string TurnsInWords();  // poses whose whole turns may be of several joints

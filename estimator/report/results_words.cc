@@ -1,6 +1,7 @@
 #include "estimator/report/results_words.h"
 
 #include "estimator/results/estimate_json.h"
+#include "models/constants.h"
 #include "problems/io/programs/robot_program.h"
 #include "problems/text.h"
 
@@ -82,6 +83,36 @@ std::string PointStaysInWords(const std::string& point, int line) {
 
 std::string OffsetAdoptsInWords(int line, const std::string& motion, const std::string& point) {
   return "line " + std::to_string(line) + ", " + motion + ": it goes on from " + point + " and adopts its correction";
+}
+
+std::string JointTargetStaysInWords(const std::string& joint, double move, bool is_singular) {
+  return std::string(is_singular ? "close to a singularity: the correction would turn "
+                                 : "the correction would turn ") +
+         joint + " by " + Significant(move / kDegree, 3) +
+         " deg; a target that is given by its joints is not turned so far";
+}
+
+std::string JointMovesInWords(const std::string& joint, double move) {
+  return joint + " by " + Significant(move / kDegree, 3) + " deg";
+}
+
+std::string JointStandsInWords(const std::string& joint, double value) {
+  return joint + " at " + Significant(value / kDegree, 6) + " deg";
+}
+
+std::string PosesWithLargeMoves(double move) {
+  return "Corrected, but close to a singularity a joint then stands elsewhere (more than " +
+         Significant(move / kDegree, 2) + " deg from where it was)";
+}
+
+std::string PosesWithOtherTurns() {
+  return "Corrected, but a joint is then just outside of what status, turn or configuration numbers state, which stay "
+         "as they are (check how the controller handles that)";
+}
+
+std::string OtherConfigurationInWords(const std::vector<std::string>& joints) {
+  return "the corrected pose would need other status, turn or configuration numbers than the file states" +
+         (joints.empty() ? "" : " (" + Enumerate(joints) + ")");
 }
 
 std::string LoadUsedInWords(const std::string& name, const ProgramLoad& load, int points) {

@@ -33,6 +33,14 @@ std::string PointStaysInWords(const std::string& point, int line);
 // A motion that goes on from a corrected point.
 std::string OffsetAdoptsInWords(int line, const std::string& motion, const std::string& point);
 
+// Of corrections of a program's points; angles in rad.
+std::string JointTargetStaysInWords(const std::string& joint, double move, bool is_singular);
+std::string JointMovesInWords(const std::string& joint, double move);
+std::string JointStandsInWords(const std::string& joint, double value);
+std::string PosesWithLargeMoves(double move);
+std::string PosesWithOtherTurns();
+std::string OtherConfigurationInWords(const std::vector<std::string>& joints);  // that left it
+
 // Which load a program's points are corrected for, and why one is not known; tool_mass: kg.
 std::string LoadUsedInWords(const std::string& name, const ProgramLoad& load, int points);
 std::string LoadUnknownInWords(const std::string& name, int points);

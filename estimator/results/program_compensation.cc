@@ -6,8 +6,10 @@
 #include <set>
 
 #include "estimator/compensation/joint_solutions.h"
+#include "estimator/report/compensation_words.h"
 #include "estimator/report/results_words.h"
 #include "estimator/results/program_loads.h"
+#include "estimator/results/program_names.h"
 #include "models/constants.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
@@ -111,10 +113,32 @@ struct Prepared {
   std::vector<ProgramPointResult> results;
   std::vector<int> points;                     // of each row
   std::vector<Pose<double>> frame, from_tool;  // of each row: frame in base, flange from tool
+  std::vector<Eigen::VectorXd> meant;          // of each row: joints by the nominal robot
 };
 
 Eigen::VectorXd VectorOf(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+StatedBranch BranchOf(const ProgramPoint& point, const ProgramScene& stated) {
+  StatedBranch branch = point.branch;
+  branch.turn_joints = stated.turn_joints;
+  return branch;
+}
+
+// The solution of all motions to the pose: one of them may go by the arm's place where another states it.
+BranchFound FindOnlyBranch(const Chain& nominal, const Pose<double>& flange, StatedBranch branch,
+                           const Eigen::VectorXd& before) {
+  constexpr double kSame = 1e-3;  // rad
+  BranchFound found = FindBranch(nominal, flange, branch, before);
+  if (!found.why_not.empty() || !branch.also_from_before || before.size() == 0) return found;
+  branch.near.clear();
+  const BranchFound other = FindBranch(nominal, flange, branch, before);
+  bool is_same = other.why_not.empty();
+  for (int j = 0; is_same && j < found.q.size(); ++j)
+    is_same = std::abs(std::remainder(other.q[j] - found.q[j], 2 * kPi)) < kSame;
+  if (!is_same) found.why_not = TwoSolutionsMeant();
+  return found;
 }
 
 void Prepare(const RobotProgram& program, const ProgramScene& stated, const ProgramLoads& loads, const Chain& nominal,
@@ -150,9 +174,7 @@ void Prepare(const RobotProgram& program, const ProgramScene& stated, const Prog
       frame = *scene.FrameInBase(point.frame);
       from_tool = Inverse(*scene.ToolInFlange(point.tool));
       flange = Product(Product(frame, PoseFrom(program.notation, numbers)), from_tool);
-      StatedBranch branch = point.branch;
-      branch.turn_joints = stated.turn_joints;
-      const BranchFound found = FindBranch(nominal, *flange, branch, before);
+      const BranchFound found = FindOnlyBranch(nominal, *flange, BranchOf(point, stated), before);
       result.untouched = found.why_not;
       if (!found.why_not.empty()) continue;
       q = found.q;
@@ -161,12 +183,61 @@ void Prepare(const RobotProgram& program, const ProgramScene& stated, const Prog
     prepared->points.push_back(static_cast<int>(i));
     prepared->frame.push_back(frame);
     prepared->from_tool.push_back(from_tool);
+    prepared->meant.push_back(q);
     table->Add(point, q, flange, loads.of_point[i]);
   }
 }
 
 bool IsCorrected(const CompensatedTarget& target) {
   return target.solution.status == TargetStatus::kOk || target.solution.status == TargetStatus::kSingular;
+}
+
+// A correction moves joints by what the robot's errors are, tenths of a degree, unless the pose is close to a
+// singularity: with the wrist at angle a out of line an orientation that is off by e turns joints 4 and 6 by e / sin a.
+constexpr double kLargestMove = 2.0 * kDegree;
+
+// The revolute joint that the correction moves most, and by what, rad. -1: none.
+int MostMoved(const Chain& chain, const Eigen::VectorXd& moves) {
+  int most = -1;
+  for (int j = 0; j < chain.num_joints(); ++j) {
+    if (chain.joints[static_cast<size_t>(j)].type != JointType::kRevolute) continue;
+    if (most < 0 || std::abs(moves[j]) > std::abs(moves[most])) most = j;
+  }
+  return most;
+}
+
+std::vector<std::string> JointsAt(const Chain& chain, const std::vector<int>& joints, const Eigen::VectorXd& q) {
+  std::vector<std::string> words;
+  for (const int j : joints) words.push_back(JointStandsInWords(chain.joints[static_cast<size_t>(j)].name, q[j]));
+  return words;
+}
+
+// Judges the correction of a point: why the point stays as it is, or what there is to say of it.
+void Judge(const Chain& nominal, const ProgramPoint& point, const StatedBranch& branch, const Eigen::VectorXd& meant,
+           ProgramPointResult* result) {
+  const CompensatedTarget& target = *result->solution;
+  const Eigen::VectorXd& q = target.solution.q;
+  if (!IsCorrected(target)) {
+    result->untouched = std::string(StatusName(target.solution.status)) + ": " + target.words;
+    return;
+  }
+  const int most = MostMoved(nominal, q - meant);
+  const double move = most < 0 ? 0.0 : std::abs(q[most] - meant[most]);
+  const std::string joint = most < 0 ? "" : nominal.joints[static_cast<size_t>(most)].name;
+  const bool is_singular = target.solution.status == TargetStatus::kSingular;
+  if (point.is_joints && (is_singular || move > kLargestMove)) {
+    result->untouched = JointTargetStaysInWords(joint, move, is_singular);
+    return;
+  }
+  if (move > kLargestMove) result->moves = JointMovesInWords(joint, move);
+  if (point.is_joints) return;
+  const BranchKept kept = KeepsBranch(nominal, branch, meant, q);
+  const std::vector<std::string> out = JointsAt(nominal, kept.out, q);
+  if (!kept.is_near) {
+    result->untouched = OtherConfigurationInWords(out);
+  } else if (!kept.is_exact()) {
+    result->leaves = Enumerate(out);
+  }
 }
 
 }  // namespace
@@ -212,13 +283,14 @@ void CheckProgramLoad(const KnownRobot& known, const std::string& load, const st
                        "columns fx_N, fy_N, fz_N");
 }
 
-CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram program, const ProgramScene& scene,
+CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram program, const ProgramScene& stated,
                                      int threads, const std::function<void(size_t done)>& progress) {
   const std::string& station = StationOfTargets(known);
   const Chain nominal = NominalChain(known);
   CompensatedProgram result;
   result.program = std::move(program);
   const RobotProgram& read = result.program;
+  const ProgramScene scene = SceneByNames(read, stated);
   const ProgramLoads loads = LoadsOfProgram(known, read, scene);
   TargetTable table(read.path, nominal);
   Prepared prepared;
@@ -237,10 +309,9 @@ CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram progr
     const CompensatedTarget& target = result.solved[row];
     ProgramPointResult& of_point = result.results[static_cast<size_t>(prepared.points[row])];
     of_point.solution = target;
-    if (!IsCorrected(target)) {
-      of_point.untouched = std::string(StatusName(target.solution.status)) + ": " + target.words;
-      continue;
-    }
+    const ProgramPoint& asked = read.points[static_cast<size_t>(prepared.points[row])];
+    Judge(nominal, asked, BranchOf(asked, scene), prepared.meant[row], &of_point);
+    if (!of_point.untouched.empty()) continue;
     CorrectedPoint point;
     point.point = prepared.points[row];
     for (const double value : target.solution.q) point.joints.push_back(value);
@@ -289,7 +360,7 @@ std::string ListOf(std::vector<LineWords> lines) {
 std::string SummaryOf(const CompensatedProgram& result) {
   int corrected = 0;
   double before = 0.0, u95 = 0.0;
-  std::vector<LineWords> untouched;
+  std::vector<LineWords> untouched, moves, leaves;
   for (const ProgramPointResult& point : result.results) {
     const ProgramPoint& read = result.program.points[static_cast<size_t>(point.point)];
     if (!point.untouched.empty()) {
@@ -297,6 +368,8 @@ std::string SummaryOf(const CompensatedProgram& result) {
       continue;
     }
     ++corrected;
+    if (!point.moves.empty()) moves.emplace_back(read.line, read.name + ": " + point.moves);
+    if (!point.leaves.empty()) leaves.emplace_back(read.line, read.name + ": " + point.leaves);
     before = std::max(before, point.solution->before_position);
     if (std::isfinite(point.solution->u95_position)) u95 = std::max(u95, point.solution->u95_position);
   }
@@ -304,6 +377,8 @@ std::string SummaryOf(const CompensatedProgram& result) {
       PointsAreCorrected(DialectName(result.program.dialect), corrected, result.results.size(), before, u95) + "\n";
   text += MotionsToUntouched(result, &untouched);
   if (!untouched.empty()) text += "Left as they are\n" + ListOf(untouched);
+  if (!moves.empty()) text += PosesWithLargeMoves(kLargestMove) + "\n" + ListOf(moves);
+  if (!leaves.empty()) text += PosesWithOtherTurns() + "\n" + ListOf(leaves);
   for (const std::string& note : result.program.notes) text += "Note: " + note + "\n";
   return text;
 }

@@ -43,6 +43,8 @@ struct ProgramPointResult {
   int point = -1;
   std::string untouched;                      // why; "": it is corrected
   std::optional<CompensatedTarget> solution;  // where there was something to solve
+  std::string moves;                          // of a corrected pose: the joint that moves far; "": none
+  std::string leaves;                         // ... joints that left what status, turn or quadrant state; "": none
 };
 
 struct CompensatedProgram {
@@ -53,9 +55,9 @@ struct CompensatedProgram {
   std::string text;  // the corrected program
 };
 
-// Throws InputError where a frame or tool is stated neither by the file nor by `scene`, naming all of them. progress
-// hears now and then how many points are done.
-CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram program, const ProgramScene& scene,
+// Throws InputError where a frame or tool is stated neither by the file nor by `stated`, naming all of them, and where
+// `stated` has a name that the program does not have. progress hears now and then how many points are done.
+CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram program, const ProgramScene& stated,
                                      int threads, const std::function<void(size_t done)>& progress = {});
 
 std::string SummaryOf(const CompensatedProgram& result);

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "problems/input_error.h"
+#include "problems/io/pattern.h"
 #include "problems/io/robot_checks.h"
 #include "problems/limits.h"
 #include "problems/text.h"
@@ -48,6 +49,10 @@ urdf::ModelInterfaceSharedPtr ParseModel(const std::string& text, const std::str
     throw InputError({file, 0, ""}, "this is a xacro file", "expand it first: xacro FILE.xacro > FILE.urdf");
   }
   CheckXml(text, file);
+  if (SearchPattern(text, MakePattern("<origin\\s[^>]*quat_xyzw"))) {
+    throw InputError({file, 0, "origin"}, "an origin states its rotation as quat_xyzw, which is not read here",
+                     "state rpy=\"roll pitch yaw\" (rad)");
+  }
   CollectedMessages messages;
   urdf::ModelInterfaceSharedPtr model;
   std::string reason;

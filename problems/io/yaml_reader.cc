@@ -36,10 +36,20 @@ bool IsStemOf(const std::string& stem, const std::string& key) {
                          key[stem.size()] == '_' && key.find('_', stem.size() + 1) == std::string::npos);
 }
 
+// "!degrees 90" is 90 of something else: a tag says so to a program that knows it. Those of YAML itself say nothing
+// new.
+void CheckTag(const YAML::Node& node, const std::string& file, int line) {
+  const std::string& tag = node.Tag();
+  if (tag.empty() || tag == "?" || tag == "!" || tag.rfind("tag:yaml.org,2002:", 0) == 0) return;
+  throw InputError({file, line, ""}, "the tag " + Printable(tag.substr(0, kMostQuoted)) + " is not known here",
+                   "state the value without it, in the unit that the key names");
+}
+
 // Aliases count as often as they stand for something: a kilobyte of them can stand for 10^9 values. One that holds
 // itself has no end.
 void CheckTree(const YAML::Node& node, const std::string& file, int depth, size_t* values) {
   const int line = node.Mark().line + 1;
+  CheckTag(node, file, line);
   if (depth > limits::kDepth) {
     throw InputError({file, line, ""},
                      "lists and maps are nested more than " + std::to_string(limits::kDepth) + " deep");

@@ -189,6 +189,39 @@ TEST_F(RobotProgramTest, UrScript) {
   EXPECT_EQ(program.points.size(), 6U);
 }
 
+// get_inverse_kin(x, qnear, maxPositionError, maxOrientationError, tcp) of the script manual.
+TEST_F(RobotProgramTest, UrScriptInverseKinematicsStatesSolutionAndTool) {
+  const std::string pose = "p[0.5,-0.2,0.3,3.14,0,0]", near = "[0.1,-1.5,1.5,-1.6,-1.57,0.25]";
+  const auto read = [&](const std::string& arguments) {
+    return ReadAs("ik.script", "set_tcp(p[0,0,0.1,0,0,0])\nq=" + near + "\nr=[1,2,3,4,5,6]\nr[0]=0\nx=" + pose +
+                                   "\nmovej(get_inverse_kin(" + arguments + "))\n");
+  };
+  const std::vector<double> joints = {0.1, -1.5, 1.5, -1.6, -1.57, 0.25};
+  for (const std::string& given : std::vector<std::string>{"x, q", "x, qnear=q", "x, " + near, "x=x, qnear=" + near}) {
+    const RobotProgram program = read(given);
+    EXPECT_EQ(PointNamed(program, "x").branch.near, joints) << given;
+    EXPECT_EQ(PointNamed(program, "x").untouched, "") << given;
+    EXPECT_NEAR(program.tools.at(PointNamed(program, "x").tool).translation.z(), 0.1, 1e-15) << given;
+  }
+  for (const std::string& given : {"x, q, 1e-10, 1e-10, p[0,0,0.3,0,0,0]", "x, q, tcp=p[0,0,0.3,0,0,0]"}) {
+    const RobotProgram program = read(given);
+    EXPECT_NEAR(program.tools.at(PointNamed(program, "x").tool).translation.z(), 0.3, 1e-15) << given;
+  }
+  EXPECT_EQ(PointNamed(read("x, q, tcp=my_tool"), "x").tool, "my_tool");
+  // What the arm's place is needs no numbers.
+  EXPECT_EQ(PointNamed(read("x, get_actual_joint_positions()"), "x").untouched, "");
+  for (const std::string& given : {"x, r", "x, elsewhere", "x, f(1)", "x, [1,2,a,4,5,6]", "x, q, tcp=f(1)"})
+    EXPECT_THAT(PointNamed(read(given), "x").untouched, HasSubstr("is no number")) << given;
+  EXPECT_THAT(PointNamed(read("x, q))\nmovej(get_inverse_kin(x, [0,0,0,0,1,0]"), "x").untouched,
+              HasSubstr("more than one qnear"));
+}
+
+TEST_F(RobotProgramTest, UrScriptOptimisedMotionsAreMotions) {
+  const RobotProgram program = ReadAs("opt.script", "optimovel(p[0.5,-0.2,0.3,3.14,0,0])\noptimovej([0,0,1,0,1,0])\n");
+  ASSERT_EQ(program.motions.size(), 2U);
+  EXPECT_TRUE(program.points[1].is_joints);
+}
+
 // A load or a tool that the program changes as it runs holds nowhere for certain: the name is there, no value.
 TEST_F(RobotProgramTest, WhatChangesAsTheProgramRunsIsNotStated) {
   const std::string load = "{M 5,CM {X 0,Y 0,Z 100},J {X 0,Y 0,Z 0}}",

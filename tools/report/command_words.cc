@@ -156,6 +156,11 @@ std::string WithoutBeta(double rms, double largest, double largest_length_change
          " at most, over the joints' range; the refit moved lengths by up to " + Micrometres(largest_length_change);
 }
 
+std::string HashIsMissing() {
+  return "the file has no kinematics: hash, which ur_description reads and the driver compares with that of the arm: "
+         "--template=calibration.yaml (of this arm) keeps it";
+}
+
 std::string KeepControllersLines() {
   return "the controller also wants the lines of its own calibration.conf that belong to the arm (joint_checksum, …): "
          "--template=calibration.conf keeps them";

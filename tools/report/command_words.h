@@ -58,6 +58,7 @@ std::string LearntFunctionsInFile();
 std::string PlainAndExact();
 std::string WithoutBeta(double rms, double largest, double largest_length_change);
 std::string KeepControllersLines();
+std::string HashIsMissing();  // of a calibration.yaml
 std::string ListsAreReplaced(const std::string& file);
 std::string MovesAsBefore(double difference);
 // Of an effect, m.

@@ -37,25 +37,47 @@ constexpr UrJoint kUrJoints[] = {{"shoulder", "shoulder_pan_joint"}, {"upper_arm
 // One list of a .conf: "delta_a = [ 0.1, -2e-05 ]   # comment".
 using ConfLists = std::map<std::string, std::vector<double>>;
 
+std::vector<double> NumbersOfList(const std::string& text, const std::string& path, int line, const std::string& name) {
+  std::vector<double> list;
+  std::istringstream cells(text);
+  for (std::string cell; std::getline(cells, cell, ',');) {
+    cell = std::string(Trimmed(cell));
+    const std::optional<double> value = ParseNumber(cell);
+    if (!value) throw InputError({path, line, name}, "'" + cell + "' is no number");
+    list.push_back(*value);
+  }
+  return list;
+}
+
+// A list may go on over the lines that follow it.
 ConfLists ReadConfLists(const std::string& text, const std::string& path) {
   static const std::regex kList =
-      MakePattern(R"(^\s*(delta_theta|delta_a|delta_d|delta_alpha|theta|a|d|alpha)\s*=\s*\[([^\]]*)\])");
+      MakePattern(R"(^\s*(delta_theta|delta_a|delta_d|delta_alpha|theta|a|d|alpha)\s*=\s*\[)");
   ConfLists lists;
   std::istringstream lines(text);
+  const auto without_comment = [](const std::string& line) { return line.substr(0, line.find('#')); };
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
     std::smatch match;
+    line = without_comment(line);
     if (!SearchPattern(line, &match, kList)) continue;
-    std::istringstream cells(match[2].str());
-    std::vector<double>& list = lists[match[1]];
-    for (std::string cell; std::getline(cells, cell, ',');) {
-      cell = std::string(Trimmed(cell));
-      const std::optional<double> value = ParseNumber(cell);
-      if (!value) throw InputError({path, number, match[1]}, "'" + cell + "' is no number");
-      list.push_back(*value);
-    }
+    const std::string name = match[1];
+    const int first = number;
+    std::string list = match.suffix();
+    while (list.find(']') == std::string::npos && std::getline(lines, line)) list += without_comment(line), ++number;
+    if (list.find(']') == std::string::npos) throw InputError({path, first, name}, "the list is not closed");
+    lists[name] = NumbersOfList(list.substr(0, list.find(']')), path, first, name);
   }
   return lists;
+}
+
+// Of lists that belong together: none counts as zeros.
+void CheckTogether(const ConfLists& lists, const std::vector<std::string>& names, const std::string& path) {
+  const auto is_there = [&](const std::string& name) { return lists.count(name) > 0; };
+  if (std::none_of(names.begin(), names.end(), is_there)) return;
+  for (const std::string& name : names) {
+    if (!is_there(name)) throw InputError({path, 0, name}, "this list is missing, and others of the table are there");
+  }
 }
 
 void AddTo(const ConfLists& lists, const std::string& name, double DhLink::*field, const std::string& path,
@@ -94,12 +116,20 @@ Robot NominalOf(const ConfLists& lists, const std::string& path, const std::stri
   return nominal;
 }
 
+// With a point: 1e-04 is a text to readers of YAML 1.1, and so to ROS.
+std::string YamlNumber(double value) {
+  std::string text = FormatNumber(value);
+  const size_t exponent = text.find('e');
+  if (exponent != std::string::npos && text.find('.') == std::string::npos) text.insert(exponent, ".0");
+  return text;
+}
+
 std::string Six(const Pose<double>& pose) {
   const Vector3<double> rpy = RpyFromRotation(pose.rotation);
   std::string text;
-  for (int i = 0; i < 3; ++i) text += std::string("    ") + "xyz"[i] + ": " + FormatNumber(pose.translation[i]) + "\n";
+  for (int i = 0; i < 3; ++i) text += std::string("    ") + "xyz"[i] + ": " + YamlNumber(pose.translation[i]) + "\n";
   const char* names[] = {"roll", "pitch", "yaw"};
-  for (int i = 0; i < 3; ++i) text += std::string("    ") + names[i] + ": " + FormatNumber(rpy[i]) + "\n";
+  for (int i = 0; i < 3; ++i) text += std::string("    ") + names[i] + ": " + YamlNumber(rpy[i]) + "\n";
   return text;
 }
 
@@ -145,6 +175,8 @@ bool LooksLikeUrConf(const std::string& text) {
 
 RobotReading ReadUrConf(const std::string& text, const std::string& path, const RobotReadOptions& options) {
   const ConfLists lists = ReadConfLists(text, path);
+  CheckTogether(lists, {"a", "d", "alpha"}, path);
+  CheckTogether(lists, {"delta_theta", "delta_a", "delta_d", "delta_alpha"}, path);
   RobotReading reading;
   Robot robot = NominalOf(lists, path, options.nominal_file);
   for (const char* prefix : {"", "delta_"}) {
@@ -205,7 +237,14 @@ std::string RobotToUrConf(const Robot& robot, const DhTable& nominal, const std:
   return text;
 }
 
-std::string RobotToUrCalibration(const Robot& robot) {
+std::string HashOfUrCalibration(const std::string& text, const std::string& path) {
+  if (!LooksLikeUrCalibration(text)) return "";
+  YamlMap root(ParseYaml(text, path));
+  const std::optional<YamlValue> hash = YamlMap(root.Get("kinematics")).Find("hash");
+  return hash ? hash->Text() : "";
+}
+
+std::string RobotToUrCalibration(const Robot& robot, const std::string& hash) {
   const Chain& chain = robot.chain;
   const auto refuse = [](const std::string& why) -> InputError {
     return InputError({"", 0, ""}, "this robot does not fit into a calibration.yaml: " + why,
@@ -240,6 +279,7 @@ std::string RobotToUrCalibration(const Robot& robot) {
             Six({back * link.rotation, back * (link.translation - parent.translation)});
     parent = link;
   }
+  if (!hash.empty()) text += "  hash: " + hash + "\n";
   return text;
 }
 

@@ -48,8 +48,10 @@ struct StatedBranch {
   std::vector<std::pair<int, std::pair<double, double>>> ranges;
   // FANUC: whole turns of three joints, each within 180 deg of so many; which joints (from 0) the file does not say.
   std::vector<int> turns;
-  std::vector<int> turn_joints;  // as the user says; empty: every three in a row that the joints' limits allow
-  bool from_before = false;      // the controller chooses the solution that is nearest to where the arm is
+  std::vector<int> turn_joints;   // as the user says; empty: every three in a row that the joints' limits allow
+  bool from_before = false;       // the controller chooses the solution that is nearest to where the arm is
+  std::vector<double> near;       // rad: ... that is nearest to these joints
+  bool also_from_before = false;  // ... `near`, and by the motion before it that to where the arm is
   bool states_anything() const {
     return wrist_behind || elbow_of_zero || elbow_past_stretch || wrist_negative || !ranges.empty() || !turns.empty();
   }

@@ -2,6 +2,9 @@
 // what a motion goes to is a target: other lists and poses are tools, frames. set_payload(m, [x, y, z]) states all that
 // hangs on the flange, in m of the flange; without the list its centre of mass is the tool centre point. After
 // set_payload_mass or set_payload_cog, which change a part of it, the user states it.
+//
+// get_inverse_kin(x, qnear, maxPositionError, maxOrientationError, tcp): the joint solution nearest to qnear, for tcp;
+// without them nearest to where the arm is, for the tool of set_tcp.
 #include <algorithm>
 #include <optional>
 #include <set>
@@ -21,13 +24,28 @@ class UrReader {
   void Read();
 
  private:
+  // What a motion's inverse kinematics goes by.
+  struct Start {
+    std::vector<double> near;         // rad; empty: where the arm is
+    std::optional<std::string> tool;  // nothing: that of set_tcp
+    std::string unknown;              // what is no number; "": all is known
+  };
+
   void ReadAssignments();
   void RefuseChanged();
   void ReadCalls();
   void ReadArgument(const std::string& motion, TextRange argument);
-  void ReadTarget(const std::string& motion, TextRange argument);
-  void ReadStart(TextRange argument);
+  void ReadTarget(const std::string& motion, TextRange argument, const Start& start);
+  void ReadKinematics(const std::string& motion, size_t open);
+  static void GoBy(const Start& start, bool is_first, ProgramPoint* point);
+  void MarkStart(TextRange argument);
+  std::vector<double> NearOf(TextRange argument, bool* is_known) const;
+  std::string ToolOf(TextRange argument, const std::string& call);
+  std::string KeywordOf(TextRange argument) const;
   TextRange WithoutKeyword(TextRange argument) const;
+  // One before the first byte of the line.
+  size_t LineBegin(size_t at) const { return at == 0 ? std::string::npos : code_.rfind('\n', at - 1); }
+  std::string TextOf(TextRange range) const { return code_.substr(range.first, range.second - range.first); }
   int PointOf(const std::string& motion, TextRange argument);
   void SetTool(size_t open);
   void SetLoad(const std::string& call, size_t open);
@@ -44,6 +62,15 @@ class UrReader {
 };
 
 constexpr const char* kOnlyStarts = "it only starts an inverse kinematics";
+constexpr const char* kSetAgain = "the variable is set more than once";
+
+bool IsName(const std::string& text) { return std::all_of(text.begin(), text.end(), IsWordCharacter); }
+
+std::vector<double> ValuesOf(const std::vector<TextNumber>& numbers) {
+  std::vector<double> values;
+  for (const TextNumber& number : numbers) values.push_back(number.value);
+  return values;
+}
 
 bool IsPoseAt(const std::string& code, size_t at) { return code.compare(at, 2, "p[") == 0; }
 
@@ -88,20 +115,24 @@ void UrReader::RefuseChanged() {
   std::map<std::string, int> times;
   for (const std::smatch& match : AllMatches(code_.begin(), code_.end(), any)) ++times[match[1]];
   for (ProgramPoint& point : program_.points) {
-    if (times[point.name] > 1) point.untouched = "the variable is set more than once";
+    if (times[point.name] > 1) point.untouched = kSetAgain;
   }
 }
 
 void UrReader::SetTool(size_t open) {
-  const std::vector<TextRange> parts = PartsOf(code_, open + 1, EndOfBracket(code_, open) - 1);
-  tool_ = code_.substr(parts[0].first, parts[0].second - parts[0].first);
-  if (!IsPoseAt(code_, parts[0].first)) return;
-  const std::vector<TextNumber> numbers = NumbersInBracket(code_, parts[0].first + 1);
-  if (numbers.size() != 6) return;
-  std::vector<double> values;
-  for (const TextNumber& number : numbers) values.push_back(number.value);
-  tool_ = "set_tcp of line " + std::to_string(LineAt(code_, open));
-  program_.tools[tool_] = PoseFrom(PoseNotation::kRotationVectorMetres, values);
+  tool_ = ToolOf(PartsOf(code_, open + 1, EndOfBracket(code_, open) - 1)[0], "set_tcp");
+}
+
+// The name of a tool: of a literal the call that has it, else as it is written.
+std::string UrReader::ToolOf(TextRange argument, const std::string& call) {
+  if (!IsPoseAt(code_, argument.first)) return TextOf(argument);
+  const std::vector<TextNumber> numbers = NumbersInBracket(code_, argument.first + 1);
+  if (numbers.size() != 6) return TextOf(argument);
+  const Pose<double> pose = PoseFrom(PoseNotation::kRotationVectorMetres, ValuesOf(numbers));
+  std::string name = call + " of line " + std::to_string(LineAt(code_, argument.first));
+  if (program_.tools.count(name) > 0) name += ", column " + std::to_string(argument.first - LineBegin(argument.first));
+  program_.tools[name] = pose;
+  return name;
 }
 
 void UrReader::SetLoad(const std::string& call, size_t open) {
@@ -140,65 +171,125 @@ int UrReader::PointOf(const std::string& motion, TextRange argument) {
     const int index = AddLiteral(name, argument.first);
     if (index >= 0) return index;
   }
-  if (std::all_of(text.begin(), text.end(), IsWordCharacter)) {
+  if (IsName(text)) {
     return named_[text] = AddPointElsewhere(text, line, argument.first, &program_);
   }
   return AddComputedPoint(name, line, argument.first, "it is computed: " + Quoted(code_, argument), &program_);
 }
 
-void UrReader::ReadTarget(const std::string& motion, TextRange argument) {
+void UrReader::ReadTarget(const std::string& motion, TextRange argument, const Start& start) {
   ProgramMotion to = MotionTo(motion, code_, argument);
   const int index = to.point = PointOf(motion, argument);
   program_.motions.push_back(to);
   ProgramPoint& point = program_.points[static_cast<size_t>(index)];
-  if (!point.is_joints && point.untouched.empty() && !point.tool.empty() && point.tool != tool_) {
+  const bool is_first = used_.insert(index).second;
+  const std::string tool = start.tool.value_or(tool_);
+  if (!point.is_joints && point.untouched.empty() && !is_first && point.tool != tool) {
     point.untouched = "the program moves to it with more than one tool";
     return;
   }
-  UseLoad(LoadHere(), used_.insert(index).second, &point);
+  UseLoad(LoadHere(), is_first, &point);
   if (!point.untouched.empty()) point.used_at = argument.first;
   if (point.untouched.find("no motion") == 0 || point.untouched.find(kOnlyStarts) == 0) point.untouched.clear();
-  if (!point.is_joints) point.tool = tool_;
+  if (point.is_joints) return;
+  point.tool = tool;
+  GoBy(start, is_first, &point);
 }
 
-// Where an inverse kinematics starts from.
-void UrReader::ReadStart(TextRange argument) {
-  const auto found = named_.find(code_.substr(argument.first, argument.second - argument.first));
+// The joint solution of one more motion to the point.
+void UrReader::GoBy(const Start& start, bool is_first, ProgramPoint* point) {
+  if (!point->untouched.empty()) return;
+  StatedBranch& branch = point->branch;
+  if (!start.unknown.empty()) {
+    point->untouched = "where its inverse kinematics starts from, or for which tool, is no number: " + start.unknown;
+  } else if (!branch.near.empty() && !start.near.empty() && branch.near != start.near) {
+    point->untouched = "the program moves to it from more than one qnear";
+  } else if (!start.near.empty()) {
+    branch.also_from_before |= !is_first && branch.near.empty();
+    branch.near = start.near;
+  }
+}
+
+// Joints that only an inverse kinematics starts from are no target.
+void UrReader::MarkStart(TextRange argument) {
+  const auto found = named_.find(TextOf(argument));
   if (found == named_.end()) return;
   ProgramPoint& point = program_.points[static_cast<size_t>(found->second)];
   if (point.untouched.find("no motion") == 0) point.untouched = kOnlyStarts;
 }
 
-// get_inverse_kin(x=p[...], qnear=...) goes to its first argument.
+// The numbers of a list of joints, by its name or as it stands there. None, and known: where the arm is.
+std::vector<double> UrReader::NearOf(TextRange argument, bool* is_known) const {
+  static const std::regex here = MakePattern("^get_(actual|target)_joint_positions\\s*\\(\\s*\\)$");
+  const std::string text = TextOf(argument);
+  std::smatch match;
+  std::vector<double> values;
+  if (SearchPattern(text, &match, here)) return values;
+  if (code_[argument.first] == '[') values = ValuesOf(NumbersInBracket(code_, argument.first));
+  const auto found = named_.find(text);
+  if (found != named_.end()) {
+    const ProgramPoint& point = program_.points[static_cast<size_t>(found->second)];
+    if (point.is_joints && point.untouched != kSetAgain) values = ValuesOf(point.numbers);
+  }
+  *is_known = static_cast<int>(values.size()) == joints_;
+  return values;
+}
+
+// get_inverse_kin(x=p[...], qnear=..., tcp=p[...]) goes to x.
 void UrReader::ReadArgument(const std::string& motion, TextRange argument) {
   static const std::regex inverse = MakePattern("^get_inverse_kin\\s*\\(");
   argument = WithoutKeyword(argument);
-  const std::string text = code_.substr(argument.first, argument.second - argument.first);
+  const std::string text = TextOf(argument);
   std::smatch kinematics;
-  if (!SearchPattern(text, &kinematics, inverse)) {
-    ReadTarget(motion, argument);
-    return;
+  if (SearchPattern(text, &kinematics, inverse)) {
+    ReadKinematics(motion, argument.first + static_cast<size_t>(kinematics.length(0)) - 1);
+  } else {
+    ReadTarget(motion, argument, {});
   }
-  const size_t inner = argument.first + static_cast<size_t>(kinematics.length(0)) - 1;
-  const std::vector<TextRange> arguments = PartsOf(code_, inner + 1, EndOfBracket(code_, inner) - 1);
+}
+
+void UrReader::ReadKinematics(const std::string& motion, size_t open) {
+  static const char* const kOrder[] = {"x", "qnear", "maxPositionError", "maxOrientationError", "tcp"};
+  const std::vector<TextRange> arguments = PartsOf(code_, open + 1, EndOfBracket(code_, open) - 1);
+  std::optional<TextRange> target;
+  Start start;
   for (size_t a = 0; a < arguments.size(); ++a) {
     const TextRange value = WithoutKeyword(arguments[a]);
-    a == 0 ? ReadTarget(motion, value) : ReadStart(value);
+    std::string name = KeywordOf(arguments[a]);
+    if (name.empty() && a < std::size(kOrder)) name = kOrder[a];
+    if (value.first >= value.second) continue;  // a text, "active_tcp"
+    bool is_known = true;
+    if (name == "x") target = value;
+    if (name == "qnear") start.near = NearOf(value, &is_known);
+    if (name == "qnear") MarkStart(value);
+    if (name == "tcp") start.tool = ToolOf(value, "tcp of get_inverse_kin");
+    if (name == "tcp") is_known = IsName(*start.tool) || program_.tools.count(*start.tool) > 0;
+    if (!is_known) start.unknown = Quoted(code_, value);
   }
+  if (target) ReadTarget(motion, *target, start);
 }
 
 // "qnear=Waypoint_1_q" -> "Waypoint_1_q"
 TextRange UrReader::WithoutKeyword(TextRange argument) const {
+  const std::string keyword = KeywordOf(argument);
+  if (keyword.empty()) return argument;
+  const size_t equals = code_.find('=', argument.first + keyword.size());
+  return {std::min(code_.find_first_not_of(" \t", equals + 1), argument.second), argument.second};
+}
+
+// "qnear=Waypoint_1_q" -> "qnear"; "" where there is none.
+std::string UrReader::KeywordOf(TextRange argument) const {
   size_t word = argument.first;
   while (word < argument.second && IsWordCharacter(code_[word])) ++word;
   const size_t equals = code_.find_first_not_of(" \t", word);
-  if (equals >= argument.second || code_[equals] != '=' || code_[equals + 1] == '=') return argument;
-  return {std::min(code_.find_first_not_of(" \t", equals + 1), argument.second), argument.second};
+  if (equals >= argument.second || code_[equals] != '=' || code_[equals + 1] == '=') return "";
+  return code_.substr(argument.first, word - argument.first);
 }
 
 void UrReader::ReadCalls() {
   static const std::regex call = MakePattern(
-      "\\b(movej|movel|movep|movec|servoj|servoc|set_tcp|set_payload|set_payload_mass|set_payload_cog|set_target_"
+      "\\b(movej|movel|movep|movec|optimovej|optimovel|servoj|servoc|set_tcp|set_payload|set_payload_mass|set_payload_"
+      "cog|set_target_"
       "payload)"
       "\\s*(\\()");
   for (const std::smatch& match : AllMatches(code_.begin(), code_.end(), call)) {
