@@ -30,7 +30,8 @@ DEFINE_string(
     "how OUT describes the robot: chain, dh (standard), mdh (modified), ur (calibration.yaml); default: as IN does");
 DEFINE_string(
     template, "",
-    "URDF whose origins, or .conf whose lists, receive the robot; everything else of it is kept byte for byte");
+    "URDF whose origins, or .conf whose lists, receive the robot; everything else of it is kept byte for byte. With "
+    "--as=ur a calibration.yaml whose hash is kept");
 DEFINE_bool(plain, false, "DH without Hayati's beta: the best such table, refitted, with what it costs");
 DEFINE_string(convention, "", "standard or modified: of a DH table that does not say");
 DEFINE_string(base_link, "", "link of a URDF where the chain begins; default: the root");
@@ -203,7 +204,7 @@ Written WrittenAs(const Robot& robot, const std::string& out, const WriteOptions
   const std::string ending = std::filesystem::path(out).extension().string();
   if (!options.template_file.empty() && ending != ".urdf" && ending != ".conf" && options.as != "ur") {
     throw InputError({"", 0, "--template"}, "only a URDF, a .conf or a calibration.yaml (--as=ur) is edited",
-                     "OUT has to end in .urdf or .conf");
+                     "OUT has to end in .urdf or .conf, or --as=ur");
   }
   if (ending == ".conf") return ToUrConf(robot, options);
   if (ending == ".urdf") return ToUrdf(robot, options);
@@ -307,9 +308,9 @@ OUT (or --out=OUT), by its ending: .yaml (--as=chain, dh, mdh; --as=ur: calibrat
 differences from --nominal as a controller of Universal Robots has them). What is written is read again and has to move
 alike to 1e-9 m.
 
---template edits the origins of an existing URDF, or the four lists of an existing .conf, and nothing else. --plain
-gives a DH table without Hayati's beta, for controllers that have none, and says what that costs. Details:
-docs/CONVERT.md.
+--template edits the origins of an existing URDF, or the four lists of an existing .conf, and nothing else; with --as=ur the
+hash of an existing calibration.yaml is kept. --plain gives a DH table without Hayati's beta, for controllers that have
+none, and says what that costs. Details: docs/CONVERT.md.
 
 Examples
   sagitta convert robot.urdf robot.yaml
