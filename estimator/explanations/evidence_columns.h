@@ -1,6 +1,7 @@
 // Normal equations of everything that may be missing, from one linearization of the believed model with all candidates
-// at neutral. Rows come in blocks of whole poses and are added to the normal equations at once: what is kept does not
-// grow with the number of rows, beyond a store of fixed size that saves linearizing twice.
+// at neutral. Rows come in blocks of whole poses and are added to the normal equations at once. What is kept grows with
+// the shots by their functions alone, some thousand numbers each, beyond a store of 2 GB at most that saves linearizing
+// twice.
 //
 // Columns are in units of their typical size. Most are "source times function": a source is one way in which a pose may
 // be off (a joint deviates, a station or a marker moves along an axis), a function is one number per shot. So are the
