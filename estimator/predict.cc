@@ -3,7 +3,6 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
-#include <stdexcept>
 
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/inspection/known_lint.h"
@@ -23,13 +22,6 @@ namespace {
 std::string MemoryInWords(const KnownRobot& known) {
   const std::vector<std::string> effects = RememberingEffects(known);
   return effects.empty() ? "" : BeginAtTheFirstRow(effects);
-}
-
-// What was made of rows is handed over with these.
-void CheckAreOf(const Measurements& rows, size_t results, const char* function) {
-  if (results == rows.observations.size()) return;
-  throw std::invalid_argument(std::string(function) + ": these are results of " + std::to_string(results) +
-                              " rows, there are " + std::to_string(rows.observations.size()));
 }
 
 // m: no instrument sees less; exact simulations have no noise compared with which anything is little.

@@ -1,6 +1,5 @@
 // The rows of `sagitta predict`: input columns, points, and what their uncertainty is made of.
 #include <cmath>
-#include <stdexcept>
 
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
@@ -75,22 +74,17 @@ std::vector<AddedColumn> UncertaintyColumns(const Measurements& rows, const Pred
   return columns;
 }
 
-void CheckIsOf(const Measurements& rows, const Prediction& prediction, const char* function) {
-  if (prediction.covariances.size() == rows.observations.size()) return;
-  throw std::invalid_argument(std::string(function) + ": the prediction is of other rows");
-}
-
 }  // namespace
 
 std::string PredictionToCsv(const Measurements& rows, const Prediction& prediction) {
-  CheckIsOf(rows, prediction, "PredictionToCsv");
+  CheckAreOf(rows, prediction.covariances.size(), "PredictionToCsv");
   std::vector<AddedColumn> added = ReadingColumns("pred_", rows, prediction.points);
   for (const AddedColumn& column : UncertaintyColumns(rows, prediction)) added.push_back(column);
   return RowsToCsv(rows, added);
 }
 
 double LargestDeviation(const Prediction& prediction, const Measurements& rows) {
-  CheckIsOf(rows, prediction, "LargestDeviation");
+  CheckAreOf(rows, prediction.covariances.size(), "LargestDeviation");
   double largest = 0.0;
   for (size_t k = 0; k < prediction.covariances.size(); ++k) {
     if (!rows.observations[k].is_point()) continue;

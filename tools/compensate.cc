@@ -120,8 +120,8 @@ int RunProgram(const CommandLine& line) {
   std::cout << SummaryOf(result) << "Program: " << FLAGS_program_out << "\n";
   if (any) std::cout << FlangeOfTheMarkers();
   SayWhatTheWayDoes(known);
-  const std::string model_error = WhatFiguresCarry(known);
-  if (!model_error.empty()) std::cout << model_error << "\n";
+  const std::string carried = WhatFiguresCarry(known);
+  if (!carried.empty()) std::cout << carried << "\n";
   return any ? 0 : kNumericalFailure;
 }
 
@@ -162,8 +162,8 @@ int RunCompensate(const CommandLine& line) {
   Summarise(results, FLAGS_out);
   SayWhatTheWayDoes(known);
   if (outside > 0) std::cout << TargetsOutsideMeasured(outside) << "\n";
-  const std::string model_error = WhatFiguresCarry(known);
-  if (!model_error.empty()) std::cout << model_error << "\n";
+  const std::string carried = WhatFiguresCarry(known);
+  if (!carried.empty()) std::cout << carried << "\n";
   const bool any = std::any_of(results.begin(), results.end(), [](const CompensatedTarget& r) {
     return r.solution.status == TargetStatus::kOk || r.solution.status == TargetStatus::kSingular;
   });

@@ -44,8 +44,8 @@ int RunPredict(const CommandLine& line) {
   progress.reset();
   std::cout << PredictedInWords(rows.NumRows(), largest, known.noise.freedom, FLAGS_out);
   for (const std::string& warning : warnings) std::cout << "Warning: " << warning << "\n";
-  const std::string model_error = WhatFiguresCarry(known);
-  if (!model_error.empty()) std::cout << model_error << "\n";
+  const std::string carried = WhatFiguresCarry(known);
+  if (!carried.empty()) std::cout << carried << "\n";
   return 0;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "estimator/least_squares/linearization.h"
@@ -187,6 +188,12 @@ void RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added, 
              [&](int slot, int user) {
                if (user == 0) write(pieces[static_cast<size_t>(slot)].csv);
              });
+}
+
+void CheckAreOf(const Measurements& rows, size_t results, const char* function) {
+  if (results == rows.observations.size()) return;
+  throw std::invalid_argument(std::string(function) + ": these are results of " + std::to_string(results) +
+                              " rows, there are " + std::to_string(rows.observations.size()));
 }
 
 std::vector<AddedColumn> ReadingColumns(const std::string& prefix, const Measurements& data,

@@ -55,10 +55,11 @@ struct Session {
 
 thread_local std::unique_ptr<Session> session;
 
-[[noreturn]] void FailInputIsOutput(const Identity& input, const Identity& output) {
+constexpr char kOtherOut[] = "give another --out";
+
+[[noreturn]] void FailInputIsOutput(const Identity& input, const Identity& output, const char* hint) {
   throw InputError({input.path, 0, ""},
-                   "this input would be overwritten by the output '" + output.path + "'; nothing is written",
-                   "give another folder");
+                   "this input would be overwritten by the output '" + output.path + "'; nothing is written", hint);
 }
 
 // All bytes from where the descriptor is; a device that never ends is cut off by the limit.
@@ -112,7 +113,7 @@ void DeclareOutput(const std::string& path) {
   if (session == nullptr) return;
   const Identity output = IdentityOf(path);
   for (const Identity& input : session->inputs) {
-    if (input.IsSameAs(output)) FailInputIsOutput(input, output);
+    if (input.IsSameAs(output)) FailInputIsOutput(input, output, kOtherOut);
   }
   session->outputs.push_back(output);
 }
@@ -123,7 +124,7 @@ void CheckInputsAreKept(const std::vector<std::string>& inputs, const std::strin
     const Identity output = IdentityOf((fs::path(folder) / name).string());
     for (const std::string& path : inputs) {
       const Identity input = IdentityOf(path);
-      if (input.IsSameAs(output)) FailInputIsOutput(input, output);
+      if (input.IsSameAs(output)) FailInputIsOutput(input, output, "give another folder");
     }
   }
 }
@@ -146,7 +147,7 @@ std::shared_ptr<const std::string> SharedText(const std::string& path) {
   if (known != session->texts.end()) return known->second;
   const Identity input = IdentityOf(path);
   for (const Identity& output : session->outputs) {
-    if (input.IsSameAs(output)) FailInputIsOutput(input, output);
+    if (input.IsSameAs(output)) FailInputIsOutput(input, output, kOtherOut);
   }
   const auto text = std::make_shared<const std::string>(ReadOwnFile(path));
   session->inputs.push_back(input);

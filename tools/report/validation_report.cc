@@ -51,8 +51,8 @@ Section Residuals(const KnownRobot& known, const Validation& validation) {
                                  " mm from noise and parameter uncertainty: " + Significant(excess, 2) + " times (" +
                                  PValueInWords(validation.p_value) + ").");
   }
-  const std::string model_error = WhatFiguresCarry(known);
-  if (!model_error.empty()) section.paragraphs.push_back(model_error);
+  const std::string carried = WhatFiguresCarry(known);
+  if (!carried.empty()) section.paragraphs.push_back(carried);
   for (const std::string& warning : validation.warnings) section.paragraphs.push_back("- " + warning + ".");
   return section;
 }
