@@ -26,8 +26,8 @@ std::string RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& 
 void RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added, const TextSink& write,
                int num_threads = 1);
 
-// What was made of rows is handed over with these: std::invalid_argument, with the function's name, where there are more
-// or fewer results than observations.
+// What was made of rows is handed over with these: std::invalid_argument, with the function's name, where there are
+// more or fewer results than observations.
 void CheckAreOf(const Measurements& rows, size_t results, const char* function);
 
 // Readings of all observations (3 x N: points, m, and rotation vectors, rad) as columns <prefix>x_mm … and, where any
