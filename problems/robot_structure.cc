@@ -185,6 +185,8 @@ const EffectDefinition& DefinitionOf(const Robot& robot, const EffectSpec& spec)
 
 void CheckValues(const Robot& robot, const EffectDefinition& definition, const EffectSpec& spec) {
   if (!HasItsJoints(robot, definition, spec)) return;
+  const std::string slides = JointThatSlides(robot.chain, definition, spec);
+  if (!slides.empty()) FailStructure(spec.Path(), IsForJointsThatTurn(slides));
   const size_t parameters = definition.parameters(robot, spec).size();
   if (!spec.values.empty() && spec.values.size() != parameters) {
     FailStructure(spec.Path(), std::to_string(spec.values.size()) + " values, the effect has " +
@@ -210,6 +212,10 @@ void CheckOwnEffects(const std::vector<const EffectDefinition*>& own_effects) {
       FailStructure(item, "it lacks `parameters` or `apply`");
     }
   }
+}
+
+std::string IsForJointsThatTurn(const std::string& sliding_joint) {
+  return "'" + sliding_joint + "' slides, and the effect and its units are those of joints that turn";
 }
 
 void CheckEffectsAreThere(const Robot& robot) {

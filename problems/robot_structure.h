@@ -1,6 +1,7 @@
 // What a robot made in memory has to be, which the readers of files see to by themselves.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "models/robot.h"
@@ -19,5 +20,7 @@ void CheckEffectsAreThere(const Robot& robot);
 
 // The same, with the settings, targets and numbers of values that they need. Throws InputError.
 void CheckEffectSpecs(const Robot& robot);
+// Why an effect of joints that turn is refused on one that slides.
+std::string IsForJointsThatTurn(const std::string& sliding_joint);
 
 }  // namespace sagitta

@@ -362,7 +362,8 @@ Estimate EstimateFitted(const CalibrationProblem& problem, const Fitted& fitted,
     minimized = SolveAtRest(problem, residuals, equations, fitted.exact_joints(), options, estimate.aligned,
                             &estimate.parameters);
     estimate.iterations += minimized.iterations;
-    const bool moves = WeighEffectPriors(equations, &estimate.parameters);
+    const bool effects_move = WeighEffectPriors(equations, &estimate.parameters);
+    const bool moves = WeighSpringTie(&estimate.parameters) || effects_move;
     if (!DecideHeld(problem, equations, /*only_add=*/round >= kFreshRounds, /*at_start=*/false, &estimate) && !moves) {
       break;
     }

@@ -11,6 +11,7 @@
 
 #include "estimator/calibration/bounds.h"
 #include "estimator/calibration/joint_estimator.h"
+#include "estimator/calibration/load_centres.h"
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/estimate/parameter_table.h"
 #include "estimator/least_squares/batch_algebra.h"
@@ -441,6 +442,7 @@ void JudgeFit(const CalibrationProblem& problem, const NormalEquations* equation
   JudgeDeflections(problem, estimate);
   const std::string tie = TieInWords(problem, parameters);
   if (!tie.empty()) estimate->warnings.push_back(tie);
+  for (const std::string& words : LoadCentresInWords(problem, parameters)) estimate->warnings.push_back(words);
   if (estimate->aligned.num_coordinates() > 0) {
     estimate->fit_before = SizeOf(problem, estimate->predicted_aligned, calibration);
     estimate->validation_before = SizeOf(problem, estimate->predicted_aligned, validation);

@@ -68,13 +68,31 @@ std::string LoadOf(const Experiment& loading) {
   return loading.load_point ? "probe" : "";
 }
 
-Configuration ComparedConfiguration(int index, const Chain& chain, NormalNumbers* normal) {
-  Configuration configuration{"C" + std::to_string(index), Eigen::VectorXd(chain.num_joints()), false};
-  for (int j = 0; j < chain.num_joints(); ++j) {
-    const Joint& joint = chain.joints[j];
+using Ranges = std::vector<MeasuredJoint>;
+
+MeasuredJoint Intersection(const MeasuredJoint& a, const MeasuredJoint& b) {
+  return {std::max(a.least, b.least), std::min(a.most, b.most)};
+}
+
+Ranges ComparedRanges(const KnownRobot& old_estimate, const KnownRobot& new_estimate) {
+  Ranges ranges;
+  for (const Joint& joint : old_estimate.robot.chain.joints) {
     const double half = joint.type == JointType::kRevolute ? 2.0 * kPi / 3.0 : 0.5;
-    const double low = joint.min.value_or(-half), high = joint.max.value_or(half);
-    configuration.q[j] = low + (high - low) * 0.5 * std::erfc(-(*normal)() / std::sqrt(2.0));
+    ranges.push_back({joint.min.value_or(-half), joint.max.value_or(half)});
+  }
+  if (!LeastCommonRange(old_estimate, new_estimate).IsLessThanParts()) return ranges;
+  for (size_t j = 0; j < ranges.size(); ++j) {
+    const MeasuredJoint both = Intersection(old_estimate.measured_joints[j], new_estimate.measured_joints[j]);
+    if (both.least < both.most) ranges[j] = both;
+  }
+  return ranges;
+}
+
+Configuration ComparedConfiguration(int index, const Ranges& ranges, NormalNumbers* normal) {
+  Configuration configuration{"C" + std::to_string(index), Eigen::VectorXd(static_cast<long>(ranges.size())), false};
+  for (size_t j = 0; j < ranges.size(); ++j) {
+    configuration.q[static_cast<long>(j)] =
+        ranges[j].least + (ranges[j].most - ranges[j].least) * 0.5 * std::erfc(-(*normal)() / std::sqrt(2.0));
   }
   return configuration;
 }
@@ -124,6 +142,17 @@ void CheckSameRobot(const KnownRobot& old_estimate, const KnownRobot& new_estima
   if (!same) fail("the kinematic chains differ");
 }
 
+CommonRange LeastCommonRange(const KnownRobot& a, const KnownRobot& b) {
+  CommonRange least;
+  for (size_t j = 0; j < std::min(a.measured_joints.size(), b.measured_joints.size()); ++j) {
+    const MeasuredJoint &x = a.measured_joints[j], &y = b.measured_joints[j], both = Intersection(x, y);
+    const double wider = std::max(x.most - x.least, y.most - y.least);
+    const double share = wider > 0.0 ? std::max(0.0, both.most - both.least) / wider : 1.0;
+    if (share < least.share) least = {share, j};
+  }
+  return least;
+}
+
 CampaignsOwn PairCampaigns(const KnownRobot& old_estimate, KnownRobot* new_estimate) {
   CampaignsOwn own;
   if (Shared(old_estimate.base_in_station, new_estimate->base_in_station).empty()) {
@@ -165,9 +194,10 @@ Measurements RowsOfBoth(const KnownRobot& old_estimate, const KnownRobot& new_es
   data.files.push_back({"", "", {}, {}});
   const Chain& chain = old_estimate.robot.chain;
   NormalNumbers normal(kConfigurationSeed);
+  const Ranges ranges = ComparedRanges(old_estimate, new_estimate);
   const int configurations = std::max(kConfigurations, kOfAStation * static_cast<int>(data.stations.size()));
   for (int c = 0; c < configurations; ++c) {
-    data.configurations.push_back(ComparedConfiguration(c, chain, &normal));
+    data.configurations.push_back(ComparedConfiguration(c, ranges, &normal));
     for (const bool loaded : {false, true}) {
       if (loaded && load.empty()) continue;
       Shot shot;

@@ -25,8 +25,20 @@ void CheckSameRobot(const KnownRobot& old_estimate, const KnownRobot& new_estima
 // where neither campaign has anything for it.
 CampaignsOwn PairCampaigns(const KnownRobot& old_estimate, KnownRobot* new_estimate);
 
+// The share of a joint's wider measured range that both campaigns have, of the joint where that is least; 1: not
+// stated.
+struct CommonRange {
+  double share = 1.0;
+  size_t joint = 0;
+
+  // Parts of a campaign, by which it is judged what its model lacks, are halves of one joint's range.
+  bool IsLessThanParts() const { return share < 0.5; }
+};
+CommonRange LeastCommonRange(const KnownRobot& a, const KnownRobot& b);
+
 // Configurations over the joints' limits (a third of a turn to either side without), alternating over the stations;
-// unloaded and, where a load point is known, loaded.
+// unloaded and, where a load point is known, loaded. Campaigns that have less in common than parts of one are compared
+// over what they have in common: elsewhere one of them extrapolates what its model lacks.
 Measurements RowsOfBoth(const KnownRobot& old_estimate, const KnownRobot& new_estimate, const CampaignsOwn& own);
 
 }  // namespace sagitta

@@ -20,10 +20,10 @@ bool AnyLoad(const CalibrationProblem& problem) {
                      [](const ShotInput& shot) { return !shot.wrenches.empty() || !shot.terms.torques.empty(); });
 }
 
-std::vector<std::string> JointsBut(const CalibrationProblem& problem, const std::string& one) {
+std::vector<std::string> JointsBut(const CalibrationProblem& problem, const std::string& one, bool turn) {
   std::vector<std::string> names;
   for (const Joint& joint : problem.robot().chain.joints) {
-    if (joint.name != one) names.push_back(joint.name);
+    if (joint.name != one && (!turn || joint.type == JointType::kRevolute)) names.push_back(joint.name);
   }
   return names;
 }
@@ -60,7 +60,7 @@ std::vector<std::string> TargetsOf(const EffectDefinition& definition, const Cal
 std::vector<std::string> Choices(const SettingDefinition& setting, const std::string& target,
                                  const CalibrationProblem& problem) {
   if (setting.kind == SettingDefinition::Kind::kMoment) return ChangePoints(problem);
-  if (setting.kind == SettingDefinition::Kind::kJoint) return JointsBut(problem, target);
+  if (setting.kind == SettingDefinition::Kind::kJoint) return JointsBut(problem, target, setting.turns);
   if (setting.kind != SettingDefinition::Kind::kInteger) return setting.choices;
   std::vector<std::string> orders;
   const int most = setting.most_scanned > 0 ? setting.most_scanned : ResolvedOrders(problem);
@@ -174,7 +174,7 @@ struct Knowledge {
 
 // Whether it is a joint that slides, for which the effect says nothing.
 bool SlidesInstead(const CalibrationProblem& problem, const EffectDefinition& definition, const std::string& target) {
-  if (definition.target != EffectTarget::kJoint || definition.on_prismatic) return false;
+  if (definition.target != EffectTarget::kJoint || definition.on_slide == OnSlide::kDiagnosed) return false;
   return problem.robot().chain.joints[problem.robot().chain.FindJoint(target)].type != JointType::kRevolute;
 }
 

@@ -12,8 +12,9 @@
 namespace sagitta {
 namespace {
 
-constexpr int kStride = 4;          // derivatives per automatic pass
-constexpr double kPlausible = 0.2;  // of the length in the robot file
+constexpr int kStride = 4;           // derivatives per automatic pass
+constexpr double kOnTheAxis = 0.01;  // of L in the file: closer to the axis the ends have no direction
+constexpr double kPlausible = 0.2;   // of the length in the robot file
 
 // Blocks: lever marker, anchor marker, then the free geometric errors between, then the free ones of L, a_x, a_y.
 struct SpringTieFunctor {
@@ -151,6 +152,18 @@ void DropImplausibleTie(ParameterSet* parameters) {
   const bool lever_fits = std::abs(off[0]) <= kPlausible * tie.stated[0];
   const bool anchor_fits = off.tail<2>().norm() <= kPlausible * tie.stated.tail<2>().norm();
   if (!lever_fits || !anchor_fits) parameters->DropSpringTie();
+}
+
+bool WeighSpringTie(ParameterSet* parameters) {
+  if (!parameters->spring_tie()) return false;
+  SpringTie tie = *parameters->spring_tie();
+  const Eigen::Vector3d placed = GeometryOfMarkers(*parameters);
+  if (!placed.allFinite() || placed[0] < kOnTheAxis * tie.stated[0]) return false;
+  const Eigen::Matrix3d here = CovarianceOfEnds(placed, tie);
+  if ((here - tie.covariance).norm() <= 0.05 * here.norm()) return false;
+  tie.covariance = here;
+  parameters->SetSpringTie(tie);
+  return true;
 }
 
 std::string TieInWords(const CalibrationProblem& problem, const ParameterSet& estimated) {

@@ -23,6 +23,11 @@ void AddSpringTie(const ParameterSet* parameters, ceres::Problem* ceres_problem)
 // robot file: they are something else on those links.
 void DropImplausibleTie(ParameterSet* parameters);
 
+// Sets the tie's covariance to that of ends where the markers are; true where it moves by more than a twentieth. For
+// solved parameters: it stays as it is while they are solved for, and what it begins with is as wrong as the robot
+// file.
+bool WeighSpringTie(ParameterSet* parameters);
+
 // (L, a_x, a_y) of the markers minus those of the robot, m; of a set that has a tie.
 Eigen::Vector3d SpringTieMisfit(const ParameterSet& parameters);
 

@@ -53,6 +53,13 @@ std::string ShotThatFolds(const std::string& load, const std::string& configurat
          " at configuration '" + configuration + "' (" + row + ")";
 }
 
+std::string CentreOfHeavierLoad(const std::string& load, double mass, const Vector3<double>& off) {
+  std::string xyz;
+  for (int axis = 0; axis < 3; ++axis) xyz += (axis > 0 ? ", " : "") + Significant(1e3 * off[axis], 4);
+  return "load_com of '" + load + "' counts the moment of the stated mass alone: with " + Significant(mass, 4) +
+         " kg its centre of gravity is (" + xyz + ") mm off the stated point";
+}
+
 std::string SandwichInWords(int clusters) {
   return "robust covariance, clustered by configuration (" + std::to_string(clusters) +
          "): whatever rows of one configuration share, and whatever differs between configurations, counts as it is "

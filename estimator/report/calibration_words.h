@@ -26,6 +26,9 @@ std::string FoldedShotInWords(const std::string& folded);
 // A load's name; "": the spring or the tool's weight.
 std::string ShotThatFolds(const std::string& load, const std::string& configuration, const std::string& row);
 
+// mass: kg, of the load with what was added to it; off: m, flange frame, from the stated point.
+std::string CentreOfHeavierLoad(const std::string& load, double mass, const Vector3<double>& off);
+
 std::string SandwichInWords(int clusters);
 // below: how far below its bound the data want it, in standard deviations.
 // A joint that follows another one by a stated coupling, and what of the other one it does not follow.

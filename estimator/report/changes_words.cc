@@ -111,6 +111,13 @@ std::string HalvesDiffer(const std::string& file, double factor) {
          "it is joints that scatter, 'repeatability_urad: estimate' in both calibrations shows smaller changes";
 }
 
+std::string RegionsDiffer(const std::string& joint, double share, double model_error) {
+  return "the two campaigns have only " + Significant(1e2 * share, 2) + " % of the wider range of " + joint +
+         " in common and are compared there. What the model lacks, " + Significant(1e3 * model_error, 2) +
+         " mm RMS as far as they show, can look like a change of any parameter in one region alone: only larger "
+         "changes are named. Campaigns over the same ranges show smaller ones";
+}
+
 std::string OneLoadDoesThatToo(double least, double most) {
   return "the compliances changed by alike shares (" + Significant(1e2 * least, 2) + " to " +
          Significant(1e2 * most, 2) + " %): a load that is " + (most > 0.0 ? "heavier" : "lighter") +

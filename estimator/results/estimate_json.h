@@ -50,10 +50,12 @@ struct KnownRobot {
   // In place of uncertainty.covariance between this campaign and another one, which differ in every combination of the
   // parameters by no less than random halves of this one do.
   Eigen::MatrixXd campaign_covariance;
-  double halves = 1.0;  // factor by which random halves differ beyond noise, where that is no chance
+  Eigen::MatrixXd noise_covariance;  // of noise alone, as the same names have it
+  double halves = 1.0;               // factor by which random halves differ beyond noise, where that is no chance
   PredictionNoise noise;
   double model_error = 1.0;  // factor by which model error widens the parameters' intervals (model_error.factor)
   double rest = 0.0;         // m, RMS distance: what is left on points that were not fitted beyond noise and parameters
+  double dof = 0.0;          // degrees of freedom of the fit; 0: not stated
   double clusters = 0.0;     // configurations that the covariance was found from (sandwich, bootstrap); 0: by the model
   struct Parameter {
     double value = 0.0, nominal = 0.0;  // SI

@@ -53,6 +53,9 @@ class EstimateReader {
     for (const JsonValue& input : root_.Get("inputs").Items()) {
       known_.input_hashes.push_back(input.Get("sha256").Text());
     }
+    if (const auto fit = root_.Find("fit")) {
+      if (const auto dof = fit->Find("dof")) known_.dof = dof->NotNegativeNumber();
+    }
     ReadCovariance();
     known_.uncertainty.slopes.resize(known_.uncertainty.estimated.size(), 0);
     if (const auto held = root_.Find("held")) ReadHeld(*held, &known_.uncertainty);
@@ -180,6 +183,7 @@ class EstimateReader {
       return deviations.asDiagonal() * WithModelError(noise, least) * deviations.asDiagonal();
     };
     known_.uncertainty.covariance = in_units(1.0);
+    known_.noise_covariance = deviations.asDiagonal() * noise * deviations.asDiagonal();
     known_.halves = HowHalvesDiffer();
     known_.campaign_covariance = known_.halves > 1.0 ? in_units(known_.halves) : known_.uncertainty.covariance;
     if (!HasNoNoise()) return;

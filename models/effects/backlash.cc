@@ -57,7 +57,7 @@ const EffectDefinition& Backlash() {
     effect.sizes =
         "lost motion below 1 arcmin (291 urad) in data sheets of precision gears; a third of its half without load. Of "
         "rack and pinion 3 arcmin on a pinion of 50 mm radius, 44 um, of which half";
-    effect.on_prismatic = true;
+    effect.on_slide = OnSlide::kDiagnosed;
     return effect;
   }();
   return definition;

@@ -53,6 +53,19 @@ std::string EffectSpec::TextSetting(const std::string& name, const std::string& 
   return found == settings.end() ? otherwise : found->second;
 }
 
+std::string JointThatSlides(const Chain& chain, const EffectDefinition& definition, const EffectSpec& spec) {
+  const auto slides = [&](const std::string& joint) {
+    return chain.joints[chain.FindJoint(joint)].type == JointType::kPrismatic;
+  };
+  const bool turns = definition.target == EffectTarget::kJoint && definition.on_slide == OnSlide::kUndefined;
+  if (turns && slides(spec.target)) return spec.target;
+  for (const SettingDefinition& setting : definition.settings) {
+    const auto stated = spec.settings.find(setting.name);
+    if (setting.turns && stated != spec.settings.end() && slides(stated->second)) return stated->second;
+  }
+  return "";
+}
+
 bool SettingDefinition::MeansSomethingFor(const EffectSpec& spec) const {
   const size_t equals = only_with.find('=');
   if (equals == std::string::npos) return true;

@@ -211,6 +211,7 @@ struct SettingDefinition {
   // It acts by what is remembered alone (EffectDefinition::remember): a choice that remembers what the fallback does is
   // the same effect.
   bool is_of_memory = false;
+  bool turns = false;  // of kJoint: one that turns, as the effect's own
 
   bool MeansSomethingFor(const EffectSpec& spec) const;
   std::string FallbackFor(const Robot& robot) const { return fallback_of != nullptr ? fallback_of(robot) : fallback; }
@@ -218,6 +219,13 @@ struct SettingDefinition {
 
 // What must be among the data or in the model before an effect can be determined.
 enum class EffectNeeds { kNothing, kLoads, kCompliances, kNoCompliances };
+
+// What an effect of a joint is on one that slides.
+enum class OnSlide {
+  kUndefined,  // its law or its units are those of a joint that turns: refused
+  kStated,     // as on any other, where a file states it
+  kDiagnosed   // and weighed as a cause
+};
 
 // What drives it, for plots: the angle of its joint (or of the joint that a setting names), time or temperature. The
 // latter two must be among the columns.
@@ -272,11 +280,14 @@ struct EffectDefinition {
                                   const std::vector<const ShotConditions*>& campaign) = nullptr;
   // A description for what no effect explains: the diagnosis does not weigh it against the others.
   bool is_learnt = false;
-  bool on_prismatic = false;  // of kJoint: what it does to a joint that slides is defined
-  double largest = 5.0;       // that machines show, in hold limits (QuantityTraits) of its parameters
+  OnSlide on_slide = OnSlide::kUndefined;
+  double largest = 5.0;  // that machines show, in hold limits (QuantityTraits) of its parameters
 
   PressedBy PressedByOf(const EffectSpec& spec) const { return pressed_by ? pressed_by(spec) : PressedBy::kNothing; }
 };
+
+// The joint of this use that slides although the effect is of joints that turn; "": none. All its joints are there.
+std::string JointThatSlides(const Chain& chain, const EffectDefinition& definition, const EffectSpec& spec);
 
 // Silent Rx, Ry, Rz right after a joint (joint >= 0) or at the foot (-1).
 void AddTiltSlots(int joint, Chain* chain);

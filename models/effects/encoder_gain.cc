@@ -22,7 +22,7 @@ const EffectDefinition& EncoderGain() {
     EffectDefinition effect{
         "encoder_gain",       "encoder gain",           "scale error of the joint sensor or gear ratio",
         EffectTarget::kJoint, encoder_gain::Parameters, encoder_gain::Apply};
-    effect.on_prismatic = true;
+    effect.on_slide = OnSlide::kDiagnosed;
     effect.separate_by = kSeparateByRange;
     effect.sizes = "100 ppm: some 300 urad at the ends of a range of 360 deg, the accuracy of a gear";
     return effect;

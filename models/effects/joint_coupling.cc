@@ -21,6 +21,7 @@ const EffectDefinition& JointCoupling() {
     EffectDefinition effect{"joint_coupling",     "coupling between joints",  "wrist gear coupling",
                             EffectTarget::kJoint, joint_coupling::Parameters, joint_coupling::Apply};
     effect.settings = {{"driver", SettingDefinition::Kind::kJoint, "", {}}};
+    effect.settings.back().turns = true;
     effect.separate_by = "poses with {target} and its driver over their whole ranges, each independent of the other";
     effect.sizes = "as a wrong gear ratio: 100 ppm, some 300 urad over a range of 360 deg";
     return effect;

@@ -24,7 +24,7 @@ const EffectDefinition& JointSlip() {
     effect.driven_by = EffectDriver::kTime;
     effect.separate_by = kSeparateByReturn;
     effect.largest = 100.0;  // 0.1 rad: a tooth of a belt pulley with sixty
-    effect.on_prismatic = true;
+    effect.on_slide = OnSlide::kDiagnosed;
     effect.sizes =
         "mastering repeats to some 0.005 deg (87 urad), makers' instructions; a linear axis is referenced to some "
         "0.1 mm (switch and index pulse)";

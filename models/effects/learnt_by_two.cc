@@ -92,7 +92,7 @@ EffectDefinition OverRanges(EffectDefinition effect) {
   effect.settings = {{"driver", Kind::kJoint, "", {}},     {"with", Kind::kJoint, "", {}},
                      {"from", Kind::kNumber, "", {}},      to,
                      {"from_with", Kind::kNumber, "", {}}, to_with};
-  effect.on_prismatic = true;
+  effect.on_slide = OnSlide::kDiagnosed;
   return Empirical(std::move(effect));
 }
 
@@ -107,7 +107,7 @@ const EffectDefinition& LearntPairDeviation() {
                             PairWeights,
                             DeviateByPair};
     effect.settings = {{"driver", Kind::kJoint, "", {}}, {"with", Kind::kJoint, "", {}}};
-    effect.on_prismatic = true;
+    effect.on_slide = OnSlide::kDiagnosed;
     return Empirical(std::move(effect));
   }();
   return definition;

@@ -387,7 +387,7 @@ const EffectDefinition& LearntDeviation() {
                             EffectTarget::kJoint,
                             JointWeights,
                             DeviateJoint};
-    effect.on_prismatic = true;
+    effect.on_slide = OnSlide::kDiagnosed;
     return Learnt(effect, {"q", "torque_Nm", "time_s", "temperature_K"});
   }();
   return definition;
@@ -432,7 +432,7 @@ const EffectDefinition& LearntToolMotion() {
     moves.silent = true;
     effect.settings.push_back(moves);
     effect.tilts = true;
-    effect.on_prismatic = true;
+    effect.on_slide = OnSlide::kDiagnosed;
     return effect;
   }();
   return definition;

@@ -98,7 +98,7 @@ const EffectDefinition& LearntLag() {
       effect.settings.push_back({name, Kind::kNumber, "", {}});
       effect.settings.back().above = 0.0;
     }
-    effect.on_prismatic = true;
+    effect.on_slide = OnSlide::kDiagnosed;
     effect.missing = NoTime;
     effect.remember = Remember;
     return Empirical(std::move(effect));

@@ -102,7 +102,7 @@ void MoveStationByWave(const EffectContext& context, ShotTerms* terms) {
 EffectDefinition OfJoint(EffectDefinition effect, const std::vector<SettingDefinition>& settings) {
   effect.settings = {{"driver", Kind::kJoint, "", {}}};
   effect.settings.insert(effect.settings.end(), settings.begin(), settings.end());
-  effect.on_prismatic = true;
+  effect.on_slide = OnSlide::kDiagnosed;
   return Empirical(std::move(effect));
 }
 

@@ -27,6 +27,7 @@ const EffectDefinition& TransverseCompliance() {
                             transverse_compliance::Parameters, transverse_compliance::Apply};
     effect.tilts = true;
     effect.needs = EffectNeeds::kLoads;
+    effect.on_slide = OnSlide::kStated;
     effect.separate_by = kSeparateByLoads;
     effect.sizes = "a tenth to a third of the compliance about the axis (moment stiffness in gear data sheets)";
     return effect;

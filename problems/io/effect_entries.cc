@@ -8,6 +8,7 @@
 #include "models/gravity_compensator.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/robot_structure.h"
 
 namespace sagitta {
 namespace {
@@ -83,6 +84,8 @@ EffectSpec ReadEffect(const YamlValue& item, const Robot& robot) {
   spec.effect = name;
   spec.target = ReadEffectTarget(*definition, robot, &map);
   ReadSettings(*definition, robot, &map, &spec);
+  const std::string slides = JointThatSlides(robot.chain, *definition, spec);
+  if (!slides.empty()) map.Get("effect").Fail(IsForJointsThatTurn(slides));
   const std::vector<EffectParameter> parameters = definition->parameters(robot, spec);
   for (const EffectParameter& parameter : parameters) {
     spec.values.push_back(ReadParameter(parameter, &map).value_or(0.0));

@@ -5,6 +5,7 @@
 #include "models/effects/catalogue.h"
 #include "problems/input_error.h"
 #include "problems/io/robot_file.h"
+#include "problems/robot_structure.h"
 
 namespace sagitta::effect_entries_test {
 namespace {
@@ -163,6 +164,28 @@ TEST(EffectEntries, ErrorsOfAJointThatSlidesAreLengths) {
   EXPECT_NEAR(value("{effect: backlash, joint: A2, half_gap_um: 25}"), 25e-6, 1e-18);
   EXPECT_NEAR(value("{effect: joint_slip, joint: A1, after_s: 10, jump_urad: 80}"), 80e-6, 1e-18);
   EXPECT_THROW(value("{effect: joint_slip, joint: A2, after_s: 10, jump_urad: 80}"), InputError);
+}
+
+// A wave in urad over an angle, a loop over degrees, a ratio of angles.
+TEST(EffectEntries, EffectsOfTurningJointsAreRefusedOnASlide) {
+  std::string rail = kRobot;
+  rail.replace(rail.find("{name: A2, type: revolute}"), 26, "{name: A2, type: prismatic}");
+  rail.replace(rail.find("{Ry: A2, error: dq2}"), 20, "{Ty: A2, error: dq2}");
+  for (const char* entry :
+       {"{effect: joint_harmonic, joint: A2, order: 1}", "{effect: hysteresis, joint: A2, width_deg: 20}",
+        "{effect: axis_wobble, joint: A2, order: 1}", "{effect: compliance_hardening, joint: A2}",
+        "{effect: self_weight_sag, joint: A2}", "{effect: joint_coupling, joint: A1, driver: A2}"}) {
+    try {
+      ReadRobotText(rail + ("  - " + std::string(entry) + "\n"), "robot.yaml");
+      ADD_FAILURE() << entry;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("'A2' slides"), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_NO_THROW(ReadRobotText(rail + "  - {effect: transverse_compliance, joint: A2}\n", "robot.yaml"));
+  Robot robot = ReadRobotText(rail + "  - {effect: joint_harmonic, joint: A1, order: 1}\n", "robot.yaml");
+  robot.effects[0].target = "A2";
+  EXPECT_THROW(CheckEffectSpecs(robot), InputError);
 }
 
 TEST(EffectEntries, SettingsHaveTheirRanges) {
