@@ -97,20 +97,61 @@ DiagnosedModel LackingGiven(const Evidence& evidence, const WeightedModel& model
   return IsUsable(refit.estimate.status) ? refit : baseline;
 }
 
-// A spring's shape is a narrow valley, or one without an end where the data hardly determine it: near the start's
-// shape, and near others, the refit may find its floor.
+// The set's effects of the catalogue.
+WeightedModel NamedOf(const RefittedSet& refitted) {
+  WeightedModel named = refitted.model;
+  named.set.members.clear();
+  named.set.scales.clear();
+  for (const SelectedEffect& effect : refitted.effects) named.set.members.push_back(effect.explanation);
+  std::sort(named.set.members.begin(), named.set.members.end());
+  for (const int member : named.set.members)
+    named.set.scales.push_back(refitted.model.set.scales[refitted.model.PlaceOf(member)]);
+  return named;
+}
+
+// By how much more of log likelihood the set's named effects have than nothing, to first order.
+double LinearGain(const Evidence& evidence, const RefittedSet& refitted) {
+  const WeightedModel named = NamedOf(refitted);
+  WeightedModel nothing = named;
+  nothing.set.members.clear();
+  nothing.set.scales.clear();
+  const ResidualLikelihood likelihood = evidence.LikelihoodOf(named.view);
+  return likelihood.Log(ResidualAtBest(evidence, named)) - likelihood.Log(ResidualAtBest(evidence, nothing));
+}
+
+// What the refit keeps of its linear evidence; lowest: it has no optimum.
+double Kept(const Evidence& evidence, const RefittedSet& refitted) {
+  return refitted.IsUsable() ? LogFullOverLinear(evidence, refitted) : -std::numeric_limits<double>::infinity();
+}
+
+// A spring's shape is a narrow valley, or one without an end where the data hardly determine it, and not the only one:
+// near the start's shape, and near others, the refit may find its floor. The first that keeps the linear evidence is
+// used, else the best; where that has lost more than half of what the set is evident by, the spring was not found.
 void TryOtherSprings(const Evidence& evidence, const JointOptions& joint, RefittedSet* refitted) {
-  for (SelectedEffect& effect : refitted->effects) {
+  RefittedSet best = *refitted;
+  double kept = Kept(evidence, best);
+  for (size_t k = 0; k < refitted->effects.size(); ++k) {
+    SelectedEffect& effect = refitted->effects[k];
     if (!IsNewSpring(effect.candidate.spec)) continue;
-    effect.candidate.keeps_shape = true;
     std::vector<EffectSpec> springs = OtherSprings(evidence, refitted->model, effect, refitted->lacking);
     springs.insert(springs.begin(), effect.candidate.spec);
     for (const EffectSpec& spring : springs) {
+      if (kept >= -kInDoubt) break;
       effect.candidate.spec = spring;
+      effect.candidate.keeps_shape = true;
       refitted->with_effects = Extend(refitted->lacking, CandidatesOf(refitted->effects), joint);
-      if (refitted->IsUsable()) return;
+      const double here = Kept(evidence, *refitted);
+      if (here > kept) best = *refitted, kept = here;
     }
+    *refitted = best;
   }
+  const double gain = LinearGain(evidence, *refitted);
+  refitted->is_found = gain < kInDoubt || kept > -0.5 * gain;
+}
+
+bool HasNewSpring(const RefittedSet& refitted) {
+  return std::any_of(refitted.effects.begin(), refitted.effects.end(),
+                     [](const SelectedEffect& effect) { return IsNewSpring(effect.candidate.spec); });
 }
 
 // Whether a coordinate is a parameter of one of them.
@@ -232,7 +273,7 @@ RefittedSet RefitSet(const Evidence& evidence, const WeightedModel& model, const
   refitted.lacking = LackingGiven(evidence, model, working, baseline, joint);
   refitted.effects = SelectedEffectsOf(evidence, model, refitted.lacking);
   refitted.with_effects = Extend(refitted.lacking, CandidatesOf(refitted.effects), joint);
-  if (!refitted.IsUsable()) TryOtherSprings(evidence, joint, &refitted);
+  if (HasNewSpring(refitted) && Kept(evidence, refitted) < -kInDoubt) TryOtherSprings(evidence, joint, &refitted);
   return refitted;
 }
 
@@ -278,13 +319,7 @@ double LogPriorOfFitted(const Evidence& evidence, const RefittedSet& refitted, c
 }
 
 double LogFullOverLinear(const Evidence& evidence, const RefittedSet& refitted) {
-  WeightedModel named = refitted.model;
-  named.set.members.clear();
-  named.set.scales.clear();
-  for (const SelectedEffect& effect : refitted.effects) named.set.members.push_back(effect.explanation);
-  std::sort(named.set.members.begin(), named.set.members.end());
-  for (const int member : named.set.members)
-    named.set.scales.push_back(refitted.model.set.scales[refitted.model.PlaceOf(member)]);
+  const WeightedModel named = NamedOf(refitted);
   const ResidualLikelihood likelihood = evidence.LikelihoodOf(named.view);
   const double unit = UnitOfRows(evidence, refitted.model);
   return likelihood.Log(unit * (refitted.with_effects.estimate.chi2 - SquareOfPriors(refitted))) -

@@ -37,8 +37,9 @@ struct RefittedSet {
   DiagnosedModel lacking;               // the believed model with the noise that goes with the set
   std::vector<SelectedEffect> effects;  // of the catalogue
   DiagnosedModel with_effects;
+  bool is_found = true;  // no: an optimum without what the linear model found, of many, is none
 
-  bool IsUsable() const { return sagitta::IsUsable(with_effects.estimate.status); }
+  bool IsUsable() const { return is_found && sagitta::IsUsable(with_effects.estimate.status); }
 };
 
 // working: what the evidence is made of. baseline: fitted with the noise as stated.
