@@ -58,7 +58,7 @@ def library_of(header):
         return None
     if header.startswith(('Eigen/', 'unsupported/Eigen/')):
         return 'Eigen'
-    if re.fullmatch(r'sys/\w+\.h|unistd\.h|fcntl\.h|iconv\.h|malloc\.h', header):
+    if re.fullmatch(r'sys/\w+\.h|unistd\.h|fcntl\.h|iconv\.h|malloc\.h|pthread\.h', header):
         return 'posix'
     if header.startswith(('urdf_parser/', 'urdf_model/')):
         return 'urdfdom'

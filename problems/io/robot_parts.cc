@@ -80,7 +80,11 @@ JointCompliance::Node ReadComplianceNode(const YamlValue& value, const Joint& jo
     node.q = q.value.NumberIn(q.unit);
   }
   // A rotation per torque, or a travel per force: 1e-6 rad/(N m) or 1e-6 m/N.
-  const std::string key = joint.type == JointType::kRevolute ? "k_urad_per_Nm" : "k_um_per_N";
+  const bool turns = joint.type == JointType::kRevolute;
+  const std::string key = turns ? "k_urad_per_Nm" : "k_um_per_N", other = turns ? "k_um_per_N" : "k_urad_per_Nm";
+  if (const auto wrong = map.Find(other)) {
+    wrong->Fail("'" + joint.name + (turns ? "' turns" : "' slides"), "state its compliance as " + key);
+  }
   const YamlValue k = map.Get(key);
   node.k = k.NumberIn(UnitNamed("urad"));
   map.Finish();

@@ -155,8 +155,8 @@ TEST(ChangesTest, WhatCampaignsLeaveOpenIsNoChange) {
 }
 
 // The same robot with the same gear waves, first over all its ranges, then in a third of them, where another phase of
-// the waves is in every joint's zero. Without an allowance for the regions 7 of these 12 pairs are named; at a rate of 3 %
-// 3 and more are 1 in 200. What is larger than the waves is named.
+// the waves is in every joint's zero. Without an allowance for the regions 7 of these 12 pairs are named; at a rate of
+// 3 % 3 and more are 1 in 200. What is larger than the waves is named.
 TEST(ChangesTest, TheSameWavesInAnotherRegionAreNoChange) {
   const auto estimated = [](double share, double slip, std::uint64_t seed) {
     test::Kr270Design design = test::CampaignOf(25, 1, 3e-5, seed);

@@ -361,7 +361,7 @@ INSTANTIATE_TEST_SUITE_P(
                  kChainRobot,
                  "k_um_per_N",
                  "k_urad_per_Nm",
-                 {"19: compliance.L2.k_um_per_N", "missing"}},
+                 {"19: compliance.L2.k_urad_per_Nm", "'L2' slides", "k_um_per_N"}},
         BadRobot{"table_order", kChainRobot, "q_deg: -25", "q_deg: 45", {"17: compliance.A3.table[1]", "increase"}},
         BadRobot{"table_misspelt", kChainRobot, "{table:", "{tabel:", {"17: compliance.A3.tabel", "'table'"}},
         BadRobot{"compensator_key",

@@ -126,6 +126,19 @@ TEST_F(DiagnoseCommandTest, FilesOfAnEarlierRunAreCalledSo) {
   EXPECT_EQ(Read("out/robot.learnt.yaml"), "of another diagnosis");  // kept: it may be in use
 }
 
+// A spring on the shoulder of a cobot, by a simulation that shares no code with the model. Near the shape that the
+// linear evidence suggests the refit has an optimum that is no better than no spring: that nothing is missing, with
+// certainty, was the answer.
+TEST_F(DiagnoseCommandTest, ASpringWhoseFirstRefitFailsIsNotRefuted) {
+  const std::string campaign = SourceFolder() + "/tests/tools/shoulder_spring/experiment.yaml";
+  ASSERT_EQ(Run({"diagnose", campaign, "--out=" + Path("out")}).status, 0);
+  const auto diagnosis = ReadJson("out/diagnosis.json");
+  ASSERT_EQ(diagnosis["steps"].size(), 1u);
+  EXPECT_EQ(diagnosis["steps"][0]["effect"], "gravity_compensator");
+  EXPECT_EQ(diagnosis["steps"][0]["target"], "shoulder");
+  EXPECT_LT(diagnosis["posterior"]["nothing"].get<double>(), 1e-6);
+}
+
 constexpr char kProposed[] = "config,marker,q1_deg,x_mm,y_mm,z_mm\nnext1,T1,10,,,\nnext2,T1,20,";
 
 // Somebody measured the proposed poses and filled in the file where it lay.
