@@ -126,17 +126,17 @@ TEST_F(DiagnoseCommandTest, FilesOfAnEarlierRunAreCalledSo) {
   EXPECT_EQ(Read("out/robot.learnt.yaml"), "of another diagnosis");  // kept: it may be in use
 }
 
-// A spring on the shoulder of a cobot, by a simulation that shares no code with the model. Near the shape that the
-// linear evidence suggests the refit has an optimum that is no better than no spring: that nothing is missing, with
-// certainty, was the answer.
+// A spring that pulls with the weight of an arm on a track, by a simulation that shares no code with the model. Near
+// the shape that the linear evidence suggests the refit has an optimum that is no better than no spring: noise other
+// than stated was the answer, with certainty.
 TEST_F(DiagnoseCommandTest, ASpringWhoseFirstRefitFailsIsNotRefuted) {
-  const std::string campaign = SourceFolder() + "/tests/tools/shoulder_spring/experiment.yaml";
+  const std::string campaign = SourceFolder() + "/tests/tools/pulling_spring/experiment.yaml";
   ASSERT_EQ(Run({"diagnose", campaign, "--out=" + Path("out")}).status, 0);
   const auto diagnosis = ReadJson("out/diagnosis.json");
   ASSERT_EQ(diagnosis["steps"].size(), 1u);
   EXPECT_EQ(diagnosis["steps"][0]["effect"], "gravity_compensator");
-  EXPECT_EQ(diagnosis["steps"][0]["target"], "shoulder");
-  EXPECT_LT(diagnosis["posterior"]["nothing"].get<double>(), 1e-6);
+  EXPECT_EQ(diagnosis["steps"][0]["target"], "A2");
+  EXPECT_LT(diagnosis["posterior"]["noise"].get<double>(), 1e-6);
 }
 
 constexpr char kProposed[] = "config,marker,q1_deg,x_mm,y_mm,z_mm\nnext1,T1,10,,,\nnext2,T1,20,";
