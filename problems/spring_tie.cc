@@ -39,14 +39,6 @@ std::optional<double> SigmaOfEnd(const CalibrationProblem& problem, int marker) 
   return spec == problem.experiment().markers.end() ? std::nullopt : spec->second.spring_sigma;
 }
 
-// An end off by e moves L by its radial part; its tangential part turns u and v by e / L, hence
-// d(a_x, a_y) = (-a_y, a_x) e / L. The anchor's shift moves a_x and a_y as it is.
-Eigen::Matrix3d CovarianceOfEnds(const GravityCompensator& spring, double lever, double anchor) {
-  Eigen::Matrix3d covariance = Eigen::Vector3d(lever * lever, anchor * anchor, anchor * anchor).asDiagonal();
-  const Eigen::Vector3d turn = lever / spring.L * Eigen::Vector3d(0.0, -spring.a_y, spring.a_x);
-  return covariance + turn * turn.transpose();
-}
-
 // The frame before the compensator's joint on which an unnamed anchor is looked for: of the joint before, or the base.
 int FrameBefore(const Chain& chain, int joint_transform) {
   int frame = chain.BaseFrame();
@@ -102,6 +94,13 @@ void FillChain(const CalibrationProblem& problem, int joint, SpringTie* tie) {
 
 }  // namespace
 
+Eigen::Matrix3d CovarianceOfEnds(const Eigen::Vector3d& geometry, const SpringTie& tie) {
+  const double lever = tie.lever_sigma, anchor = tie.anchor_sigma;
+  const Eigen::Matrix3d along = Eigen::Vector3d(lever * lever, anchor * anchor, anchor * anchor).asDiagonal();
+  const Eigen::Vector3d turn = lever / geometry[0] * Eigen::Vector3d(0.0, -geometry[2], geometry[1]);
+  return along + turn * turn.transpose();
+}
+
 void TieSpringMarkers(CalibrationProblem* problem) {
   if (!problem->robot().gravity_compensator) return CheckNoEnds(*problem);
   const Chain& chain = problem->robot().chain;
@@ -115,10 +114,11 @@ void TieSpringMarkers(CalibrationProblem* problem) {
   FillChain(*problem, joint, &tie);
   const std::optional<double> lever = SigmaOfEnd(*problem, tie.lever_marker);
   const std::optional<double> anchor = SigmaOfEnd(*problem, tie.anchor_marker);
+  tie.lever_sigma = lever.value_or(kMarkerIsTheEnd), tie.anchor_sigma = anchor.value_or(kMarkerIsTheEnd);
   tie.stated = {spring.L, spring.a_x, spring.a_y};
   tie.is_assumed = !StatedEnd(*problem, tie.lever_marker) || !StatedEnd(*problem, tie.anchor_marker);
   tie.sigma_is_stated = lever && anchor;
-  tie.covariance = CovarianceOfEnds(spring, lever.value_or(kMarkerIsTheEnd), anchor.value_or(kMarkerIsTheEnd));
+  tie.covariance = CovarianceOfEnds(tie.stated, tie);
   problem->parameters.SetSpringTie(tie);
 }
 

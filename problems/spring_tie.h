@@ -19,7 +19,8 @@ struct SpringTie {
   SpringAnchors anchors;                             // P2's frame to the joint
   std::vector<int> errors;                           // model parameter on each transform between, -1: none
   std::array<int, 3> geometry = {-1, -1, -1};        // model parameters L, a_x, a_y
-  Eigen::Matrix3d covariance;                        // of (L, a_x, a_y), m^2: how well the markers sit
+  double lever_sigma = 0.0, anchor_sigma = 0.0;      // m: how well the markers sit on the ends
+  Eigen::Matrix3d covariance;                        // of (L, a_x, a_y), m^2, by these (CovarianceOfEnds)
   Eigen::Vector3d stated = Eigen::Vector3d::Zero();  // (L, a_x, a_y) of the robot file, m
   bool is_assumed = false;       // no `spring:` names them: only where they agree with the robot file
   bool sigma_is_stated = false;  // else they are assumed to be the ends themselves
@@ -27,6 +28,10 @@ struct SpringTie {
 
 // A spring_sigma not stated: the marker is the end.
 constexpr double kMarkerIsTheEnd = 1e-6;  // m
+
+// Of (L, a_x, a_y), m^2, where they are `geometry`, m. An end off by e moves L by its radial part; its tangential part
+// turns u and v by e / L, hence d(a_x, a_y) = (-a_y, a_x) e / L. The anchor's shift moves a_x and a_y as it is.
+Eigen::Matrix3d CovarianceOfEnds(const Eigen::Vector3d& geometry, const SpringTie& tie);
 
 // Ties problem->parameters where the experiment says `spring: lever` and `spring: anchor`, or says nothing, one
 // marker rides right after the compensator's joint and one on the frame of the joint before. Throws InputError

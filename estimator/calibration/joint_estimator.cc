@@ -313,7 +313,7 @@ MinimizeSummary SolveAtRest(const CalibrationProblem& problem, const ResidualSel
 
 double AlignNominal(const CalibrationProblem& problem, ParameterSet* parameters) {
   const double misfit = FindStartingValues(problem, problem.CalibrationObservations(), parameters);
-  DropImplausibleTie(parameters);
+  SettleSpringTie(parameters);
   return misfit;
 }
 
@@ -347,7 +347,7 @@ Estimate EstimateFitted(const CalibrationProblem& problem, const Fitted& fitted,
   const auto start = std::chrono::steady_clock::now();
   Estimate estimate;
   estimate.parameters = start_values;
-  DropImplausibleTie(&estimate.parameters);
+  SettleSpringTie(&estimate.parameters);
   estimate.aligned = options.aligned != nullptr ? *options.aligned : estimate.parameters;
 
   const ResidualSelection& residuals = fitted.residuals;
@@ -386,7 +386,7 @@ Estimate EstimateJointly(const CalibrationProblem& problem, const JointOptions& 
   const Fitted fitted(problem, options);
   ParameterSet start = problem.parameters;
   FindStartingValues(problem, fitted.exact_joints(), &start);
-  DropImplausibleTie(&start);
+  SettleSpringTie(&start);
   if (options.fitted != nullptr) *options.fitted = fitted.equations.shared_batches();
   return EstimateFitted(problem, fitted, start, options);
 }

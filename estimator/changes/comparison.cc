@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "estimator/changes/comparison_columns.h"
 #include "estimator/changes/sparse_search.h"
 #include "estimator/least_squares/held_influence.h"
 #include "estimator/least_squares/row_sums.h"
@@ -17,60 +18,9 @@
 namespace sagitta {
 namespace {
 
-constexpr double kFloor = 2e-6;  // m: less is no change of any robot, and keeps C regular
 // Standard deviations by which the largest change within the design's sizes (the widest of kChangeScales) has to differ
 // from what other explanations can do: less is not seen.
 constexpr double kStandsOut = 1.0;
-// Of a covariance found from configurations: beyond, the heavy tails of so small a sample are no correction any more.
-constexpr double kMostOfClusters = 1.5;
-
-bool Has(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
-// Asked for, whether or not the data determined it; else assumed.
-bool IsFree(const KnownRobot& known, const std::string& name) {
-  return Has(known.uncertainty.estimated, name) || Has(known.uncertainty.held, name);
-}
-
-// Geometry moves every point of every campaign. A load, a time or a temperature need not have been in the other's.
-bool IsOfCampaign(CoordinateKind kind) {
-  return kind == CoordinateKind::kCompliance || kind == CoordinateKind::kCompensator || kind == CoordinateKind::kEffect;
-}
-
-// Every coordinate's column, m per SI unit.
-Linearization AllColumns(const CalibrationProblem& problem, const std::vector<int>& rows) {
-  std::vector<int> columns(problem.parameters.num_coordinates());
-  std::iota(columns.begin(), columns.end(), 0);
-  const NoiseRoots metres(rows.size(), Matrix3<double>::Identity());
-  return Linearize(problem, problem.parameters, rows, columns, metres, LatentTreatment::kIgnore);
-}
-
-// Points by a joint's encoder: the joints that are coupled to it move too.
-Eigen::VectorXd ZeroColumn(const Chain& chain, const Linearization& all, int joint) {
-  const auto n = static_cast<long>(chain.num_joints());
-  return all.latent * (chain.CoupledJointValues(Eigen::VectorXd::Unit(n, joint)) -
-                       chain.CoupledJointValues(Eigen::VectorXd::Zero(n)));
-}
-
-Eigen::MatrixXd Columns(const std::vector<std::string>& names, const CalibrationProblem& problem,
-                        const Eigen::MatrixXd& jacobian) {
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(jacobian.rows(), static_cast<long>(names.size()));
-  for (size_t i = 0; i < names.size(); ++i) {
-    const int coordinate = problem.parameters.FindCoordinate(names[i]);
-    if (coordinate >= 0) columns.col(static_cast<long>(i)) = jacobian.col(coordinate);
-  }
-  return columns;
-}
-
-Eigen::MatrixXd SideBySide(const std::vector<Eigen::MatrixXd>& parts, long rows) {
-  long width = 0;
-  for (const Eigen::MatrixXd& part : parts) width += part.cols();
-  Eigen::MatrixXd joined(rows, width);
-  width = 0;
-  for (const Eigen::MatrixXd& part : parts) joined.middleCols(width, part.cols()) = part, width += part.cols();
-  return joined;
-}
 
 // Whether the largest design change along one of `columns` is seen although `others` of that size, in typical sizes,
 // may have changed: with errors e ~ N(0, I) and others P a, a ~ N(0, size^2 I), it stands out by c'(I + size^2 P P')^-1
@@ -87,16 +37,6 @@ bool IsSeenBeyond(const Eigen::MatrixXd& others, double size, const Eigen::Matri
   }
   const double widest = kChangeScales[kNumChangeScales - 1];
   return widest * widest * squares.maxCoeff() >= kStandsOut * kStandsOut;
-}
-
-// Base poses and markers were found in the old campaign's frames; moved, their directions turn.
-void TurnColumns(const std::vector<int>& coordinates, const Matrix3<double>& rotation, Eigen::MatrixXd* jacobian) {
-  for (size_t first = 0; first + 2 < coordinates.size(); first += 3) {
-    Eigen::MatrixXd turned(jacobian->rows(), 3);
-    for (int a = 0; a < 3; ++a) turned.col(a) = jacobian->col(coordinates[first + a]);
-    turned = Eigen::MatrixXd(turned * Eigen::MatrixXd(rotation));
-    for (int a = 0; a < 3; ++a) jacobian->col(coordinates[first + a]) = turned.col(a);
-  }
 }
 
 }  // namespace
@@ -132,6 +72,7 @@ EstimateComparison::EstimateComparison(const KnownRobot& old_estimate, const Kno
   for (const ChangeGroup& group : groups_) applied_.push_back(Eigen::VectorXd::Zero(group.size()));
   AllowForHalves();
   CheckKnown();
+  AllowForRegions();
   AllowForClusters();
   NoteWhatOneAssumed();
   FactorCovariance();
@@ -162,120 +103,6 @@ void EstimateComparison::CheckKnown() const {
                        "state the noise of the measurements, or measure more than there are unknowns");
     }
   }
-}
-
-// What joints scatter by, and gear waves, differ between two campaigns as between random halves of one. Intervals of
-// single parameters are wide enough where parts contradict each other (between_parts.h); combinations that few of the
-// parts determine are not.
-void EstimateComparison::AllowForHalves() {
-  for (KnownRobot* known : {&old_, &new_}) {
-    known->uncertainty.covariance = known->campaign_covariance;
-    if (known->halves > 1.0) notes_.push_back(HalvesDiffer(known->file, known->halves));
-  }
-}
-
-// A covariance of p parameters that was found from n configurations has an inverse that is too large, by
-// (n - 1) / (n - p - 2) in the mean (Wishart): a difference of nothing looks like many standard deviations.
-void EstimateComparison::AllowForClusters() {
-  for (KnownRobot* known : {&old_, &new_}) {
-    const double n = known->clusters, p = static_cast<double>(known->uncertainty.estimated.size());
-    if (n == 0.0) continue;
-    const double factor = n > p + 2.0 ? (n - 1.0) / (n - p - 2.0) : kInfinity;
-    if (factor > kMostOfClusters) {
-      throw InputError({known->file, 0, "intervals"},
-                       "the covariance was found from " + Significant(n, 6) + " configurations, too few for that of " +
-                           Significant(p, 6) + " parameters together: chance would look like changes",
-                       "calibrate with covariance: model, and repeatability_urad: estimate where the joints scatter");
-    }
-    known->uncertainty.covariance *= factor;
-  }
-}
-
-void EstimateComparison::NoteWhatOneAssumed() {
-  for (const auto& [one, other] : {std::pair(&old_, &new_), std::pair(&new_, &old_)}) {
-    std::vector<std::string> names;
-    for (const std::string& name : one->uncertainty.estimated) {
-      const std::optional<CoordinateKind> kind = CoordinateKindOf(name);
-      if (!kind || kind == CoordinateKind::kBase || kind == CoordinateKind::kMarker) continue;
-      if (!IsFree(*other, name)) names.push_back(name);
-    }
-    if (names.empty()) continue;
-    notes_.push_back(ChangesOpen(one->file, names));
-  }
-}
-
-// Root of an estimate's covariance of the predictions: S with S S' its share of C. jacobian: where the estimate has
-// been moved to; where_it_was: before.
-Eigen::MatrixXd EstimateComparison::SpreadOf(const CalibrationProblem& problem, const KnownRobot& known,
-                                             const KnownRobot& other, const Eigen::MatrixXd& jacobian,
-                                             const Eigen::MatrixXd& where_it_was) const {
-  const ParameterUncertainty& u = known.uncertainty;
-  const Eigen::MatrixXd estimated = Columns(u.estimated, problem, jacobian);
-  std::vector<Eigen::MatrixXd> parts;
-  if (!u.estimated.empty()) parts.push_back(estimated * RootOf(u.covariance));
-  if (!u.held.empty()) {
-    Eigen::MatrixXd held = Columns(u.held, problem, jacobian) + estimated * u.slopes;
-    const Eigen::MatrixXd unmoved =
-        Columns(u.held, problem, where_it_was) + Columns(u.estimated, problem, where_it_was) * u.slopes;
-    // What did nothing to the points is a convention (where the flange's frame is); both estimates have the same.
-    for (long h = 0; h < held.cols(); ++h) {
-      if (unmoved.col(h).norm() * std::sqrt(u.second_moment(h, h)) < kFloor) held.col(h).setZero();
-    }
-    parts.push_back(held * RootOf(u.second_moment));
-  }
-  // What only this one estimated, the other assumed.
-  for (size_t i = 0; i < u.estimated.size(); ++i) {
-    const std::string& name = u.estimated[i];
-    const int coordinate = problem.parameters.FindCoordinate(name);
-    if (coordinate < 0 || IsFree(other, name)) continue;
-    const auto p = static_cast<long>(i);
-    if (!(u.covariance(p, p) > 0.0)) continue;
-    const Coordinate& assumed = problem.parameters.coordinates()[coordinate];
-    const double range = PhysicalRange(assumed);
-    // The other's parameters made up for it: regression of all on the one, C_:p / C_pp times how far it may be off.
-    parts.push_back(range * (estimated * (u.covariance.col(p) / u.covariance(p, p))));
-    // Or nothing made up for it; by how much is between the two columns.
-    if (IsOfCampaign(assumed.kind)) parts.push_back(range * jacobian.col(coordinate));
-  }
-  return SideBySide(parts, jacobian.rows());
-}
-
-// Base and marker columns of the old campaign as its parameters' errors move the points now: p' = T p moves by R_T dp.
-Eigen::MatrixXd EstimateComparison::TurnedWithTheChanges(Eigen::MatrixXd jacobian) const {
-  for (size_t g = 0; g < groups_.size(); ++g) {
-    const ChangeGroup& group = groups_[g];
-    if (!group.is_motion()) continue;
-    const Matrix3<double> rotation = RotationOf(group, applied_[g]);
-    if (group.kind == ChangeKind::kBase) TurnColumns(group.coordinates, rotation, &jacobian);
-    for (const int marker : group.carried) {
-      const int first = start_.marker(marker).first_coordinate;
-      TurnColumns({first, first + 1, first + 2}, rotation, &jacobian);
-    }
-  }
-  return jacobian;
-}
-
-void EstimateComparison::FactorCovariance() {
-  const std::vector<Eigen::VectorXd> applied = applied_;
-  std::vector<Eigen::VectorXd> none;
-  for (const ChangeGroup& group : groups_) none.push_back(Eigen::VectorXd::Zero(group.size()));
-  MoveTo(none);
-  const Eigen::MatrixXd before = AllColumns(problems_[0], rows_).jacobian;
-  MoveTo(applied);
-  const Eigen::MatrixXd moved = TurnedWithTheChanges(AllColumns(problems_[0], rows_).jacobian);
-  const Eigen::MatrixXd other = AllColumns(problems_[1], rows_).jacobian;
-  spread_ =
-      SideBySide({SpreadOf(problems_[0], old_, new_, moved, before), SpreadOf(problems_[1], new_, old_, other, other)},
-                 moved.rows());
-  Eigen::MatrixXd covariance = spread_ * spread_.transpose();
-  covariance.diagonal().array() += kFloor * kFloor;
-  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
-  log_determinant_ = sagitta::LogDeterminant(factor);
-  whitener_ = factor.matrixL();
-}
-
-double EstimateComparison::NumRandom() const {
-  return whitener_.triangularView<Eigen::Lower>().solve(spread_).squaredNorm();
 }
 
 // p - b and b, with b the base in the station. What stands in the room is at a distance alone.

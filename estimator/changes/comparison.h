@@ -54,12 +54,15 @@ class EstimateComparison {
  private:
   Eigen::MatrixXd SpreadOf(const CalibrationProblem& problem, const KnownRobot& known, const KnownRobot& other,
                            const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& where_it_was) const;
+  double ModelErrorOf(int which) const;
+  Eigen::MatrixXd RegionSpread(const Linearization& all) const;
   void FactorCovariance();
   void NoteWhatOneAssumed();
   void AssumeAlike(int which, const KnownRobot& other);
   void CheckKnown() const;
   void AllowForHalves();
   void AllowForClusters();
+  void AllowForRegions();
   Eigen::VectorXd Difference() const;
   Eigen::Matrix3Xd MovedPoints() const;  // of the old estimate, where it has been moved to
   // m: what a change of all lengths by 1 moves the points by; those of the arm, and its distance to the instrument.
@@ -85,6 +88,7 @@ class EstimateComparison {
   std::vector<ChangeGroup> groups_;
   std::vector<Eigen::VectorXd> applied_;
   double arm_grown_ = 0.0, distance_grown_ = 0.0;  // of the old one, shares
+  double of_region_ = 0.0;                         // m, RMS: by what the model may err in one region alone
   Eigen::MatrixXd spread_;                         // S with C = S S' + e^2 I
   Eigen::MatrixXd whitener_;                       // lower factor of C
   double log_determinant_ = 0.0;

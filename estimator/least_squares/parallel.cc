@@ -6,9 +6,9 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
-#include <thread>
 #include <vector>
 
+#include "estimator/least_squares/helper_threads.h"
 #include "problems/interruption.h"
 
 namespace sagitta {
@@ -100,10 +100,11 @@ void ParallelFor(int n, int threads, const std::function<void(int i, int worker)
       next = n;
     }
   };
-  std::vector<std::thread> helpers;
-  for (int worker = 1; worker < std::min(threads, n); ++worker) helpers.emplace_back(run, worker);
+  const std::function<void(int)> help = [&run](int helper) { run(helper + 1); };
+  HelperThreads helpers(std::min(threads, n) - 1);
+  helpers.Begin(help);
   run(0);
-  for (std::thread& helper : helpers) helper.join();
+  helpers.Wait();
   if (failure) std::rethrow_exception(failure);
 }
 

@@ -144,13 +144,17 @@ Eigen::Vector3d SpringTieMisfit(const ParameterSet& parameters) {
   return misfit;
 }
 
-void DropImplausibleTie(ParameterSet* parameters) {
-  if (!parameters->spring_tie() || !parameters->spring_tie()->is_assumed) return;
-  const SpringTie& tie = *parameters->spring_tie();
-  const Eigen::Vector3d off = GeometryOfMarkers(*parameters) - tie.stated;
+void SettleSpringTie(ParameterSet* parameters) {
+  constexpr double kOpen = 0.01;  // of L in the file: closer to the axis the ends have no direction
+  if (!parameters->spring_tie()) return;
+  SpringTie tie = *parameters->spring_tie();
+  const Eigen::Vector3d placed = GeometryOfMarkers(*parameters), off = placed - tie.stated;
   const bool lever_fits = std::abs(off[0]) <= kPlausible * tie.stated[0];
   const bool anchor_fits = off.tail<2>().norm() <= kPlausible * tie.stated.tail<2>().norm();
-  if (!lever_fits || !anchor_fits) parameters->DropSpringTie();
+  if (tie.is_assumed && !(lever_fits && anchor_fits)) return parameters->DropSpringTie();
+  if (!placed.allFinite() || placed[0] < kOpen * tie.stated[0]) return;
+  tie.covariance = CovarianceOfEnds(placed, tie);
+  parameters->SetSpringTie(tie);
 }
 
 std::string TieInWords(const CalibrationProblem& problem, const ParameterSet& estimated) {

@@ -19,9 +19,10 @@ void AppendSpringTie(const ParameterSet& parameters, Linearization* linearizatio
 // Adds them to a problem that has the markers' blocks.
 void AddSpringTie(const ParameterSet* parameters, ceres::Problem* ceres_problem);
 
-// Drops an assumed tie where the markers, as they are placed now, are farther than 20 % from the geometry in the
-// robot file: they are something else on those links.
-void DropImplausibleTie(ParameterSet* parameters);
+// Once the markers are placed: an assumed tie is dropped where they are farther than 20 % from the geometry in the
+// robot file, for they are something else on those links. Another one has its covariance where the markers are, and
+// keeps it: by the file's geometry it would be as wrong as that is.
+void SettleSpringTie(ParameterSet* parameters);
 
 // (L, a_x, a_y) of the markers minus those of the robot, m; of a set that has a tie.
 Eigen::Vector3d SpringTieMisfit(const ParameterSet& parameters);

@@ -111,6 +111,13 @@ std::string HalvesDiffer(const std::string& file, double factor) {
          "it is joints that scatter, 'repeatability_urad: estimate' in both calibrations shows smaller changes";
 }
 
+std::string RegionsDiffer(const std::string& joint, double share, double rest) {
+  return "the two campaigns have only " + Significant(1e2 * share, 2) + " % of the wider range of " + joint +
+         " in common, and the model lacks something (" + Significant(1e3 * rest, 2) +
+         " mm RMS): in one region alone that looks like a change of any parameter, so that only larger changes show. "
+         "Campaigns over the same ranges show smaller ones";
+}
+
 std::string OneLoadDoesThatToo(double least, double most) {
   return "the compliances changed by alike shares (" + Significant(1e2 * least, 2) + " to " +
          Significant(1e2 * most, 2) + " %): a load that is " + (most > 0.0 ? "heavier" : "lighter") +

@@ -34,6 +34,8 @@ std::string TooFarApart(const std::string& old_file, const std::string& new_file
 std::string LacksSomething(const std::string& file, double factor);
 // factor: by which random halves of its configurations differ beyond noise.
 std::string HalvesDiffer(const std::string& file, double factor);
+// The joint with the smallest share of its wider range in both campaigns; rest: m.
+std::string RegionsDiffer(const std::string& joint, double share, double rest);
 // Of several compliances at once: the shares of what they were.
 std::string OneLoadDoesThatToo(double least, double most);
 // More is left than both estimates leave open; rms in m.

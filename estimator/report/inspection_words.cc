@@ -10,19 +10,20 @@ namespace {
 
 constexpr char kForceOnTool[] = "(the force on the tool, in the measurement frame unless loads: says otherwise)";
 
-std::string UnitOf(const Joint& joint) { return joint.type == JointType::kRevolute ? " deg" : " mm"; }
+std::string UnitAfterValue(const Joint& joint) { return joint.type == JointType::kRevolute ? " deg" : " mm"; }
 std::string ValueOf(const Joint& joint, double q) {
   return Fixed(q / (joint.type == JointType::kRevolute ? kDegree : 1e-3), 1);
 }
 
 std::string RangeInWords(const Joint& joint, double least, double most) {
-  return ValueOf(joint, least) + " to " + ValueOf(joint, most) + UnitOf(joint);
+  return ValueOf(joint, least) + " to " + ValueOf(joint, most) + UnitAfterValue(joint);
 }
 
 // At least one of them is stated.
 std::string LimitsInWords(const Joint& joint) {
   if (joint.min && joint.max) return RangeInWords(joint, *joint.min, *joint.max);
-  return (joint.min ? "from " + ValueOf(joint, *joint.min) : "up to " + ValueOf(joint, *joint.max)) + UnitOf(joint);
+  return (joint.min ? "from " + ValueOf(joint, *joint.min) : "up to " + ValueOf(joint, *joint.max)) +
+         UnitAfterValue(joint);
 }
 
 std::string NumberOf(size_t number, const std::string& one, const std::string& more) {

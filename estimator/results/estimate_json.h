@@ -50,6 +50,7 @@ struct KnownRobot {
   // In place of uncertainty.covariance between this campaign and another one, which differ in every combination of the
   // parameters by no less than random halves of this one do.
   Eigen::MatrixXd campaign_covariance;
+  Eigen::MatrixXd noise_covariance;  // of noise alone, as the same names have it
   double halves = 1.0;  // factor by which random halves differ beyond noise, where that is no chance
   PredictionNoise noise;
   double model_error = 1.0;  // factor by which model error widens the parameters' intervals (model_error.factor)

@@ -180,6 +180,7 @@ class EstimateReader {
       return deviations.asDiagonal() * WithModelError(noise, least) * deviations.asDiagonal();
     };
     known_.uncertainty.covariance = in_units(1.0);
+    known_.noise_covariance = deviations.asDiagonal() * noise * deviations.asDiagonal();
     known_.halves = HowHalvesDiffer();
     known_.campaign_covariance = known_.halves > 1.0 ? in_units(known_.halves) : known_.uncertainty.covariance;
     if (!HasNoNoise()) return;

@@ -75,16 +75,19 @@ TEST(SpringTie, ExactEndsGiveTheExactSpringAndOpenTheGauge) {
   EXPECT_NEAR(test::ErrorOf(estimate, truth, estimate.parameters.FindCoordinate("compensator/s0")), 0.0, 1e-7);
 }
 
-// Ends off by isotropic sigmas move (L, a_x, a_y) by their slopes: J J' of both, by differences. A lever's millimetre
+// Ends off by isotropic sigmas move (L, a_x, a_y) by their slopes: J J' of both, by differences, also where the robot
+// file has another spring. A lever's millimetre
 // turns the axes in which the anchor is counted: of a_x and a_y one common term.
 TEST(SpringTie, TheEndsCovarianceIsThatOfTheirMarkers) {
   const test::LoadedTruth truth = TruthWithSpringMarkers();
-  for (const auto& [lever, anchor] :
-       {std::make_pair(1e-3, 1e-5), std::make_pair(1e-5, 1e-3), std::make_pair(3e-4, 2e-4)}) {
+  const double cases[][3] = {{1e-3, 1e-5, 1.0}, {1e-5, 1e-3, 1.0}, {3e-4, 2e-4, 1.0}, {1e-3, 1e-5, 1.4}};
+  for (const auto& [lever, anchor, file] : cases) {
     test::LoadedSetup setup = SetupWithTie(truth, lever, anchor);
-    setup.robot.gravity_compensator->L = truth.spring->L;
-    setup.robot.gravity_compensator->a_x = truth.spring->a_x;
-    setup.robot.gravity_compensator->a_y = truth.spring->a_y;
+    setup.robot.gravity_compensator->L = file * truth.spring->L;
+    setup.robot.gravity_compensator->a_x = truth.spring->a_x / file;
+    setup.robot.gravity_compensator->a_y = truth.spring->a_y * file;
+    setup.experiment.markers["L1"].spring = SpringEnd::kLever;
+    setup.experiment.markers["L2"].spring = SpringEnd::kAnchor;
     const CalibrationProblem problem = MakeCalibrationProblem(setup.robot, ExactData(truth), setup.experiment);
     ParameterSet parameters = EstimateJointly(problem).parameters;
     ASSERT_TRUE(parameters.spring_tie());

@@ -1,10 +1,14 @@
 // The number of threads does not show in any digit of a calibration, and what is made on several threads is used in its
 // order.
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <thread>
 
 #include "estimator/least_squares/parallel.h"
 #include "estimator/least_squares/row_sums.h"
@@ -81,6 +85,43 @@ TEST_P(ThreadsOf, DoNotShowInACalibration) {
     EXPECT_EQ(json, other_json) << threads;
     EXPECT_TRUE(residuals == other_residuals) << threads;
   }
+}
+
+// How many of n have been worked on, by as many threads at most; each waits until all of them have begun.
+int WorkedOn(int n, int threads) {
+  std::atomic<int> begun{0}, done{0};
+  std::vector<int> of_worker(static_cast<size_t>(threads), 0);
+  ParallelFor(n, threads, [&](int, int worker) {
+    if (of_worker[worker]++ == 0) ++begun;
+    while (begun < std::min(n, threads)) std::this_thread::yield();
+    ++done;
+  });
+  return done;
+}
+
+// Helpers are those of earlier calls, with work of their own each time, also inside the work of one of them.
+TEST(ParallelFor, HasItsThreadsCallAfterCall) {
+  for (int i = 0; i < 200; ++i) EXPECT_EQ(WorkedOn(1 + i % 7, 1 + i % 5), 1 + i % 7);
+  std::atomic<int> sum{0};
+  ParallelFor(3, 3, [&](int, int) { sum += WorkedOn(4, 3); });
+  EXPECT_EQ(sum, 12);
+  std::thread other([&sum] { sum += WorkedOn(100, 2); });
+  sum += WorkedOn(100, 2);
+  other.join();
+  EXPECT_EQ(sum, 212);
+}
+
+// A process that is forked has no threads but its own.
+TEST(ParallelFor, WorksInAForkedProcess) {
+  EXPECT_EQ(WorkedOn(3, 3), 3);
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(60);
+    _exit(WorkedOn(3, 3));
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 3) << status;
 }
 
 TEST(MakeAndUse, EveryUserHasAllInTheirOrder) {

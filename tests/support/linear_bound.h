@@ -28,7 +28,7 @@ inline ParameterSet TrueParameters(ParameterSet like, const Kr270Truth& truth,
     const Coordinate& coordinate = like.coordinates()[like.model_parameter(i).first_coordinate];
     if (coordinate.free) like.SetModelValue(i, value(coordinate.name));
   }
-  DropImplausibleTie(&like);  // as the estimate does: markers on the links that are no ends of the spring
+  SettleSpringTie(&like);  // as the estimate does: markers on the links that are no ends of the spring
   return like;
 }
 

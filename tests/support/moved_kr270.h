@@ -34,16 +34,21 @@ inline void VisitAgain(const Kr270Design& design, Measurements* data) {
   }
 }
 
-// The rows of `design`; their points are measured once `move` has changed the joint values of each configuration.
+// `data` with points that are measured once `move` has changed the joint values of each configuration.
 template <typename Move>
-Measurements MeasuredAfter(const Kr270Design& design, std::uint64_t noise_seed, const Move& move) {
-  Measurements data = DesignMeasurements(design), moved = data;
+Measurements MeasuredAfter(Measurements data, double sigma, std::uint64_t noise_seed, const Move& move) {
+  Measurements moved = data;
   for (Configuration& configuration : moved.configurations) move(&configuration.q);
-  MeasureKr270(Kr270Truth(), design.sigma, noise_seed, &moved);
+  MeasureKr270(Kr270Truth(), sigma, noise_seed, &moved);
   for (size_t i = 0; i < data.observations.size(); ++i) {
     data.observations[i].point_in_station = moved.observations[i].point_in_station;
   }
   return data;
+}
+
+template <typename Move>
+Measurements MeasuredAfter(const Kr270Design& design, std::uint64_t noise_seed, const Move& move) {
+  return MeasuredAfter(DesignMeasurements(design), design.sigma, noise_seed, move);
 }
 
 }  // namespace sagitta::test
