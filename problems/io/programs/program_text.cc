@@ -63,8 +63,8 @@ void ProgramCode::CheckLengths(const std::string& path, size_t longest_line) con
   for (size_t i = 0; i < text_.size(); ++i) {
     if (std::string_view(" \n,;()[]{}").find(text_[i]) != std::string_view::npos) word = i + 1;
     if (text_[i] == '\n') line = i + 1;
-    const bool is_line = i - line >= longest_line;
-    if (i - word < kLongestWord && !is_line) continue;
+    const bool is_line = i + 1 - line > longest_line;
+    if (i + 1 - word <= kLongestWord && !is_line) continue;
     throw InputError({path, LineAt(i), ""}, is_line ? "no controller has lines as long as this one"
                                                     : "no program has words as long as this one");
   }
