@@ -377,10 +377,12 @@ void RapidReader::ReadInstructions() {
     const size_t at = static_cast<size_t>(match.position(0));
     flow_.MoveTo(at);
     if (match[6].matched) {
+      static const std::regex name = MakePattern("^\\s(\\w+)\\s?$");
       const size_t begin = at + static_cast<size_t>(match.length(0));
-      const std::string load = Unspaced(upper_.substr(begin, std::min(upper_.find(';', begin), begin + 99) - begin));
-      const bool is_name = std::all_of(load.begin(), load.end(), IsWordCharacter);
-      is_name ? flow_.Set(kGripped, load == "LOAD0" ? "" : load) : flow_.SetUnknown(kGripped);
+      const std::string load = upper_.substr(begin, std::min(upper_.find(';', begin), begin + 99) - begin);
+      std::smatch word;
+      const bool is_name = MatchPattern(load, &word, name);
+      is_name ? flow_.Set(kGripped, word[1] == "LOAD0" ? "" : word[1].str()) : flow_.SetUnknown(kGripped);
     } else if (match[7].matched) {
       flow_.Set(match[7] == "PDISP" ? kDisplacement : kAxisOffset, match[8]);
     } else if (match[9].matched) {
