@@ -62,8 +62,19 @@ PredictedSquares PredictedSums::Squares(const Eigen::MatrixXd& root, Eigen::Matr
   return {trace_ + moved.trace(), trace_, square_ + 2.0 * mixed.trace() + moved.squaredNorm()};
 }
 
+namespace {
+
+// R with R R' = matrix, which may be singular.
+Eigen::MatrixXd RootOf(const Eigen::MatrixXd& matrix) {
+  const Eigen::LDLT<Eigen::MatrixXd> parts(matrix);
+  const Eigen::MatrixXd lower = parts.matrixL();
+  return parts.transpositionsP().transpose() * (lower * parts.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal());
+}
+
+}  // namespace
+
 SquaresOfFolds::SquaresOfFolds(const Eigen::MatrixXd& normal, double noise)
-    : noise_(noise), root_(normal.llt().matrixL()), together_(Eigen::MatrixXd::Zero(normal.rows(), normal.cols())) {}
+    : noise_(noise), root_(RootOf(normal)), together_(Eigen::MatrixXd::Zero(normal.rows(), normal.cols())) {}
 
 void SquaresOfFolds::Add(const Eigen::MatrixXd& root, PredictedSums* points) {
   Eigen::MatrixXd products;

@@ -126,7 +126,7 @@ StatedBranch BranchOf(const ProgramPoint& point, const ProgramScene& stated) {
   return branch;
 }
 
-// What the controller goes by where it takes the solution nearest to where the arm is.
+// Whether the solution is the one nearest to where the arm is.
 bool GoesByBefore(const StatedBranch& branch) {
   return branch.near.empty() ? branch.from_before || !branch.states_anything() : branch.also_from_before;
 }

@@ -16,20 +16,6 @@ std::string Folded(const std::string& name, ProgramDialect dialect) {
   return dialect == ProgramDialect::kUrScript ? name : UpperCase(name);
 }
 
-// Of a tool or base with which only points that stay are reached: "BASE_DATA[1]" also as BAS(#BASE,1) and BASE_NO 1.
-bool StandsInText(const RobotProgram& program, const std::string& name) {
-  const std::string text = Folded(program.text, program.dialect), folded = Folded(name, program.dialect);
-  if (!PlacesOf(text, folded).empty()) return true;
-  const size_t data = folded.find("_DATA["), end = folded.find(']');
-  if (data == std::string::npos || end == std::string::npos) return false;
-  const std::string kind = folded.substr(0, data), number = folded.substr(data + 6, end - data - 6);
-  const std::string unspaced = Unspaced(text);
-  for (const std::string& written : {folded, "#" + kind + "," + number + ")", kind + "_NO" + number + ","}) {
-    if (unspaced.find(written) != std::string::npos) return true;
-  }
-  return false;
-}
-
 template <typename Value>
 void AddNames(const std::map<std::string, Value>& from, std::set<std::string>* names) {
   for (const auto& [name, value] : from) names->insert(name);
@@ -61,7 +47,7 @@ std::map<std::string, Value> ByNames(const RobotProgram& program, const std::map
     const auto own = std::find_if(known.begin(), known.end(), [&, &said = name](const std::string& one) {
       return Folded(one, program.dialect) == Folded(said, program.dialect);
     });
-    if (own == known.end() && StandsInText(program, name)) continue;
+    if (own == known.end() && NameStandsIn(program, name)) continue;
     if (own == known.end()) throw NameOfNothing(program, key, kind, name, known);
     if (!named.emplace(*own, value).second)
       throw InputError({program.path, 0, key}, "'" + *own + "' is given twice", "the program ignores case");

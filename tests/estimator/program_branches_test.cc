@@ -183,7 +183,8 @@ TEST_F(ProgramBranches, ThePointBeforeIsTheOneThatTheArmComesFrom) {
   };
   EXPECT_EQ(untouched(near + point), "");
   EXPECT_THAT(untouched(near + "PTP XP9\n" + point), HasSubstr("--start_deg"));
-  EXPECT_THAT(untouched("IF $IN[1] THEN\n" + near + "ELSE\n" + flipped + "ENDIF\n" + point), HasSubstr("more than one joint solution"));
+  EXPECT_THAT(untouched("IF $IN[1] THEN\n" + near + "ELSE\n" + flipped + "ENDIF\n" + point),
+              HasSubstr("more than one joint solution"));
   EXPECT_EQ(untouched("IF $IN[1] THEN\n" + near + "ELSE\n" + near + "ENDIF\n" + point), "");
   const std::string sub = "END\nDEF S1()\n" + point;
   EXPECT_EQ(untouched(near + "S1()\n" + flipped + sub), "");

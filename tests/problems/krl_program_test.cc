@@ -159,7 +159,7 @@ TEST_F(KrlProgramTest, ARoutineStartsWithWhatItsCallsHave) {
       HasSubstr("as the program runs"));
 }
 
-// BAS takes tool and base from the FDAT of an inline form, or by a number that the text may not state.
+// BAS sets tool and base by the FDAT of an inline form, or by a number that the text may not state.
 TEST_F(KrlProgramTest, ToolAndBaseOfInlineForms) {
   const std::string scene = "$TOOL=TOOL_DATA[1]\n$BASE=BASE_DATA[1]\n", point = "LIN {" + kPose + ",S 2,T 2}\n";
   const std::string data = "DECL FDAT FP2={TOOL_NO 1,BASE_NO 2,IPO_FRAME #BASE}\n";

@@ -111,6 +111,21 @@ std::vector<size_t> PlacesOf(const std::string& code, const std::string& name) {
   return places;
 }
 
+bool NameStandsIn(const RobotProgram& program, const std::string& name) {
+  const bool has_case = program.dialect == ProgramDialect::kUrScript;
+  const std::string text = has_case ? program.text : UpperCase(program.text),
+                    folded = has_case ? name : UpperCase(name);
+  if (!PlacesOf(text, folded).empty()) return true;
+  const size_t data = folded.find("_DATA["), end = folded.find(']');
+  if (data == std::string::npos || end == std::string::npos) return false;
+  const std::string kind = folded.substr(0, data), number = folded.substr(data + 6, end - data - 6);
+  const std::string unspaced = Unspaced(text);
+  for (const std::string& written : {folded, "#" + kind + "," + number + ")", kind + "_NO" + number + ","}) {
+    if (unspaced.find(written) != std::string::npos) return true;
+  }
+  return false;
+}
+
 Assigned AssignedBefore(const std::string& code, size_t sign) {
   size_t end = sign, begin = sign;
   const auto skip_blanks = [&] {

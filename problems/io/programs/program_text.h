@@ -38,6 +38,9 @@ std::string Unspaced(std::string text);
 // Where `name` stands as a word of its own.
 std::vector<size_t> PlacesOf(const std::string& code, const std::string& name);
 
+// Whether the program names a tool, base or load so: "BASE_DATA[1]" also as BAS(#BASE,1) and BASE_NO 1.
+bool NameStandsIn(const RobotProgram& program, const std::string& name);
+
 inline bool IsWordCharacter(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '$'; }
 
 // What stands before the sign of an assignment at `sign`: "VAR num n", "gun.tload.mass", "p1[2]".
