@@ -1,6 +1,5 @@
 #include "estimator/intervals/predicted_sums.h"
 
-#include <Eigen/Cholesky>
 #include <map>
 
 #include "estimator/statistics/distributions.h"
@@ -61,17 +60,6 @@ PredictedSquares PredictedSums::Squares(const Eigen::MatrixXd& root, Eigen::Matr
   const Eigen::MatrixXd mixed = root.transpose() * (by_noise_.Total() + alike_by_noise_) * root;
   return {trace_ + moved.trace(), trace_, square_ + 2.0 * mixed.trace() + moved.squaredNorm()};
 }
-
-namespace {
-
-// R with R R' = matrix, which may be singular.
-Eigen::MatrixXd RootOf(const Eigen::MatrixXd& matrix) {
-  const Eigen::LDLT<Eigen::MatrixXd> parts(matrix);
-  const Eigen::MatrixXd lower = parts.matrixL();
-  return parts.transpositionsP().transpose() * (lower * parts.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal());
-}
-
-}  // namespace
 
 SquaresOfFolds::SquaresOfFolds(const Eigen::MatrixXd& normal, double noise)
     : noise_(noise), root_(RootOf(normal)), together_(Eigen::MatrixXd::Zero(normal.rows(), normal.cols())) {}
