@@ -1,6 +1,5 @@
 #include "estimator/intervals/predicted_sums.h"
 
-#include <Eigen/Cholesky>
 #include <map>
 
 #include "estimator/statistics/distributions.h"
@@ -63,7 +62,7 @@ PredictedSquares PredictedSums::Squares(const Eigen::MatrixXd& root, Eigen::Matr
 }
 
 SquaresOfFolds::SquaresOfFolds(const Eigen::MatrixXd& normal, double noise)
-    : noise_(noise), root_(normal.llt().matrixL()), together_(Eigen::MatrixXd::Zero(normal.rows(), normal.cols())) {}
+    : noise_(noise), root_(RootOf(normal)), together_(Eigen::MatrixXd::Zero(normal.rows(), normal.cols())) {}
 
 void SquaresOfFolds::Add(const Eigen::MatrixXd& root, PredictedSums* points) {
   Eigen::MatrixXd products;

@@ -85,6 +85,14 @@ std::string OffsetAdoptsInWords(int line, const std::string& motion, const std::
   return "line " + std::to_string(line) + ", " + motion + ": it goes on from " + point + " and adopts its correction";
 }
 
+std::string CallsElsewhereInWords(const std::map<std::string, int>& calls) {
+  std::vector<std::string> names;
+  for (const auto& [name, line] : calls) names.push_back(name + " (line " + std::to_string(line) + ")");
+  return "not in this file, and assumed to change neither tool, base nor load and to leave the arm in its "
+         "configuration: " +
+         Enumerate(names);
+}
+
 std::string JointTargetStaysInWords(const std::string& joint, double move, bool is_singular) {
   return std::string(is_singular ? "close to a singularity: the correction would turn "
                                  : "the correction would turn ") +

@@ -1,6 +1,7 @@
 // What is said of an estimate that is read back, and of programs that it corrects.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,9 @@ std::string PointStaysInWords(const std::string& point, int line);
 
 // A motion that goes on from a corrected point.
 std::string OffsetAdoptsInWords(int line, const std::string& motion, const std::string& point);
+
+// Routines that are not in the file of the program, and the line of the first call of each.
+std::string CallsElsewhereInWords(const std::map<std::string, int>& calls);
 
 // Of corrections of a program's points; angles in rad.
 std::string JointTargetStaysInWords(const std::string& joint, double move, bool is_singular);

@@ -126,19 +126,42 @@ StatedBranch BranchOf(const ProgramPoint& point, const ProgramScene& stated) {
   return branch;
 }
 
-// The solution of all motions to the pose: one of them may go by the arm's place where another states it.
+// Whether the solution is the one nearest to where the arm is.
+bool GoesByBefore(const StatedBranch& branch) {
+  return branch.near.empty() ? branch.from_before || !branch.states_anything() : branch.also_from_before;
+}
+
+// The one solution of all motions to the pose, which come from these places. Empty: one that is not known.
 BranchFound FindOnlyBranch(const Chain& nominal, const Pose<double>& flange, StatedBranch branch,
-                           const Eigen::VectorXd& before) {
+                           const std::vector<Eigen::VectorXd>& places, const Eigen::VectorXd& last) {
   constexpr double kSame = 1e-3;  // rad
-  BranchFound found = FindBranch(nominal, flange, branch, before);
-  if (!found.why_not.empty() || !branch.also_from_before || before.size() == 0) return found;
+  if (!GoesByBefore(branch)) return FindBranch(nominal, flange, branch, last);
+  std::optional<BranchFound> found;
+  if (!branch.near.empty()) found = FindBranch(nominal, flange, branch, last);
   branch.near.clear();
-  const BranchFound other = FindBranch(nominal, flange, branch, before);
-  bool is_same = other.why_not.empty();
-  for (int j = 0; is_same && j < found.q.size(); ++j)
-    is_same = std::abs(std::remainder(other.q[j] - found.q[j], 2 * kPi)) < kSame;
-  if (!is_same) found.why_not = TwoSolutionsMeant();
-  return found;
+  for (const Eigen::VectorXd& place : places) {
+    if (found && !found->why_not.empty()) break;
+    const BranchFound other = FindBranch(nominal, flange, branch, place);
+    bool is_same = !found || other.why_not.empty();
+    for (int j = 0; found && is_same && j < found->q.size(); ++j)
+      is_same = std::abs(std::remainder(other.q[j] - found->q[j], 2 * kPi)) < kSame;
+    if (!found || !other.why_not.empty()) found = other;
+    if (!is_same && found->why_not.empty()) found->why_not = TwoSolutionsMeant();
+  }
+  return found ? *found : FindBranch(nominal, flange, branch, {});
+}
+
+// Where the motions to point i come from; `solved`: joints at the points that are known so far.
+std::vector<Eigen::VectorXd> PlacesBefore(const ProgramPoint& point, size_t i, const Eigen::VectorXd& start,
+                                          const std::vector<Eigen::VectorXd>& solved) {
+  std::vector<Eigen::VectorXd> places;
+  for (const int before : point.before) {
+    if (before == static_cast<int>(i)) continue;
+    places.push_back(before >= 0               ? solved[static_cast<size_t>(before)]
+                     : before == kPlaceOfStart ? start
+                                               : Eigen::VectorXd());
+  }
+  return places;
 }
 
 void Prepare(const RobotProgram& program, const ProgramScene& stated, const ProgramLoads& loads, const Chain& nominal,
@@ -156,30 +179,33 @@ void Prepare(const RobotProgram& program, const ProgramScene& stated, const Prog
   std::stable_sort(way.begin(), way.end(),
                    [&](size_t a, size_t b) { return program.points[a].used_at < program.points[b].used_at; });
   prepared->results.resize(way.size());
-  Eigen::VectorXd before = stated.start;
+  std::vector<Eigen::VectorXd> solved(way.size());
+  Eigen::VectorXd last = stated.start;
   for (const size_t i : way) {
     const ProgramPoint& point = program.points[i];
     ProgramPointResult& result = prepared->results[i];
     result.point = static_cast<int>(i);
     result.untouched = point.untouched.empty() ? loads.unclear[i] : point.untouched;
+    if (point.is_joints && point.untouched.empty()) solved[i] = VectorOf(program.JointValues(point));
     if (!result.untouched.empty()) continue;
     Pose<double> frame, from_tool;
     std::optional<Pose<double>> flange;
     Eigen::VectorXd q;
     if (point.is_joints) {
-      q = VectorOf(program.JointValues(point));
+      q = solved[i];
     } else {
       std::vector<double> numbers;
       for (const TextNumber& number : point.numbers) numbers.push_back(number.value);
       frame = *scene.FrameInBase(point.frame);
       from_tool = Inverse(*scene.ToolInFlange(point.tool));
       flange = Product(Product(frame, PoseFrom(program.notation, numbers)), from_tool);
-      const BranchFound found = FindOnlyBranch(nominal, *flange, BranchOf(point, stated), before);
+      const BranchFound found =
+          FindOnlyBranch(nominal, *flange, BranchOf(point, stated), PlacesBefore(point, i, stated.start, solved), last);
       result.untouched = found.why_not;
       if (!found.why_not.empty()) continue;
       q = found.q;
     }
-    before = q;
+    last = solved[i] = q;
     prepared->points.push_back(static_cast<int>(i));
     prepared->frame.push_back(frame);
     prepared->from_tool.push_back(from_tool);
@@ -380,6 +406,8 @@ std::string SummaryOf(const CompensatedProgram& result) {
   if (!moves.empty()) text += PosesWithLargeMoves(kLargestMove) + "\n" + ListOf(moves);
   if (!leaves.empty()) text += PosesWithOtherTurns() + "\n" + ListOf(leaves);
   for (const std::string& note : result.program.notes) text += "Note: " + note + "\n";
+  const auto& calls = result.program.calls_elsewhere;
+  if (!calls.empty()) text += "Note: " + CallsElsewhereInWords(calls) + "\n";
   return text;
 }
 

@@ -47,6 +47,7 @@ std::map<std::string, Value> ByNames(const RobotProgram& program, const std::map
     const auto own = std::find_if(known.begin(), known.end(), [&, &said = name](const std::string& one) {
       return Folded(one, program.dialect) == Folded(said, program.dialect);
     });
+    if (own == known.end() && NameStandsIn(program, name)) continue;
     if (own == known.end()) throw NameOfNothing(program, key, kind, name, known);
     if (!named.emplace(*own, value).second)
       throw InputError({program.path, 0, key}, "'" + *own + "' is given twice", "the program ignores case");

@@ -8,7 +8,6 @@
 #include <set>
 
 #include "problems/input_error.h"
-#include "problems/io/pattern.h"
 #include "problems/io/robot_checks.h"
 #include "problems/limits.h"
 #include "problems/text.h"
@@ -44,12 +43,25 @@ void CheckOneParent(const urdf::ModelInterface& model, const std::string& file) 
   }
 }
 
+// In an origin that is no comment.
+bool StatesQuaternions(const std::string& text) {
+  for (size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at + 1)) {
+    if (text.compare(at, 4, "<!--") == 0) {
+      at = std::min(text.find("-->", at), text.size());
+      continue;
+    }
+    const std::string element = text.substr(at, text.find('>', at) - at);
+    if (element.compare(0, 7, "<origin") == 0 && element.find("quat_xyzw") != std::string::npos) return true;
+  }
+  return false;
+}
+
 urdf::ModelInterfaceSharedPtr ParseModel(const std::string& text, const std::string& file) {
   if (text.find("<xacro:") != std::string::npos) {
     throw InputError({file, 0, ""}, "this is a xacro file", "expand it first: xacro FILE.xacro > FILE.urdf");
   }
   CheckXml(text, file);
-  if (SearchPattern(text, MakePattern("<origin\\s[^>]*quat_xyzw"))) {
+  if (StatesQuaternions(text)) {
     throw InputError({file, 0, "origin"}, "an origin states its rotation as quat_xyzw, which is not read here",
                      "state rpy=\"roll pitch yaw\" (rad)");
   }

@@ -164,5 +164,32 @@ TEST_F(ProgramBranches, PosesOfWhichAJointMovesFarAreListed) {
   EXPECT_THAT(result.results[0].moves, HasSubstr(Significant(move, 3) + " deg"));
 }
 
+// "Nearest to the point before": where that one has no numbers, stands in another routine or in one of two branches,
+// there is no solution that the text decides.
+TEST_F(ProgramBranches, ThePointBeforeIsTheOneThatTheArmComesFrom) {
+  const std::string near = "PTP {A1 20,A2 -95,A3 100,A4 30,A5 40,A6 -60}\n",
+                    flipped = "PTP {A1 20,A2 -95,A3 100,A4 -150,A5 -40,A6 120}\n";
+  const std::string point =
+      "LIN {" + PoseText(PoseNotation::kAbcDegrees, Joints({22, -93, 98, 32, 38, -58}), kFrameInWorld, kKrlNames) +
+      "}\n";
+  const std::string scene = "DEF P()\n$BASE=BASE_DATA[2]\n$TOOL=TOOL_DATA[1]\n";
+  const auto untouched = [&](const std::string& body) {
+    const CompensatedProgram result = Compensated(TrueRobot(truth_), ReadAs(".src", scene + body + "END\n"));
+    std::string words;
+    for (const ProgramPointResult& one : result.results) {
+      if (result.program.points[static_cast<size_t>(one.point)].name.find("LIN") == 0) words = one.untouched;
+    }
+    return words;
+  };
+  EXPECT_EQ(untouched(near + point), "");
+  EXPECT_THAT(untouched(near + "PTP XP9\n" + point), HasSubstr("--start_deg"));
+  EXPECT_THAT(untouched("IF $IN[1] THEN\n" + near + "ELSE\n" + flipped + "ENDIF\n" + point),
+              HasSubstr("more than one joint solution"));
+  EXPECT_EQ(untouched("IF $IN[1] THEN\n" + near + "ELSE\n" + near + "ENDIF\n" + point), "");
+  const std::string sub = "END\nDEF S1()\n" + point;
+  EXPECT_EQ(untouched(near + "S1()\n" + flipped + sub), "");
+  EXPECT_THAT(untouched(near + "S1()\n" + flipped + "S1()\n" + sub), HasSubstr("more than one joint solution"));
+}
+
 }  // namespace
 }  // namespace sagitta::program_branches_test

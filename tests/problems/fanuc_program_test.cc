@@ -39,5 +39,32 @@ TEST_F(FanucProgramTest, TheSectionOfPositionsBeginsALine) {
   EXPECT_THAT(WhyOf("   1:  ! see section /POS ;\n   2:L P[1] 10mm/sec FINE INC  ;\n"), HasSubstr("incremental"));
 }
 
+TEST_F(FanucProgramTest, WhatIsNotUnderstoodStays) {
+  for (const char* config : {"'F U T, 0, 0'", "'FUT 000'"}) {
+    const std::string text =
+        "/PROG X\n/MN\n   1:J P[1] 100% FINE ;\n   2:  CALL GRIP ;\n/POS\nP[1]{\n GP1:\n UF : 0, UT : 0, CONFIG : " +
+        std::string(config) +
+        ",\n X = 563.9 mm, Y = 112.9 mm, Z = 727.4 mm,\n W = 159.8 deg, P = 11.2 deg, R = -26.8 "
+        "deg\n};\n/END\n";
+    const RobotProgram program = ReadAs("a.ls", text);
+    EXPECT_THAT(program.points[0].untouched, HasSubstr("CONFIG")) << config;
+    EXPECT_EQ(program.calls_elsewhere.count("GRIP"), 1U);
+  }
+  EXPECT_THAT(WhyOf("   1:L P[1] 100mm/sec FINE RTCP ;\n"), HasSubstr("in the room"));
+}
+
+TEST_F(FanucProgramTest, APayloadOfABranchIsNotCertain) {
+  const auto other = [&](const std::string& lines) {
+    const std::string text = "/PROG X\n/MN\n" + lines +
+                             "   9:J P[1] 100% FINE ;\n/POS\nP[1]{\n GP1:\n J1= 10 deg, J2= 20 deg, J3= 30 "
+                             "deg,\n J4= 1 deg, J5= 4 deg, J6= 5 deg\n};\n/END\n";
+    return ReadAs("a.ls", text).points[0].other_load;
+  };
+  EXPECT_EQ(other("   1:  PAYLOAD[1] ;\n"), "");
+  EXPECT_EQ(other("   1:  PAYLOAD[1] ;\n   2:  IF DI[1]=ON,PAYLOAD[2] ;\n"), "PAYLOAD[2]");
+  EXPECT_EQ(other("   1:  IF (DI[1]) THEN ;\n   2:  PAYLOAD[1] ;\n   3:  ENDIF ;\n"), "PAYLOAD[1]");
+  EXPECT_NE(other("   1:  PAYLOAD[1] ;\n   2:  LBL[1] ;\n"), "");
+}
+
 }  // namespace
 }  // namespace sagitta::fanuc_program_test

@@ -40,11 +40,13 @@ TEST_F(KrlProgramTest, WithHoldsForItsMotion) {
 
 TEST_F(KrlProgramTest, TheCallersBaseIsNotKnown) {
   const std::string point = "PTP {" + kPose + ",S 2,T 2}\n";
-  const RobotProgram called = ReadAs("a.src",
-                                     "DEF MAIN()\n$TOOL=$NULLFRAME\n$BASE=BASE_DATA[1]\nSUB()\n"
-                                     "$BASE=BASE_DATA[2]\nEND\nDEF SUB()\n" +
-                                         point + "END\n");
-  EXPECT_EQ(called.points[0].frame, "");
+  const auto call = [&](const std::string& calls) {
+    return ReadAs("a.src", "DEF MAIN()\n$TOOL=$NULLFRAME\n$BASE=BASE_DATA[1]\nSUB()\n$BASE=BASE_DATA[2]\n" + calls +
+                               "END\nDEF SUB()\n" + point + "END\n");
+  };
+  EXPECT_THAT(call("SUB()\n").points[0].untouched, HasSubstr("more than one tool or base"));
+  const RobotProgram called = call("");
+  EXPECT_EQ(called.points[0].frame, "BASE_DATA[1]");
   EXPECT_EQ(called.points[0].tool, kFlangeName);  // the one that the whole file has
   const std::string branches = "IF X==1 THEN\n$BASE=BASE_DATA[1]\nELSE\n$BASE=BASE_DATA[2]\nENDIF\n";
   EXPECT_THAT(Last(branches + point).untouched, HasSubstr("more than one tool or base"));
@@ -116,6 +118,87 @@ TEST_F(KrlProgramTest, ToolsInTheRoom) {
   EXPECT_THAT(Last("$IPO_MODE=#TCP\n" + point).untouched, HasSubstr("tool stands in the room"));
   EXPECT_EQ(Last("$IPO_MODE=#TCP\n$IPO_MODE=#BASE\n" + point).untouched, "");
   EXPECT_THAT(Last("IF A THEN\n$IPO_MODE=#TCP\nENDIF\n" + point).untouched, HasSubstr("$IPO_MODE"));
+}
+
+// What is set in a loop, by a call in it or below, is not forgotten behind it, and neither is where EXIT leaves it.
+TEST_F(KrlProgramTest, LoopsForgetNothing) {
+  const std::string point = "PTP {" + kPose + ",S 2,T 2}\n", first = "$TOOL=$NULLFRAME\n$BASE=BASE_DATA[1]\n";
+  const auto why = [&](const std::string& body, const std::string& routine = "") {
+    return ReadAs("a.src", "DEF MAIN()\n" + first + body + "END\n" + routine).points[0].untouched;
+  };
+  const std::string sub = "DEF SUB()\n$BASE=BASE_DATA[2]\nEND\n", mode = "DEF SUB()\n$IPO_MODE=#TCP\nEND\n";
+  EXPECT_THAT(why("FOR I=1 TO 2\nSUB()\nENDFOR\n" + point, sub), HasSubstr("as the program runs"));
+  EXPECT_THAT(why("REPEAT\nSUB()\nUNTIL $IN[1]\n" + point, mode), HasSubstr("$IPO_MODE"));
+  EXPECT_THAT(why("WHILE $IN[1]\nL:\nENDWHILE\n" + point + "$BASE=BASE_DATA[2]\nGOTO L\n"),
+              HasSubstr("as the program runs"));
+  const std::string leave = "IF $IN[1] THEN\nEXIT\nENDIF\n";
+  EXPECT_THAT(why("$BASE=BASE_DATA[2]\nLOOP\n$BASE=BASE_DATA[1]\n" + leave + "$BASE=BASE_DATA[2]\nENDLOOP\n" + point),
+              HasSubstr("more than one tool or base"));
+  EXPECT_EQ(why("FOR I=1 TO 2\n$BASE=BASE_DATA[1]\nENDFOR\n" + point), "");
+}
+
+TEST_F(KrlProgramTest, ARoutineStartsWithWhatItsCallsHave) {
+  const auto why = [&](const std::string& body) {
+    const RobotProgram program =
+        ReadAs("a.src", "DEF MAIN()\n$TOOL=$NULLFRAME\n" + body + "END\nDEF SUB()\nPTP {" + kPose + ",S 2,T 2}\nEND\n");
+    return PointNamed(program, program.points.back().name).untouched;
+  };
+  EXPECT_EQ(why("$BASE=BASE_DATA[1]\nSUB()\n"), "");
+  EXPECT_NE(why("IF $IN[1] THEN\n$BASE=BASE_DATA[1]\nENDIF\nSUB()\n"), "");
+  EXPECT_EQ(PointNamed(ReadAs("a.src",
+                              "DEF MAIN()\n$TOOL=$NULLFRAME\nSLIN XP9 WITH $BASE=BASE_DATA[1]\nSUB()\nEND\n"
+                              "DEF SUB()\nPTP {" +
+                                  kPose + ",S 2,T 2}\nEND\n"),
+                       "PTP of line 7")
+                .frame,
+            "");
+  const std::string armed = "INTERRUPT DECL 3 WHEN $IN[1] DO STOPPED()\n$BASE=BASE_DATA[1]\n",
+                    stopped = "DEF STOPPED()\n$BASE=BASE_DATA[2]\nEND\n";
+  EXPECT_THAT(
+      LastOf(ReadAs("a.src", "DEF MAIN()\n" + armed + "PTP {" + kPose + ",S 2,T 2}\nEND\n" + stopped)).untouched,
+      HasSubstr("as the program runs"));
+}
+
+// BAS sets tool and base by the FDAT of an inline form, or by a number that the text may not state.
+TEST_F(KrlProgramTest, ToolAndBaseOfInlineForms) {
+  const std::string scene = "$TOOL=TOOL_DATA[1]\n$BASE=BASE_DATA[1]\n", point = "LIN {" + kPose + ",S 2,T 2}\n";
+  const std::string data = "DECL FDAT FP2={TOOL_NO 1,BASE_NO 2,IPO_FRAME #BASE}\n";
+  EXPECT_EQ(Last(data + scene + "FDAT_ACT=FP2\nBAS(#PTP_PARAMS,100)\n" + point).frame, "BASE_DATA[2]");
+  for (const std::string set : {"FDAT_ACT=FP9\nBAS(#PTP_PARAMS,100)\n", "BAS(#CP_PARAMS,2)\n", "BAS(#BASE,NB)\n",
+                                "$BASE=BASE_DATA[N]\n", "$BASE=$BASE:OFFS\n", "$BASE.Z=3\n", "B=X\n$BASE=B\n"})
+    EXPECT_THAT(Last(scene + set + point).untouched, HasSubstr("decided as the program runs")) << set;
+  const RobotProgram block =
+      Main(scene + "SPLINE WITH $BASE = BASE_DATA [ 2 ]\nSPL {" + kPose + "}\nENDSPLINE\n" + point);
+  EXPECT_EQ(block.points[0].frame, "BASE_DATA[2]");
+  EXPECT_EQ(block.points[1].frame, "BASE_DATA[1]");
+}
+
+TEST_F(KrlProgramTest, NumbersOfTheTablesHoldFromTheStartOrNowhere) {
+  const std::string frame = "{X 1,Y 2,Z 3,A 0,B 0,C 0}\n",
+                    use = "$TOOL=$NULLFRAME\n$BASE=BASE_DATA[1]\nLIN {" + kPose + "}\n";
+  EXPECT_EQ(Last("BASE_DATA[1]=" + frame + use).untouched, "");
+  for (const std::string& body :
+       {"IF $IN[1] THEN\nBASE_DATA[1]=" + frame + "ENDIF\n" + use, use + "BASE_DATA[1]=" + frame,
+        "BASE_DATA[1]=" + frame + "I=1\nBASE_DATA[I]=" + frame + use, "BASE_DATA[I]=OTHER\n" + use})
+    EXPECT_THAT(Last(body).untouched, HasSubstr("changes BASE_DATA[1]")) << body;
+  const std::string twice = "IF $IN[1] THEN\nXA={" + kPose + "}\nELSE\nXA={" + kPose + "}\nENDIF\nLIN XA\n";
+  for (const ProgramPoint& point : Main(twice).points) EXPECT_THAT(point.untouched, HasSubstr("more than once"));
+  EXPECT_THAT(PointNamed(Main("DECL FRAME SHIFT\nSHIFT={" + kPose + "}\nLIN SHIFT:XQ\n"), "SHIFT").untouched,
+              HasSubstr("computed of it"));
+}
+
+TEST_F(KrlProgramTest, RoutinesOfOtherFilesAreNamed) {
+  const RobotProgram program =
+      Main("BAS(#INITMOV,0)\nSUB()\nSETBASE(2)\nSETBASE(3)\nPTP " + kJoints + "\nEND\nDEF SUB()\n");
+  EXPECT_EQ(program.calls_elsewhere, (std::map<std::string, int>{{"SETBASE", 4}}));
+}
+
+TEST_F(KrlProgramTest, LongLinesAreRefusedAndLongCommentsAreNot) {
+  const std::string comments = ";" + std::string(100000, 'c') + "\n";
+  EXPECT_EQ(Last("FR=$BASE\n" + comments + comments + "PTP " + kJoints + "\n").untouched, "");
+  std::string sum = "$BASE=B";
+  while (sum.size() < 300000) sum += ": B";
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { Main(sum + "\n"); }), {"a.src:2", "lines"}));
 }
 
 }  // namespace

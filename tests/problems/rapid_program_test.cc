@@ -113,7 +113,7 @@ TEST_F(RapidProgramTest, WhatARoutineGripsHoldsNotInTheNextOne) {
   EXPECT_EQ(PointNamed(Main("IF a THEN\nGripLoad piece;\nELSE\nGripLoad piece;\nENDIF\n" + motion, piece), "p1").load,
             "TA and PIECE");
   EXPECT_EQ(PointNamed(Main("WHILE a DO\n" + motion + "GripLoad piece;\nENDWHILE\n", piece), "p1").other_load,
-            "TA and one that another line sets");
+            "TA and one that is set further down in the loop");
 }
 
 TEST_F(RapidProgramTest, NamesOfARoutineAreItsOwn) {
@@ -135,6 +135,58 @@ TEST_F(RapidProgramTest, LinesMayEndWithACarriageReturn) {
   EXPECT_EQ(WithCorrectedPoints(program, {}), text);
   const std::string wide = std::string("\xff\xfe") + "M" + std::string(1, '\0');
   EXPECT_THAT(ErrorOf([&] { ReadAs("b.mod", wide); }), HasSubstr("UTF-16"));
+}
+
+TEST_F(RapidProgramTest, LongStretchesAreRead) {
+  std::string remarks;
+  for (int i = 0; i < 5000; ++i) remarks += "! MoveL p" + std::to_string(i) + ",v100,fine,tA;\n";
+  const std::string blanks(300000, ' ');
+  EXPECT_EQ(
+      PointNamed(Module(remarks + Target("p1"), "PROC main()\nMoveL p1,v100,fine" + blanks + ",tA;\nENDPROC\n"), "p1")
+          .tool,
+      "TA");
+  std::string words;
+  while (words.size() < 100000) words += "x y ";
+  EXPECT_NE(PointNamed(Main("GripLoad " + words + "\nMoveL p1,v100,fine,tA;\n"), "p1").other_load, "");
+  EXPECT_THAT(ErrorOf([&] { Module(Target("p1"), "PROC main(\n" + words + "\nENDPROC\n"); }), HasSubstr("not closed"));
+}
+
+// Behind a loop as behind a single call: what the routine has gripped or displaced.
+TEST_F(RapidProgramTest, WhatACallInALoopLeaves) {
+  const std::string move = "MoveL p1,v100,fine,tA;\n";
+  const auto point = [&](const std::string& body, const std::string& routine) {
+    return PointNamed(Module(Target("p1"), "PROC main()\n" + body + "ENDPROC\n" + routine + "ENDPROC\n"), "p1");
+  };
+  const std::string grip = "PROC pick()\nGripLoad piece;\n", shift = "PROC shift()\nPDispSet pz;\n";
+  const std::string open = "PROC place()\nGripLoad load0;\nENDPROC\n";
+  EXPECT_EQ(point("WHILE a DO\npick;\nENDWHILE\n" + move, open + grip).other_load, "TA and one that another line sets");
+  EXPECT_THAT(point("FOR i FROM 1 TO 3 DO\nshift;\nENDFOR\n" + move + "PDispOff;\n", shift).untouched,
+              HasSubstr("displacement"));
+  // What one branch, a trap, or a later line sets.
+  const std::string work = "PROC work()\n" + move;
+  EXPECT_EQ(point("IF a THEN\nGripLoad piece;\nENDIF\nwork;\n", work).other_load, "TA and PIECE");
+  EXPECT_THAT(point("work;\nConfL\\Off;\nlast;\n", "PROC last()\nENDPROC\n" + work).untouched, "");
+  EXPECT_FALSE(point("work;\nConfL\\Off;\nlast;\n", "PROC last()\nENDPROC\n" + work).branch.from_before);
+  EXPECT_THAT(point("init;\nwork;\n", "PROC init()\nIF a THEN\nConfL\\Off;\nENDIF\nENDPROC\n" + work).untouched,
+              HasSubstr("with and without"));
+  EXPECT_NE(PointNamed(Module(Target("p1"),
+                              "PROC main()\nGripLoad load0;\n" + move + "ENDPROC\nTRAP tr\nGripLoad piece;\nENDTRAP\n"),
+                       "p1")
+                .other_load,
+            "");
+  EXPECT_NE(PointNamed(Module(Target("p1"), "PROC place()\n" + move + "GripLoad load0;\nENDPROC\n"), "p1").other_load,
+            "");
+}
+
+TEST_F(RapidProgramTest, MotionsWithoutABlankAndJointsThatAreUnused) {
+  const RobotProgram program = Main(
+      "MoveL[[500,117,432],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,fine,tA;\n"
+      "MoveExtJ j1,v100,fine;\nGripperClose;\n",
+      "CONST jointtarget j1:=[[9E9,9E9,9E9,9E9,9E9,9E9],[100,9E9,9E9,9E9,9E9,9E9]];\n");
+  EXPECT_EQ(program.motions.size(), 1U);
+  EXPECT_THAT(PointNamed(program, "j1").untouched, HasSubstr("some of the joints"));
+  EXPECT_EQ(program.calls_elsewhere.count("GRIPPERCLOSE"), 1U);
+  EXPECT_EQ(program.calls_elsewhere.size(), 1U);
 }
 
 }  // namespace

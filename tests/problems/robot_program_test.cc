@@ -448,5 +448,24 @@ TEST_F(RobotProgramTest, BadProgramsAreNamed) {
   EXPECT_TRUE(SaysInOrder(ErrorOf([&] { ReadAs("a.ls", "/POS\nP[1]{ GP1:"); }), {"a.ls:2", "not closed"}));
 }
 
+TEST_F(RobotProgramTest, UrScriptBranchesAndThreads) {
+  const std::string pose = "p[0.5,-0.2,0.3,3.14,0,0]", other = "set_tcp(p[0,0,0.15,0,0,0])\n";
+  const auto why = [&](const std::string& body, const std::string& before = "") {
+    const RobotProgram program =
+        ReadAs("a.script", before + "def main():\nset_tcp(p[0,0,0.1,0,0,0])\np1=" + pose + "\n" + body + "end\n");
+    return PointNamed(program, "p1").untouched;
+  };
+  EXPECT_EQ(why("movel(p1)\n"), "");
+  EXPECT_THAT(why("if (x == 1):\n" + other + "end\nmovel(p1)\n"), HasSubstr("more than one tool"));
+  EXPECT_THAT(why("movel(p1)\n", "thread t():\n" + other + "end\n"), HasSubstr("more than one tool"));
+  EXPECT_THAT(why("set_tcp(pose_trans(a, b))\nmovel(p1)\n"), HasSubstr("more than one tool"));
+  EXPECT_EQ(why("def go():\nmovel(p1)\nend\nwhile True:\ngo()\nend\n"), "");  // the one tool of the program
+  EXPECT_THAT(why("def go(p1):\nmovel(p1)\nend\ngo(p2)\n"), HasSubstr("by this name"));
+  EXPECT_THAT(why("if x == 1: p1=p[0.3,0.2,0.4,0,3.1,0] end\nmovel(p1)\n"), HasSubstr("more than once"));
+  EXPECT_THAT(why("x=1; p1[2]=0.1; movel(p1)\n"), HasSubstr("more than once"));
+  const std::string name(300000, 'a');
+  EXPECT_THAT(ErrorOf([&] { ReadAs("a.script", name + " = [1,2,3]\nmovej([0,0,1,0,1,0])\n"); }), HasSubstr("words"));
+}
+
 }  // namespace
 }  // namespace sagitta::robot_program_test

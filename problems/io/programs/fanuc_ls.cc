@@ -7,7 +7,8 @@
 #include "models/constants.h"
 #include "problems/input_error.h"
 #include "problems/io/pattern.h"
-#include "problems/io/programs/program_text.h"
+#include "problems/io/programs/calls_elsewhere.h"
+#include "problems/io/programs/program_flow.h"
 
 namespace sagitta {
 namespace {
@@ -15,7 +16,10 @@ namespace {
 class FanucReader {
  public:
   FanucReader(int joints, RobotProgram* program)
-      : joints_(joints), program_(*program), code_(UpperCase(WithoutComments(program->text, "//", '"'))) {}
+      : joints_(joints),
+        program_(*program),
+        source_(ProgramCode(*program, "//", '"').InCapitals()),
+        code_(source_.text()) {}
 
   void Read();
 
@@ -32,18 +36,25 @@ class FanucReader {
 
   const int joints_;
   RobotProgram& program_;
-  const std::string code_;
+  const ProgramCode source_;
+  const std::string& code_;
   std::map<std::string, size_t> named_;
 };
 
 bool FanucReader::NumberOf(const std::string& name, size_t begin, size_t end, TextNumber* number) const {
-  const std::regex field = MakePattern("(?:^|[\\s,:])" + name + "\\s*=\\s*([-+0-9.eE]+)\\s*(MM|DEG)");
-  std::smatch match;
-  const auto from = code_.begin() + static_cast<std::ptrdiff_t>(begin),
-             to = code_.begin() + static_cast<std::ptrdiff_t>(end);
-  if (!SearchPattern(from, to, &match, field)) return false;
-  const size_t at = begin + static_cast<size_t>(match.position(1));
-  return NumberAt(code_, {at, at + static_cast<size_t>(match.length(1))}, number);
+  const std::string_view code = std::string_view(code_).substr(0, end);
+  for (size_t at = code.find(name, begin); at != std::string_view::npos; at = code.find(name, at + 1)) {
+    size_t sign = at + name.size();
+    if (at > begin && std::string_view(" \n,:").find(code[at - 1]) == std::string_view::npos) continue;
+    while (sign < end && std::isspace(static_cast<unsigned char>(code[sign])) != 0) ++sign;
+    if (sign >= end || code[sign] != '=') continue;
+    const size_t from = code.find_first_not_of(" \n", sign + 1);
+    const size_t to = std::min(code.find_first_not_of("-+0123456789.E", from), end);
+    const size_t unit = code.find_first_not_of(" \n", to);
+    if (from >= to || unit >= end || (code.compare(unit, 2, "MM") != 0 && code.compare(unit, 3, "DEG") != 0)) continue;
+    return NumberAt(code, {from, to}, number);
+  }
+  return false;
 }
 
 std::string FanucReader::FrameNumber(const std::string& name, const char* zero, size_t begin, size_t end) const {
@@ -63,7 +74,7 @@ void FanucReader::ReadConfiguration(size_t begin, size_t end, ProgramPoint* poin
   const std::string text = code_.substr(begin, end - begin);
   std::smatch match;
   if (!SearchPattern(text, &match, field)) {
-    point->branch.from_before = true;
+    if (point->untouched.empty()) point->untouched = "its CONFIG is missing or not understood";
     return;
   }
   if (match[1].matched) point->branch.wrist_negative = match[1] == "N";
@@ -88,35 +99,49 @@ void FanucReader::ReadExternalAxes(size_t begin, size_t end, ProgramPoint* point
   if (joints_ > 6 && point->untouched.empty()) point->untouched = kMoreThanSixJoints;
 }
 
+// Labels, IF in every form, FOR. The ELSE of a SELECT, "ELSE,JMP LBL[1]", is none.
+ProgramFlow FlowOfFanuc(const std::string& code) {
+  static const std::regex words =
+      MakePattern("\\b(LBL(?=\\[[^\\]]{1,40}\\] ?[;\\n])|IF|ELSE(?! ?,)|ENDIF|FOR|ENDFOR)\\b()");
+  static const std::map<std::string, FlowKind> kinds = {{"LBL", FlowKind::kJoin},  {"IF", FlowKind::kBranch},
+                                                        {"ELSE", FlowKind::kElse}, {"ENDIF", FlowKind::kBranchEnd},
+                                                        {"FOR", FlowKind::kLoop},  {"ENDFOR", FlowKind::kLoopEnd}};
+  return ProgramFlow(code, WithEndsOfShortBranches(code, FlowEventsOf(code, words, kinds)),
+                     {{MakePattern("\\bPAYLOAD\\s*\\["), false}});
+}
+
+// "PAYLOAD[2]", "PAYLOAD[R[3]]", "P[4]", "P[GP1:4]", "PR[5]", with what a comment adds
+const char kPlace[] = "\\s*\\[\\s*(?:GP1\\s*:\\s*)?(\\d+|[A-Z]+\\s*\\[[^\\]]{0,99}\\])";
+
 // The first motion to each point, and what hangs on the flange then.
 void FanucReader::ReadMotions(size_t end) {
-  // PAYLOAD[2], PAYLOAD[R[3]], P[4], P[GP1:4]
-  static const std::regex step =
-      MakePattern("\\b(PAYLOAD|P)\\s*\\[\\s*(?:GP1\\s*:\\s*)?(\\d+|[A-Z]+\\s*\\[[^\\]]*\\])");
+  static const std::regex step = MakePattern(std::string("\\b(PAYLOAD|P)") + kPlace);
   const auto stop = code_.begin() + static_cast<std::ptrdiff_t>(end);
-  std::string load;
+  ProgramFlow flow = FlowOfFanuc(code_.substr(0, end));
   std::set<size_t> used;
   for (const std::smatch& match : AllMatches(code_.begin(), stop, step)) {
-    const size_t line = code_.rfind('\n', static_cast<size_t>(match.position(0))) + 1;
+    const size_t at = static_cast<size_t>(match.position(0));
+    const size_t line = code_.rfind('\n', at) + 1;
     const size_t remark = code_.find_first_not_of(" \t0123456789:", line);
+    flow.MoveTo(at);
     if (code_[remark] == '!') continue;
     if (match[1] == "PAYLOAD") {
-      load = "PAYLOAD[" + match[2].str() + "]";
+      flow.Set(0, "PAYLOAD[" + match[2].str() + "]");
       continue;
     }
     const auto found = named_.find("P[" + match[2].str() + "]");
     if (found == named_.end()) continue;
     ProgramPoint& point = program_.points[found->second];
     const bool is_first = used.insert(found->second).second;
-    if (is_first) point.used_at = static_cast<size_t>(match.position(0));
-    UseLoad(load, is_first, &point);
+    if (is_first) point.used_at = at;
+    UseLoads(flow.Of(0), is_first, &point);
   }
 }
 
 // "P[2]", "PR[3]", "P[R[1]]"
 int FanucReader::PointOf(const std::string& name, TextRange place) {
   if (const auto found = named_.find(name); found != named_.end()) return static_cast<int>(found->second);
-  const int line = LineAt(code_, place.first);
+  const int line = source_.LineAt(place.first);
   const int index = AddPointElsewhere(name, line, place.first, &program_);
   ProgramPoint& point = program_.points.back();
   if (name.compare(0, 2, "PR") == 0) point.untouched = "its numbers are in the controller";
@@ -129,9 +154,9 @@ int FanucReader::PointOf(const std::string& name, TextRange place) {
 // that the numbers of the point are an increment.
 void FanucReader::ReadCommands(size_t end) {
   static const std::regex command = MakePattern("(?:^|\\n)[ \\t]*\\d*[ \\t]*:[ \\t]*([JLCAS])[ \\t]+(?=PR?[ \\t]*\\[)");
-  static const std::regex target =
-      MakePattern("\\b(PR?)\\s*\\[\\s*(?:GP1\\s*:\\s*)?(\\d+|[A-Z]+\\s*\\[[^\\]]*\\])[^\\]]*\\]");
+  static const std::regex target = MakePattern(std::string("\\b(PR?)") + kPlace + "[^\\]]{0,99}\\]");
   static const std::regex incremental = MakePattern("\\bINC\\b");
+  static const std::regex remote = MakePattern("\\bRTCP\\b");
   static const std::regex displaced =
       MakePattern("\\b(?:TOOL_OFFSET|OFFSET|VOFFSET|COORD)\\b|\\bOFFSET\\s*,|\\bVR\\s*\\[");
   const auto stop = code_.begin() + static_cast<std::ptrdiff_t>(end);
@@ -146,12 +171,14 @@ void FanucReader::ReadCommands(size_t end) {
     for (size_t i = 0; i < targets.size() && i < (match[1] == "C" ? 2U : 1U); ++i) {
       const size_t at = begin + static_cast<size_t>(targets[i].position(0));
       const TextRange place = {at, at + static_cast<size_t>(targets[i].length(0))};
-      ProgramMotion motion = MotionTo(match[1], code_, place);
+      ProgramMotion motion = MotionTo(match[1], source_, place);
       motion.point = PointOf(targets[i][1].str() + "[" + targets[i][2].str() + "]", place);
       program_.motions.push_back(motion);
       ProgramPoint& point = program_.points[static_cast<size_t>(motion.point)];
       if (is_increment && point.untouched.empty())
         point.untouched = "an incremental motion goes on from where the arm is";
+      if (SearchPattern(body, remote) && point.untouched.empty())
+        point.untouched = "its tool stands in the room and the robot holds the workpiece";
       if (is_displaced && point.untouched.empty())
         point.untouched = "a motion to it is displaced (Offset, Tool_Offset, VOFFSET, COORD)";
     }
@@ -161,16 +188,17 @@ void FanucReader::ReadCommands(size_t end) {
 void FanucReader::ReadPosition(const std::string& name, size_t open, size_t end) {
   ProgramPoint point;
   point.name = name;
-  point.line = LineAt(code_, open);
+  point.line = source_.LineAt(open);
   point.used_at = open;
   named_[name] = program_.points.size();
-  const size_t group = code_.find("GP1", open);
+  const std::string_view position = std::string_view(code_).substr(0, end);
+  const size_t group = position.find("GP1", open);
   if (group >= end) {
     point.untouched = "it has no motion group 1";
     program_.points.push_back(point);
     return;
   }
-  const size_t next = std::min(code_.find("GP2", group), end);
+  const size_t next = std::min(position.find("GP2", group), end);
   TextNumber number;
   point.is_joints = NumberOf("J1", group, next, &number);
   const std::vector<std::string> pose = {"X", "Y", "Z", "W", "P", "R"};
@@ -196,17 +224,19 @@ void FanucReader::Read() {
   std::smatch section_match;
   if (!SearchPattern(code_, &section_match, positions)) return;
   const size_t section = static_cast<size_t>(section_match.position(1));
-  static const std::regex head = MakePattern("\\bP\\s*\\[\\s*(\\d+)[^\\]]*\\]\\s*(\\{)");
+  static const std::regex head = MakePattern("\\bP\\s*\\[\\s*(\\d+)[^\\]]{0,99}\\]\\s*(\\{)");
   for (const std::smatch& match : AllMatches(code_.begin() + static_cast<std::ptrdiff_t>(section), code_.end(), head)) {
     const size_t open = section + static_cast<size_t>(match.position(2));
     const size_t end = code_.find('}', open);
     if (end == std::string::npos) {
-      throw InputError({program_.path, LineAt(code_, open), "P[" + match[1].str() + "]"}, "the brace is not closed");
+      throw InputError({program_.path, source_.LineAt(open), "P[" + match[1].str() + "]"}, "the brace is not closed");
     }
     ReadPosition("P[" + match[1].str() + "]", open, end);
   }
   ReadMotions(section);
   ReadCommands(section);
+  FindCallsElsewhere(source_, &program_);
+  source_.PlaceInFile(&program_);
 }
 
 }  // namespace

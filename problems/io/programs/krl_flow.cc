@@ -1,7 +1,5 @@
 #include "problems/io/programs/krl_flow.h"
 
-#include <algorithm>
-
 #include "problems/io/pattern.h"
 #include "problems/io/programs/program_text.h"
 
@@ -13,7 +11,7 @@ std::vector<FlowEvent> KrlEvents(const std::string& code) {
   static const std::regex words = MakePattern(
       "(?:^|\\n)[ \\t]*(?:GLOBAL[ "
       "\\t]+)?(DEFFCT|DEF|ENDFCT|END|IF|ELSE|ENDIF|SWITCH|CASE|DEFAULT|ENDSWITCH|LOOP|ENDLOOP|"
-      "FOR|ENDFOR|WHILE|ENDWHILE|REPEAT|UNTIL)\\b(?:[ \\t]+(?:\\w+[ \\t]+)?(\\w+)[ \\t]*(?=\\())?");
+      "FOR|ENDFOR|WHILE|ENDWHILE|REPEAT|UNTIL|EXIT|RETURN)\\b(?:[ \\t]+(?:\\w+[ \\t]+)?(\\w+)[ \\t]*(?=\\())?");
   static const std::map<std::string, FlowKind> kinds = {
       {"DEF", FlowKind::kRoutine},         {"DEFFCT", FlowKind::kRoutine},
       {"END", FlowKind::kRoutineEnd},      {"ENDFCT", FlowKind::kRoutineEnd},
@@ -24,30 +22,37 @@ std::vector<FlowEvent> KrlEvents(const std::string& code) {
       {"ENDLOOP", FlowKind::kLoopEnd},     {"FOR", FlowKind::kLoop},
       {"ENDFOR", FlowKind::kLoopEnd},      {"WHILE", FlowKind::kLoop},
       {"ENDWHILE", FlowKind::kLoopEnd},    {"REPEAT", FlowKind::kLoop},
-      {"UNTIL", FlowKind::kLoopEnd}};
+      {"UNTIL", FlowKind::kLoopEnd},       {"EXIT", FlowKind::kLeave},
+      {"RETURN", FlowKind::kLeave}};
   std::vector<FlowEvent> events = FlowEventsOf(code, words, kinds);
   for (FlowEvent& event : events) {
     if (event.kind != FlowKind::kRoutine) continue;
     event.is_main = true;
     break;
   }
+  // INTERRUPT DECL 3 WHEN ... DO STOPPED(), TRIGGER WHEN ... DO GRIP()
+  static const std::regex at_any_time = MakePattern("\\b(?:INTERRUPT|TRIGGER)\\b[^\\n]*\\bDO[ \\t]+(\\w+)");
+  for (const std::smatch& match : AllMatches(code.begin(), code.end(), at_any_time)) {
+    for (FlowEvent& event : events) event.is_interrupt |= event.kind == FlowKind::kRoutine && event.name == match[1];
+  }
   if (code.find("GOTO") == std::string::npos) return events;
   static const std::regex label = MakePattern("(?:^|\\n)[ \\t]*(\\w+)[ \\t]*:[ \\t\\r]*(?=\\n)");
   for (const std::smatch& match : AllMatches(code.begin(), code.end(), label)) {
-    events.push_back({static_cast<size_t>(match.position(1)), FlowKind::kJoin, "", 0, false});
+    events.push_back({static_cast<size_t>(match.position(1)), FlowKind::kJoin, "", 0, false, false});
   }
-  std::stable_sort(events.begin(), events.end(), [](const auto& a, const auto& b) { return a.at < b.at; });
   return events;
 }
 
-std::vector<FlowVariable> KrlVariables() {
-  static const std::string part = "(?:\\s*\\.\\s*\\w+)*\\s*=(?!=)[^\\n]*";
-  static const std::vector<FlowVariable> variables = {
-      {MakePattern("\\$TOOL" + part + "|\\bBAS\\s*\\(\\s*#TOOL[^\\n]*"), {""}, false},
-      {MakePattern("\\$BASE" + part + "|\\bBAS\\s*\\(\\s*#BASE[^\\n]*"), {""}, false},
-      {MakePattern("\\$LOAD" + part + "|\\bBAS\\s*\\(\\s*#TOOL[^\\n]*"), {"", kSetElsewhere}, false},
-      {MakePattern("\\$IPO_MODE" + part), {"", kSetElsewhere}, false}};
-  return variables;
+// is_held: an FDAT of the file may hold the workpiece.
+std::vector<FlowVariable> KrlVariables(bool is_held) {
+  // Every inline form states an FDAT and hands it to BAS.
+  static const std::string part = "(?:[ \\t]*\\.[ \\t]*\\w+)*[ \\t]*=(?!=)", by_data = "|\\bFDAT_ACT[ \\t]*=",
+                           bas = "|\\bBAS[ \\t]*\\([ \\t]*#(?:FRAMES|PTP_PARAMS|CP_PARAMS|";
+  return {{MakePattern("\\$TOOL" + part + by_data + bas + "TOOL)"), false},
+          {MakePattern("\\$BASE" + part + by_data + bas + "BASE)"), false},
+          {MakePattern("\\$LOAD" + part + by_data + bas + "TOOL)"), false},
+          {MakePattern("\\$IPO_MODE" + part + (is_held ? by_data : "")), false},
+          {MakePattern("(?:^|\\n)[ \\t]*(?:S?(?:PTP|LIN|CIRC)(?:_REL)?|SPL)\\b"), false}};
 }
 
 }  // namespace
@@ -66,6 +71,8 @@ std::optional<int> KrlBitsAt(const std::string& code, TextRange range) {
   return static_cast<int>(std::stoul(match[2], nullptr, is_binary ? 2 : 16));
 }
 
-ProgramFlow FlowOfKrl(const std::string& code) { return ProgramFlow(code, KrlEvents(code), KrlVariables()); }
+ProgramFlow FlowOfKrl(const std::string& code) {
+  return ProgramFlow(code, KrlEvents(code), KrlVariables(code.find("#TCP") != std::string::npos));
+}
 
 }  // namespace sagitta

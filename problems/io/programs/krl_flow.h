@@ -9,7 +9,7 @@
 
 namespace sagitta {
 
-enum KrlVariable { kKrlTool, kKrlBase, kKrlLoad, kKrlMode };
+enum KrlVariable { kKrlTool, kKrlBase, kKrlLoad, kKrlMode, kKrlArm };
 
 // code: without comments, in capital letters.
 ProgramFlow FlowOfKrl(const std::string& code);

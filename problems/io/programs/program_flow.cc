@@ -20,10 +20,11 @@ bool ClosesBlock(FlowKind kind) {
 
 void AddValues(const FlowValues& more, FlowValues* values) { values->insert(more.begin(), more.end()); }
 
-std::string SetterText(std::string text) {
-  text.erase(std::remove_if(text.begin(), text.end(), [](unsigned char c) { return std::isspace(c) != 0; }),
-             text.end());
-  return text;
+// The statement that begins at `at`, of which a pattern has found `length` bytes, without blanks.
+std::string StatementAt(const std::string& code, size_t at, size_t length) {
+  const size_t last = at + length - 1;
+  const size_t end = code[last] == '(' ? EndOfBracket(code, last) : code.find_first_of(";\n", last + 1);
+  return Unspaced(code.substr(at, std::min(end, code.size()) - at));
 }
 
 }  // namespace
@@ -41,17 +42,36 @@ std::vector<FlowEvent> FlowEventsOf(const std::string& code, const std::regex& p
   return events;
 }
 
+std::vector<FlowEvent> WithEndsOfShortBranches(const std::string& code, const std::vector<FlowEvent>& events) {
+  static const std::regex then = MakePattern("\\bTHEN\\b");
+  std::vector<FlowEvent> with_ends;
+  for (const FlowEvent& event : events) {
+    with_ends.push_back(event);
+    const size_t end = std::min(code.find(';', event.at), code.size());
+    if (event.kind != FlowKind::kBranch || SearchPattern(code.substr(event.at, end - event.at), then)) continue;
+    with_ends.push_back({end, FlowKind::kBranchEnd, "", 0, false, false});
+  }
+  return with_ends;
+}
+
 ProgramFlow::ProgramFlow(const std::string& code, std::vector<FlowEvent> events,
                          const std::vector<FlowVariable>& variables)
-    : events_(std::move(events)), variables_(variables), values_(variables.size(), {""}), last_(variables.size()) {
+    : events_(std::move(events)), variables_(variables), values_(variables.size(), {""}) {
   for (const FlowVariable& variable : variables_) {
     setters_.emplace_back();
     for (const std::smatch& match : AllMatches(code.begin(), code.end(), variable.setter)) {
-      setters_.back().push_back({static_cast<size_t>(match.position(0)), SetterText(match[0])});
+      const size_t at = static_cast<size_t>(match.position(0)), length = static_cast<size_t>(match.length(0));
+      setters_.back().push_back({at, variable.value_is_text ? Unspaced(match[0]) : StatementAt(code, at, length)});
     }
   }
+  std::stable_sort(events_.begin(), events_.end(), [](const auto& a, const auto& b) { return a.at < b.at; });
   FindEnds();
   FindCalls(code);
+  for (const FlowEvent& event : events_) {
+    if (!event.is_interrupt) continue;
+    for (const size_t v : SetWithin(event.at, event.until)) interrupted_.insert(v);
+  }
+  for (const size_t v : interrupted_) AddUnknown(v, kSetElsewhere);
 }
 
 void ProgramFlow::FindEnds() {
@@ -97,7 +117,7 @@ void ProgramFlow::FindCalls(const std::string& code) {
     sets_[routine->name];
     const size_t header = routine->at + code.substr(routine->at).find(routine->name);
     for (const size_t at : PlacesOf(code, routine->name)) {
-      if (at != header) events_.push_back({at, FlowKind::kCall, routine->name, 0, false});
+      if (at != header) events_.push_back({at, FlowKind::kCall, routine->name, 0, false, false});
     }
   }
   std::stable_sort(events_.begin(), events_.end(), [](const auto& a, const auto& b) { return a.at < b.at; });
@@ -120,22 +140,70 @@ void ProgramFlow::MoveTo(size_t position) {
   for (; next_ < events_.size() && events_[next_].at <= position; ++next_) Pass(events_[next_]);
 }
 
-// What the whole file sets to one value, and before the first call, is that value in every routine.
+void ProgramFlow::Set(size_t variable, const std::string& value) {
+  values_[variable] = {value};
+  if (interrupted_.count(variable) > 0) AddUnknown(variable, kSetElsewhere);
+}
+
+void ProgramFlow::SetAllBut(size_t kept, const std::vector<FlowValues>& values) {
+  const FlowValues stays = values_[kept];
+  values_ = values;
+  values_[kept] = stays;
+}
+
+void ProgramFlow::AddUnknown(size_t variable, const char* mark) {
+  if (constants_.count(variable) > 0) return;
+  if (!variables_[variable].value_is_text) {
+    values_[variable].insert(mark);
+    return;
+  }
+  for (const Setter& setter : setters_[variable]) values_[variable].insert(setter.text);
+}
+
+// What the main routine has set before anything is called, and every other line sets alike, holds from there on.
+void ProgramFlow::FindConstants() {
+  if (has_called_ || !IsInMain()) return;
+  for (size_t v = 0; v < values_.size(); ++v) {
+    const bool is_set = values_[v].size() == 1 && !values_[v].begin()->empty();
+    if (is_set && IsSetAlike(v)) constants_[v] = values_[v];
+  }
+}
+
+bool ProgramFlow::IsInMain() const {
+  const auto routine =
+      std::find_if(open_.rbegin(), open_.rend(), [](const Block& b) { return b.kind == FlowKind::kRoutine; });
+  return routine != open_.rend() && routine->is_main;
+}
+
+// A routine sets the one text that there is of the variable, and above all branches.
+bool ProgramFlow::AlwaysSets(const std::string& routine, size_t variable) const {
+  if (!variables_[variable].value_is_text || !IsSetAlike(variable)) return false;
+  const auto head = std::find_if(events_.begin(), events_.end(), [&](const FlowEvent& event) {
+    return event.kind == FlowKind::kRoutine && event.name == routine;
+  });
+  const auto next =
+      std::find_if(head + 1, events_.end(), [](const FlowEvent& event) { return event.kind != FlowKind::kCall; });
+  if (next == events_.end()) return false;
+  return std::any_of(setters_[variable].begin(), setters_[variable].end(),
+                     [&](const Setter& setter) { return setter.at > head->at && setter.at < next->at; });
+}
+
+// A routine starts with what is set at its calls, where all of them stand above it.
 void ProgramFlow::EnterRoutine(const FlowEvent& routine) {
   if (routine.is_main) return;
-  size_t first_call = std::string::npos;
+  bool is_called_above = at_call_.count(routine.name) > 0 && !routine.is_interrupt;
   for (const FlowEvent& event : events_) {
-    if (event.kind == FlowKind::kCall && event.name == routine.name) first_call = std::min(first_call, event.at);
+    is_called_above &= event.kind != FlowKind::kCall || event.name != routine.name || event.at < routine.at;
   }
   for (size_t v = 0; v < variables_.size(); ++v) {
     if (setters_[v].empty()) continue;
-    const bool is_before = first_call != std::string::npos && setters_[v][0].at < first_call;
-    if (IsSetAlike(v) && variables_[v].value_is_text) {
-      values_[v] = {setters_[v][0].text};
-    } else if (IsSetAlike(v) && is_before && !last_[v].empty()) {
-      values_[v] = last_[v];
+    if (const auto constant = constants_.find(v); constant != constants_.end()) {
+      values_[v] = constant->second;
+    } else if (is_called_above) {
+      values_[v] = at_call_[routine.name][v];
     } else {
-      values_[v] = variables_[v].unknown;
+      values_[v] = {""};
+      AddUnknown(v, kSetElsewhere);
     }
   }
 }
@@ -148,10 +216,12 @@ void ProgramFlow::Pass(const FlowEvent& event) {
     block.at_entry = values_;
     block.of_branches.resize(values_.size());
     block.has_branch = kind != FlowKind::kSwitch;
+    block.is_main = event.is_main;
+    if (kind == FlowKind::kRoutine) FindConstants();
     open_.push_back(block);
     if (kind == FlowKind::kRoutine) EnterRoutine(event);
     if (kind != FlowKind::kLoop) return;
-    for (const size_t v : SetWithin(event.at, event.until)) values_[v].insert(kSetElsewhere);
+    for (const size_t v : SetWithin(event.at, event.until)) AddUnknown(v, kSetBelow);
   } else if (kind == FlowKind::kMiddle || kind == FlowKind::kElse) {
     if (open_.empty() || open_.back().kind == FlowKind::kRoutine) return;
     EndBranch(&open_.back());
@@ -160,15 +230,31 @@ void ProgramFlow::Pass(const FlowEvent& event) {
     values_ = open_.back().at_entry;
   } else if (ClosesBlock(kind)) {
     CloseDownTo(kind == FlowKind::kRoutineEnd);
+  } else if (kind == FlowKind::kLeave) {
+    LeaveLoop();
   } else if (kind == FlowKind::kCall) {
+    FindConstants();
+    has_called_ = true;
+    State& at_call = at_call_[event.name];
+    at_call.resize(values_.size());
+    for (size_t v = 0; v < values_.size(); ++v) AddValues(values_[v], &at_call[v]);
     for (const size_t v : sets_.at(event.name)) {
-      const bool is_one = variables_[v].value_is_text && IsSetAlike(v);
-      values_[v] = is_one ? FlowValues{setters_[v][0].text} : variables_[v].unknown;
+      if (constants_.count(v) > 0) continue;
+      if (AlwaysSets(event.name, v)) values_[v].clear();
+      AddUnknown(v, kSetElsewhere);
     }
   } else {
     for (size_t v = 0; v < values_.size(); ++v) {
-      if (!setters_[v].empty()) values_[v].insert(kSetElsewhere);
+      if (!setters_[v].empty()) AddUnknown(v, kSetElsewhere);
     }
+  }
+}
+
+void ProgramFlow::LeaveLoop() {
+  for (auto block = open_.rbegin(); block != open_.rend() && block->kind != FlowKind::kRoutine; ++block) {
+    if (block->kind != FlowKind::kLoop) continue;
+    EndBranch(&*block);
+    return;
   }
 }
 
@@ -188,9 +274,7 @@ void ProgramFlow::Close(const Block& closed) {
     values_[v] = block.of_branches[v];
     if (!block.has_else) AddValues(block.at_entry[v], &values_[v]);
     // What was set further down in a loop is now behind it.
-    if (block.kind == FlowKind::kLoop && values_[v].size() > 1 && block.at_entry[v].count(kSetElsewhere) == 0) {
-      values_[v].erase(kSetElsewhere);
-    }
+    if (block.kind == FlowKind::kLoop && block.at_entry[v].count(kSetBelow) == 0) values_[v].erase(kSetBelow);
   }
 }
 
@@ -205,6 +289,13 @@ void ProgramFlow::CloseDownTo(bool is_routine) {
 
 void UseLoads(const FlowValues& loads, bool is_first, ProgramPoint* point) {
   for (const std::string& load : loads) UseLoad(load, is_first && load == *loads.begin(), point);
+}
+
+void ComeFrom(const FlowValues& points, ProgramPoint* point) {
+  for (const std::string& value : points) {
+    const bool is_mark = value == kSetElsewhere || value == kSetBelow;
+    point->before.insert(value.empty() ? kPlaceOfStart : is_mark ? kPlaceUnknown : std::stoi(value));
+  }
 }
 
 }  // namespace sagitta

@@ -2,10 +2,17 @@
 
 #include <algorithm>
 
+#include "problems/input_error.h"
 #include "problems/io/units.h"
 
 namespace sagitta {
 
+namespace {
+
+bool IsBlank(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }
+
+// Comments and quoted strings blanked out, byte for byte in place; a line that ends with a carriage return alone ends
+// with \n.
 std::string WithoutComments(const std::string& text, const std::string& comment, char quote) {
   std::string code = text;
   for (size_t i = 0; i < code.size(); ++i) {
@@ -30,12 +37,66 @@ std::string WithoutComments(const std::string& text, const std::string& comment,
   return code;
 }
 
-int LineAt(const std::string& text, size_t position) {
-  return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(position), '\n'));
+}  // namespace
+
+ProgramCode::ProgramCode(const RobotProgram& program, const std::string& comment, char quote, size_t longest_line) {
+  const std::string code = WithoutComments(program.text, comment, quote);
+  lines_ = {0};
+  bool was_blank = false;
+  for (size_t i = 0; i < code.size(); ++i) {
+    if (code[i] == '\n') lines_.push_back(i + 1);
+    const bool is_blank = IsBlank(code[i]);
+    if (!is_blank || !was_blank) {
+      text_ += is_blank ? ' ' : code[i];
+      place_.push_back(i);
+    }
+    if (code[i] == '\n') text_.back() = '\n';
+    was_blank = is_blank;
+  }
+  place_.push_back(code.size());
+  CheckLengths(program.path, longest_line);
+}
+
+void ProgramCode::CheckLengths(const std::string& path, size_t longest_line) const {
+  constexpr size_t kLongestWord = 2000;
+  size_t word = 0, line = 0;
+  for (size_t i = 0; i < text_.size(); ++i) {
+    if (std::string_view(" \n,;()[]{}").find(text_[i]) != std::string_view::npos) word = i + 1;
+    if (text_[i] == '\n') line = i + 1;
+    const bool is_line = i + 1 - line > longest_line;
+    if (i + 1 - word <= kLongestWord && !is_line) continue;
+    throw InputError({path, LineAt(i), ""}, is_line ? "no controller has lines as long as this one"
+                                                    : "no program has words as long as this one");
+  }
+}
+
+ProgramCode ProgramCode::InCapitals() const {
+  ProgramCode code = *this;
+  code.text_ = UpperCase(text_);
+  return code;
+}
+
+int ProgramCode::LineAt(size_t position) const {
+  const size_t place = place_[std::min(position, place_.size() - 1)];
+  return static_cast<int>(std::upper_bound(lines_.begin(), lines_.end(), place) - lines_.begin());
+}
+
+void ProgramCode::PlaceInFile(RobotProgram* program) const {
+  for (ProgramPoint& point : program->points) {
+    for (TextNumber& number : point.numbers) {
+      number.end = place_[number.end - 1] + 1;
+      number.begin = place_[number.begin];
+    }
+  }
 }
 
 std::string UpperCase(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::toupper(c); });
+  return text;
+}
+
+std::string Unspaced(std::string text) {
+  text.erase(std::remove_if(text.begin(), text.end(), IsBlank), text.end());
   return text;
 }
 
@@ -48,6 +109,59 @@ std::vector<size_t> PlacesOf(const std::string& code, const std::string& name) {
     places.push_back(at);
   }
   return places;
+}
+
+bool NameStandsIn(const RobotProgram& program, const std::string& name) {
+  const bool has_case = program.dialect == ProgramDialect::kUrScript;
+  const std::string text = has_case ? program.text : UpperCase(program.text),
+                    folded = has_case ? name : UpperCase(name);
+  if (!PlacesOf(text, folded).empty()) return true;
+  const size_t data = folded.find("_DATA["), end = folded.find(']');
+  if (data == std::string::npos || end == std::string::npos) return false;
+  const std::string kind = folded.substr(0, data), number = folded.substr(data + 6, end - data - 6);
+  const std::string unspaced = Unspaced(text);
+  for (const std::string& written : {folded, "#" + kind + "," + number + ")", kind + "_NO" + number + ","}) {
+    if (unspaced.find(written) != std::string::npos) return true;
+  }
+  return false;
+}
+
+Assigned AssignedBefore(const std::string& code, size_t sign) {
+  size_t end = sign, begin = sign;
+  const auto skip_blanks = [&] {
+    while (end > 0 && IsBlank(code[end - 1])) --end;
+  };
+  // The word that ends at `end`, an index in brackets left out.
+  const auto find_word = [&] {
+    skip_blanks();
+    int depth = 0;
+    while (end > 0 && (depth > 0 || code[end - 1] == ']' || code[end - 1] == '}')) {
+      --end;
+      depth += (code[end] == ']' || code[end] == '}') - (code[end] == '[' || code[end] == '{');
+    }
+    skip_blanks();
+    begin = end;
+    while (begin > 0 && IsWordCharacter(code[begin - 1])) --begin;
+  };
+  Assigned assigned;
+  find_word();
+  const auto parts_end = static_cast<std::ptrdiff_t>(sign);
+  size_t name_begin = begin, name_end = end;
+  for (;;) {
+    end = begin;
+    skip_blanks();
+    if (end == 0 || code[end - 1] != '.') break;
+    --end;
+    find_word();
+    name_begin = begin, name_end = end;
+  }
+  assigned.at = name_begin;
+  assigned.name = code.substr(name_begin, name_end - name_begin);
+  assigned.parts = std::string(code.begin() + static_cast<std::ptrdiff_t>(name_end), code.begin() + parts_end);
+  begin = end;
+  while (begin > 0 && IsWordCharacter(code[begin - 1])) --begin;
+  assigned.word = code.substr(begin, end - begin);
+  return assigned;
 }
 
 size_t EndOfBracket(std::string_view code, size_t open) {
@@ -63,9 +177,8 @@ size_t EndOfBracket(std::string_view code, size_t open) {
 namespace {
 
 TextRange Trimmed(std::string_view code, size_t begin, size_t end) {
-  const auto is_blank = [&](size_t i) { return std::isspace(static_cast<unsigned char>(code[i])) != 0; };
-  while (begin < end && is_blank(begin)) ++begin;
-  while (end > begin && is_blank(end - 1)) --end;
+  while (begin < end && IsBlank(code[begin])) ++begin;
+  while (end > begin && IsBlank(code[end - 1])) --end;
   return {begin, end};
 }
 
@@ -99,7 +212,7 @@ std::string Quoted(std::string_view code, TextRange range) {
   constexpr size_t kLongest = 40;
   std::string text;
   for (size_t i = range.first; i < range.second; ++i) {
-    const bool is_blank = std::isspace(static_cast<unsigned char>(code[i])) != 0;
+    const bool is_blank = IsBlank(code[i]);
     if (!is_blank || (!text.empty() && text.back() != ' ')) text += is_blank ? ' ' : code[i];
   }
   return text.size() > kLongest ? text.substr(0, kLongest) + "…" : text;
@@ -110,10 +223,10 @@ std::string ExternalAxisInWords(const std::string& axis, std::string_view code, 
          ": where the arm's base is then, the file does not say";
 }
 
-ProgramMotion MotionTo(const std::string& command, const std::string& code, TextRange target) {
+ProgramMotion MotionTo(const std::string& command, const ProgramCode& code, TextRange target) {
   ProgramMotion motion;
-  motion.name = command + " " + Quoted(code, target);
-  motion.line = LineAt(code, target.first);
+  motion.name = command + " " + Quoted(code.text(), target);
+  motion.line = code.LineAt(target.first);
   return motion;
 }
 

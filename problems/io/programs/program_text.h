@@ -10,18 +10,45 @@
 
 namespace sagitta {
 
-// The text with comments and quoted strings blanked out, byte for byte in place; a line that ends with a carriage
-// return alone ends with \n. `comment`: what starts one.
-std::string WithoutComments(const std::string& text, const std::string& comment, char quote);
+// A program as its reader sees it: without comments and quoted strings, and with one blank for every run of blanks, one
+// \n where the run holds the end of a line. std::regex goes a call deeper for every byte that a pattern loops over:
+// what a pattern can loop over is short here, and a word or a line that is not is an InputError.
+class ProgramCode {
+ public:
+  // `comment`: what starts one. `longest_line`: bytes.
+  ProgramCode(const RobotProgram& program, const std::string& comment, char quote,
+              size_t longest_line = std::string::npos);
+  const std::string& text() const { return text_; }
+  ProgramCode InCapitals() const;
+  int LineAt(size_t position) const;  // in the file, from 1
+  // Numbers of the program's points: from where they stand in the code to where they stand in the file.
+  void PlaceInFile(RobotProgram* program) const;
 
-int LineAt(const std::string& text, size_t position);  // from 1
+ private:
+  void CheckLengths(const std::string& path, size_t longest_line) const;
+
+  std::string text_;
+  std::vector<size_t> place_;  // in the file, of every byte of the code and of its end
+  std::vector<size_t> lines_;  // where they begin in the file
+};
 
 std::string UpperCase(std::string text);
+std::string Unspaced(std::string text);
 
 // Where `name` stands as a word of its own.
 std::vector<size_t> PlacesOf(const std::string& code, const std::string& name);
 
+// Whether the program names a tool, base or load so: "BASE_DATA[1]" also as BAS(#BASE,1) and BASE_NO 1.
+bool NameStandsIn(const RobotProgram& program, const std::string& name);
+
 inline bool IsWordCharacter(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '$'; }
+
+// What stands before the sign of an assignment at `sign`: "VAR num n", "gun.tload.mass", "p1[2]".
+struct Assigned {
+  std::string word, name, parts;  // "VAR num n" -> num, n; "gun.tload.mass" -> gun, .tload.mass
+  size_t at = 0;                  // of the name
+};
+Assigned AssignedBefore(const std::string& code, size_t sign);
 
 // The end of the bracket that opens at `open`, one past it; npos: it is not closed.
 size_t EndOfBracket(std::string_view code, size_t open);
@@ -42,7 +69,7 @@ constexpr const char* kMoreThanSixJoints =
     "the robot file has more than six joints: which of them are external axes of the program is not stated";
 
 // The target of a motion command as it is written at `target`. Its point is still to be found.
-ProgramMotion MotionTo(const std::string& command, const std::string& code, TextRange target);
+ProgramMotion MotionTo(const std::string& command, const ProgramCode& code, TextRange target);
 
 // The numbers of "[1, 2, 3]" at `open`, nested brackets flattened. Empty: something in it is no number.
 std::vector<TextNumber> NumbersInBracket(std::string_view code, size_t open);

@@ -1,20 +1,20 @@
 // ABB RAPID: robtarget [[x, y, z], [q1..q4], [cf1, cf4, cf6, cfx], [...]] and jointtarget [[...], [...]], declared or
-// in the motion itself. The motion says tool and work object; without \WObj it is wobj0, the world. What hangs on the
-// flange is the tool's load, its centre of mass in the flange, and that of the last GripLoad, its centre of mass in the
-// tool. A name of a routine's own hides the module's.
+// in the motion itself. The motion says tool and work object; without \WObj it is wobj0, the world. A name of a
+// routine's own hides the module's.
 #include <algorithm>
-#include <optional>
 #include <set>
 
 #include "models/constants.h"
 #include "problems/input_error.h"
 #include "problems/io/pattern.h"
-#include "problems/io/programs/program_flow.h"
-#include "problems/io/programs/program_text.h"
+#include "problems/io/programs/calls_elsewhere.h"
 #include "problems/io/programs/rapid_flow.h"
+#include "problems/io/programs/rapid_tools.h"
 
 namespace sagitta {
 namespace {
+
+constexpr double kUnused = 8.9e9;  // 9E9: there is no such axis
 
 // "CONFL\OFF", "PDISPOFF"
 bool IsOff(const std::string& value) { return value.size() >= 3 && value.compare(value.size() - 3, 3, "OFF") == 0; }
@@ -24,9 +24,11 @@ class RapidReader {
   RapidReader(int joints, RobotProgram* program)
       : joints_(joints),
         program_(*program),
-        code_(WithoutComments(program->text, "!", '"')),
+        source_(*program, "!", '"'),
+        code_(source_.text()),
         upper_(UpperCase(code_)),
-        flow_(FlowOfRapid(upper_)) {}
+        flow_(FlowOfRapid(upper_)),
+        tools_(upper_, program) {}
 
   void Read();
 
@@ -49,9 +51,6 @@ class RapidReader {
   void ReadOtherUse(size_t point, size_t at, size_t name_end);
   void AddTarget(const std::string& name, size_t open, bool is_joints);
   void ReadConfiguration(const std::vector<TextNumber>& numbers, ProgramPoint* point) const;
-  void AddTool(const std::string& name, size_t open);
-  void AddWorkObject(const std::string& name, size_t open);
-  std::string LoadWith(const std::string& tool, const std::string& total, const std::string& gripped);
   void ReadTarget(const std::string& command, TextRange part, bool is_joints);
   void Use(int index_of_point, const Manner& manner);
   std::string WhyNot(const Manner& manner, const ProgramPoint& point) const;
@@ -62,29 +61,33 @@ class RapidReader {
 
   const int joints_;
   RobotProgram& program_;
-  const std::string code_, upper_;
+  const ProgramCode source_;
+  const std::string& code_;
+  const std::string upper_;
   ProgramFlow flow_;
+  RapidTools tools_;
   std::vector<TextRange> routines_;
   std::vector<std::set<std::string>> parameters_, locals_;  // by routine
   std::map<std::string, size_t> named_;
-  std::map<std::string, std::string> refused_;  // tools and work objects that stand in the way of a correction
-  std::map<std::string, ProgramLoad> tool_loads_, payloads_;  // in the flange, in the tool
-  StatedOnce<ProgramLoad> stated_tool_loads_, stated_payloads_;
-  StatedOnce<Pose<double>> stated_tools_, stated_frames_;
   std::vector<bool> used_;
   std::vector<TextRange> motions_;  // the statements
 };
 
 void RapidReader::ReadRoutines() {
-  static const std::regex head = MakePattern("\\b(PROC|FUNC|TRAP)\\s+(?:\\w+\\s+)?\\w+\\s*(?:\\(([^)]*)\\))?");
-  static const std::regex parameter = MakePattern("(\\w+)\\s*(?:\\{[^}]*\\})?\\s*(?:,|\\||$)");
+  static const std::regex head = MakePattern("\\b(PROC|FUNC|TRAP)\\s+(?:\\w+\\s+)?(\\w+)\\s*(\\()?");
+  static const std::regex parameter = MakePattern("(\\w+)\\s*(?:\\{[^}]{0,20}\\})?\\s*(?:,|\\||$)");
   for (const std::smatch& match : AllMatches(upper_.begin(), upper_.end(), head)) {
     const size_t begin = static_cast<size_t>(match.position(0));
     const size_t end = std::min(upper_.find("END" + match[1].str(), begin), upper_.size());
     routines_.emplace_back(begin, end);
     parameters_.emplace_back();
     locals_.emplace_back();
-    const std::string list = match[2];
+    if (!match[3].matched) continue;
+    const size_t open = static_cast<size_t>(match.position(3)), close = EndOfBracket(code_, open);
+    if (close == std::string::npos) {
+      throw InputError({program_.path, source_.LineAt(open), match[2]}, "the bracket of this routine is not closed");
+    }
+    const std::string list = upper_.substr(open + 1, close - open - 2);
     for (const std::smatch& one : AllMatches(list.begin(), list.end(), parameter)) parameters_.back().insert(one[1]);
   }
 }
@@ -114,7 +117,6 @@ void RapidReader::ReadConfiguration(const std::vector<TextNumber>& numbers, Prog
   point->branch.wrist_negative = (shape & 1) != 0;
   point->branch.elbow_of_zero = (shape & 2) == 0;
   point->branch.wrist_behind = (shape & 4) != 0;
-  constexpr double kUnused = 8.9e9;  // 9E9: there is no such axis
   for (size_t i = 0; i < 6 && point->untouched.empty(); ++i) {
     const double value = numbers[11 + i].value;
     if (value >= kUnused || value == 0.0) continue;
@@ -127,7 +129,7 @@ void RapidReader::AddTarget(const std::string& name, size_t open, bool is_joints
   const std::vector<TextNumber> numbers = NumbersInBracket(code_, open);
   ProgramPoint point;
   point.name = name;
-  point.line = LineAt(code_, open);
+  point.line = source_.LineAt(open);
   point.is_joints = is_joints;
   point.used_at = std::string::npos;
   const size_t expected = is_joints ? 12 : 17;
@@ -136,6 +138,9 @@ void RapidReader::AddTarget(const std::string& name, size_t open, bool is_joints
   } else if (is_joints) {
     point.numbers.assign(numbers.begin(), numbers.begin() + std::min(joints_, 6));
     if (joints_ > 6) point.untouched = "the robot has more than six joints";
+    const auto is_unused = [](const TextNumber& number) { return number.value >= kUnused; };
+    if (std::any_of(point.numbers.begin(), point.numbers.end(), is_unused))
+      point.untouched = "it states only some of the joints";
   } else {
     point.numbers.assign(numbers.begin(), numbers.begin() + 7);
     ReadConfiguration(numbers, &point);
@@ -148,109 +153,29 @@ void RapidReader::AddTarget(const std::string& name, size_t open, bool is_joints
   program_.points.push_back(point);
 }
 
-Pose<double> PoseOf(const std::vector<TextNumber>& numbers, size_t first) {
-  std::vector<double> values;
-  for (size_t i = first; i < first + 7; ++i) values.push_back(numbers[i].value);
-  return PoseFrom(PoseNotation::kQuaternion, values);
-}
-
-// [mass, [x, y, z], [q1..q4], ix, iy, iz]. Nothing: it is not stated; tools that nobody has weighed have the mass -1.
-std::optional<ProgramLoad> LoadOf(const std::vector<TextNumber>& numbers) {
-  if (numbers.size() != 11 || numbers[0].value < 0.0) return std::nullopt;
-  ProgramLoad load;
-  load.mass = numbers[0].value;
-  for (int a = 0; a < 3; ++a) load.centre[a] = numbers[1 + static_cast<size_t>(a)].value / 1e3;
-  return load;
-}
-
-// [robhold, [[x, y, z], [q1..q4]], [mass, ...]]
-void RapidReader::AddTool(const std::string& name, size_t open) {
-  const std::vector<TextRange> parts = PartsOf(code_, open + 1, EndOfBracket(code_, open) - 1);
-  const std::string key = UpperCase(name);
-  if (parts.size() < 2) return;
-  const std::vector<TextNumber> numbers = NumbersInBracket(code_, parts[1].first);
-  if (upper_.compare(parts[0].first, 4, "TRUE") != 0)
-    refused_[key] = "its tool stands in the room and the robot holds the workpiece";
-  if (numbers.size() == 7) stated_tools_.State(key, PoseOf(numbers, 0), &program_.tools);
-  if (parts.size() < 3 || code_[parts[2].first] != '[') return;
-  if (const auto load = LoadOf(NumbersInBracket(code_, parts[2].first))) {
-    stated_tool_loads_.State(key, *load, &tool_loads_);
-  }
-}
-
-// "GUN and PIECE": tool and workpiece as one body. `total`: what \TLoad names in place of both, "": nothing.
-std::string RapidReader::LoadWith(const std::string& tool, const std::string& total, const std::string& gripped) {
-  if (!total.empty() && total != "LOAD0") return total;
-  std::vector<ProgramLoad> bodies;
-  std::string name;
-  bool is_stated = true;
-  if (tool != kFlangeName) {
-    name = tool;
-    const auto found = tool_loads_.find(tool);
-    is_stated = found != tool_loads_.end();
-    if (is_stated) bodies.push_back(found->second);
-  }
-  if (!gripped.empty()) {
-    name += (name.empty() ? "" : " and ") + gripped;
-    const auto found = payloads_.find(gripped);
-    const auto held_by = program_.tools.find(tool);
-    is_stated &= found != payloads_.end() && (tool == kFlangeName || held_by != program_.tools.end());
-    if (is_stated) {
-      bodies.push_back(found->second);
-      if (tool != kFlangeName) bodies.back().centre = held_by->second * found->second.centre;
-    }
-  }
-  if (bodies.empty() || !is_stated) return name;
-  ProgramLoad all;
-  all.centre.setZero();
-  for (const ProgramLoad& body : bodies) {
-    all.mass += body.mass;
-    all.centre += body.mass * body.centre;
-  }
-  if (all.mass > 0.0) all.centre /= all.mass;
-  program_.loads[name] = all;
-  return name;
-}
-
-// [robhold, ufprog, ufmec, uframe, oframe]
-void RapidReader::AddWorkObject(const std::string& name, size_t open) {
-  const std::vector<TextRange> parts = PartsOf(code_, open + 1, EndOfBracket(code_, open) - 1);
-  const std::string key = UpperCase(name);
-  if (parts.size() != 5) return;
-  if (upper_.compare(parts[0].first, 5, "FALSE") != 0) refused_[key] = "the robot holds its work object";
-  if (upper_.compare(parts[1].first, 4, "TRUE") != 0) refused_[key] = "its work object is moved by another unit";
-  const std::vector<TextNumber> user = NumbersInBracket(code_, parts[3].first),
-                                object = NumbersInBracket(code_, parts[4].first);
-  if (user.size() != 7 || object.size() != 7) return;
-  const Pose<double> u = PoseOf(user, 0), o = PoseOf(object, 0);
-  stated_frames_.State(key, {u.rotation * o.rotation, u * o.translation}, &program_.frames);
-}
-
 void RapidReader::ReadDeclarations() {
-  static const std::regex declaration =
-      MakePattern("\\b(ROBTARGET|JOINTTARGET|TOOLDATA|WOBJDATA|LOADDATA)\\s+(\\w+)\\s*(\\{[^}]*\\})?\\s*:=\\s*(\\[)");
+  static const std::regex declaration = MakePattern(
+      "\\b(ROBTARGET|JOINTTARGET|TOOLDATA|WOBJDATA|LOADDATA)\\s+(\\w+)\\s*(\\{[^}]{0,99}\\})?\\s*:=\\s*(\\[)");
   for (const std::smatch& match : AllMatches(upper_.begin(), upper_.end(), declaration)) {
     const size_t open = static_cast<size_t>(match.position(4));
     const std::string name = code_.substr(static_cast<size_t>(match.position(2)), static_cast<size_t>(match.length(2)));
     if (EndOfBracket(code_, open) == std::string::npos) {
-      throw InputError({program_.path, LineAt(code_, open), name}, "the brackets of this value are not closed");
+      throw InputError({program_.path, source_.LineAt(open), name}, "the brackets of this value are not closed");
     }
     const std::string type = match[1];
     if (match[3].matched) {
       if (type[0] == 'T' || type[0] == 'W' || type[0] == 'L') continue;
       ProgramPoint array;
       array.name = name;
-      array.line = LineAt(code_, open);
+      array.line = source_.LineAt(open);
       array.untouched = "it is an array of targets";
       program_.points.push_back(array);
     } else if (type == "TOOLDATA") {
-      AddTool(name, open);
+      tools_.AddTool(UpperCase(name), open);
     } else if (type == "WOBJDATA") {
-      AddWorkObject(name, open);
+      tools_.AddWorkObject(UpperCase(name), open);
     } else if (type == "LOADDATA") {
-      if (const auto load = LoadOf(NumbersInBracket(code_, open))) {
-        stated_payloads_.State(UpperCase(name), *load, &payloads_);
-      }
+      tools_.AddPayload(UpperCase(name), open);
     } else {
       AddTarget(name, open, type == "JOINTTARGET");
     }
@@ -259,20 +184,11 @@ void RapidReader::ReadDeclarations() {
 
 // gun.tload.mass := 7; piece := other;   a word before the name is a type only in a declaration.
 void RapidReader::ReadChanges() {
-  static const std::regex change = MakePattern("(?:\\b(\\w+)\\s+)?\\b(\\w+)((?:\\s*\\.\\s*\\w+)*)\\s*:=");
   static const std::set<std::string> types = {"TOOLDATA", "WOBJDATA", "LOADDATA", "ROBTARGET", "JOINTTARGET"};
-  for (const std::smatch& match : AllMatches(upper_.begin(), upper_.end(), change)) {
-    const size_t at = static_cast<size_t>(match.position(2));
-    if (types.count(match[1]) > 0 || (at > 0 && upper_[at - 1] == '\\')) continue;
-    const std::string name = match[2], part = match[3];
-    if (payloads_.count(name) > 0) stated_payloads_.Change(name, &payloads_);
-    if (tool_loads_.count(name) > 0 && part.find("TFRAME") == std::string::npos) {
-      stated_tool_loads_.Change(name, &tool_loads_);
-    }
-    if (program_.tools.count(name) > 0 && part.find("TLOAD") == std::string::npos) {
-      stated_tools_.Change(name, &program_.tools);
-    }
-    if (program_.frames.count(name) > 0) stated_frames_.Change(name, &program_.frames);
+  for (size_t sign = upper_.find(":="); sign != std::string::npos; sign = upper_.find(":=", sign + 2)) {
+    const auto [word, name, part, at] = AssignedBefore(upper_, sign);
+    if (types.count(word) > 0 || name.empty() || (at > 0 && upper_[at - 1] == '\\')) continue;
+    tools_.Change(name, part);
     const auto target = named_.find(KeyAt(at, name));
     if (target != named_.end()) program_.points[target->second].untouched = "the program changes it as it runs";
   }
@@ -286,10 +202,7 @@ std::string RapidReader::WhyNot(const Manner& manner, const ProgramPoint& point)
     }
   }
   if (!manner.is_clear) return "its tool or work object is chosen as the program runs";
-  for (const std::string& name : {manner.tool, manner.frame}) {
-    if (refused_.count(name) > 0) return refused_.at(name);
-  }
-  return "";
+  return tools_.WhyNot(manner.tool, manner.frame, point.is_joints);
 }
 
 // After ConfJ\Off and ConfL\Off the solution is the one that is nearest to where the arm is. False: the text does not
@@ -299,8 +212,7 @@ bool RapidReader::UseConfiguration(const Manner& manner, bool is_first, ProgramP
   const auto off = static_cast<size_t>(
       std::count_if(values.begin(), values.end(), [](const std::string& value) { return IsOff(value); }));
   const bool is_off = off == values.size();
-  const bool is_clear =
-      (is_off || (off == 0 && values.count(kSetElsewhere) == 0)) && (is_first || is_off == point->branch.from_before);
+  const bool is_clear = (is_off || off == 0) && (is_first || is_off == point->branch.from_before);
   point->branch.from_before = is_off;
   return is_clear;
 }
@@ -314,8 +226,10 @@ void RapidReader::Use(int index_of_point, const Manner& manner) {
   if (is_first) point->used_at = manner.at;
   FlowValues loads;
   for (const std::string& gripped : flow_.Of(kGripped)) {
-    loads.insert(LoadWith(manner.tool, manner.total_load, gripped));
+    loads.insert(tools_.LoadWith(manner.tool, manner.total_load, gripped));
+    if (tools_.IsLoadChanged(manner.tool, gripped)) loads.insert(kSetElsewhere);
   }
+  ComeFrom(flow_.Of(kRapidArm), point);
   UseLoads(loads, is_first, point);
   if (!was_untouched) point->untouched = WhyNot(manner, *point);
   if (!point->is_joints && point->untouched.empty() && !UseConfiguration(manner, is_first, point)) {
@@ -378,7 +292,9 @@ void RapidReader::ReadMotion(const std::smatch& match) {
   for (size_t i = first; i < last; ++i) {
     if (positional[i].first >= positional[i].second) continue;
     ReadTarget(command, positional[i], match[3] == "ABSJ");
-    Use(program_.motions.back().point, manner);
+    const ProgramMotion& motion = program_.motions.back();
+    Use(motion.point, manner);
+    motion.is_offset ? flow_.SetUnknown(kRapidArm) : flow_.Set(kRapidArm, std::to_string(motion.point));
   }
 }
 
@@ -389,8 +305,8 @@ void RapidReader::ReadUnknownInstructions() {
     if (program_.points[index].numbers.empty() || program_.points[index].is_joints) continue;
     const std::string name = key.substr(key.find('#') + 1);
     for (const size_t at : PlacesOf(upper_, name)) {
-      const bool is_read = std::any_of(motions_.begin(), motions_.end(),
-                                       [&](const TextRange& m) { return at >= m.first && at < m.second; });
+      const auto behind = std::upper_bound(motions_.begin(), motions_.end(), TextRange{at, std::string::npos});
+      const bool is_read = behind != motions_.begin() && at < std::prev(behind)->second;
       if (!is_read && KeyAt(at, name) == key) ReadOtherUse(index, at, at + name.size());
     }
   }
@@ -412,13 +328,13 @@ void RapidReader::ReadOtherUse(size_t index, size_t at, size_t name_end) {
     return;
   }
   const size_t line = std::max(begin, upper_.find_last_of('\n', at) + 1);
-  ProgramMotion motion = MotionTo("", code_, {line, std::min(code_.find(';', at), code_.size())});
+  ProgramMotion motion = MotionTo("", source_, {line, std::min(code_.find(';', at), code_.size())});
   motion.name.erase(0, 1);
   motion.point = static_cast<int>(index);
   program_.motions.push_back(motion);
   if (point.untouched.empty()) {
     point.untouched = "an instruction that is not known as a motion, or a routine, is handed it (line " +
-                      std::to_string(LineAt(code_, at)) + ")";
+                      std::to_string(source_.LineAt(at)) + ")";
   }
 }
 
@@ -426,7 +342,7 @@ void RapidReader::ReadOtherUse(size_t index, size_t at, size_t name_end) {
 void RapidReader::ReadTarget(const std::string& command, TextRange part, bool is_joints) {
   static const std::regex offset = MakePattern("^(?:OFFS|RELTOOL)\\s*\\(\\s*(\\w+)\\s*,");
   static const std::regex name_alone = MakePattern("^(\\w+)\\s*(?=\\\\|$)");  // \NoEOffs, \ID may follow
-  ProgramMotion motion = MotionTo(command, code_, part);
+  ProgramMotion motion = MotionTo(command, source_, part);
   const std::string text = upper_.substr(part.first, part.second - part.first);
   const std::string in_motion = UpperCase(command) + " of line " + std::to_string(motion.line);
   std::smatch word;
@@ -454,20 +370,23 @@ void RapidReader::ReadTarget(const std::string& command, TextRange part, bool is
 
 void RapidReader::ReadInstructions() {
   static const std::regex instruction = MakePattern(
-      "\\b(?:((?:MOVE|TRIGG|(SEARCH)|ARC|SPOT|DISP)(ABSJ|[JLC])(?:([DAG]O)|(SYNC)|IOS|START|END)?\\d?)(?=[\\s\\\\])"
-      "|(GRIPLOAD)\\s+([^;]*?)\\s*(?=;|$)|(PDISP|EOFFS)(ON|SET|OFF)\\b|(CONF[JL])\\b\\s*(?:\\\\\\s*(ON|OFF)\\b)?)");
+      "\\b(?:((?:MOVE|TRIGG|(SEARCH)|ARC|SPOT|DISP)(ABSJ|[JLC])(?:([DAG]O)|(SYNC)|IOS|START|END)?\\d?)(?=[\\s\\\\\\[])"
+      "|(GRIPLOAD)\\b|(PDISP|EOFFS)(ON|SET|OFF)\\b|(CONF[JL])\\b\\s*(?:\\\\\\s*(ON|OFF)\\b)?)");
   static const std::regex declared = MakePattern("\\b(?:PROC|TRAP|FUNC\\s+\\w+)\\s+$");
   for (const std::smatch& match : AllMatches(upper_.begin(), upper_.end(), instruction)) {
     const size_t at = static_cast<size_t>(match.position(0));
     flow_.MoveTo(at);
     if (match[6].matched) {
-      const std::string load = Quoted(upper_, {at + static_cast<size_t>(match.position(7) - match.position(0)),
-                                               at + static_cast<size_t>(match.length(0))});
-      flow_.Set(kGripped, load == "LOAD0" ? "" : load);
-    } else if (match[8].matched) {
-      flow_.Set(match[8] == "PDISP" ? kDisplacement : kAxisOffset, match[9]);
-    } else if (match[10].matched) {
-      flow_.Set(match[10] == "CONFJ" ? kConfJ : kConfL, match[11]);
+      static const std::regex name = MakePattern("^\\s(\\w+)\\s?$");
+      const size_t begin = at + static_cast<size_t>(match.length(0));
+      const std::string load = upper_.substr(begin, std::min(upper_.find(';', begin), begin + 99) - begin);
+      std::smatch word;
+      const bool is_name = MatchPattern(load, &word, name);
+      is_name ? flow_.Set(kGripped, word[1] == "LOAD0" ? "" : word[1].str()) : flow_.SetUnknown(kGripped);
+    } else if (match[7].matched) {
+      flow_.Set(match[7] == "PDISP" ? kDisplacement : kAxisOffset, match[8]);
+    } else if (match[9].matched) {
+      flow_.Set(match[9] == "CONFJ" ? kConfJ : kConfL, match[10]);
     } else if (const size_t line = at - std::min<size_t>(at, 60);
                !SearchPattern(upper_.substr(line, at - line), declared)) {
       ReadMotion(match);
@@ -482,6 +401,8 @@ void RapidReader::Read() {
   ReadChanges();
   ReadInstructions();
   ReadUnknownInstructions();
+  FindCallsElsewhere(source_.InCapitals(), &program_);
+  source_.PlaceInFile(&program_);
 }
 
 }  // namespace

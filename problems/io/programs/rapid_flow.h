@@ -7,7 +7,7 @@
 
 namespace sagitta {
 
-enum RapidVariable { kGripped, kDisplacement, kAxisOffset, kConfJ, kConfL };
+enum RapidVariable { kGripped, kDisplacement, kAxisOffset, kConfJ, kConfL, kRapidArm };
 
 // code: without comments, in capital letters.
 ProgramFlow FlowOfRapid(const std::string& code);

@@ -6,6 +6,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -63,6 +64,9 @@ struct ProgramLoad {
   Vector3<double> centre;  // of mass, m, in the controller's flange
 };
 
+// In place of a point that a motion comes from.
+constexpr int kPlaceOfStart = -1, kPlaceUnknown = -2;
+
 struct ProgramPoint {
   std::string name;
   int line = 0;
@@ -71,7 +75,8 @@ struct ProgramPoint {
   std::string frame, tool;          // of a pose: names
   std::string load;                 // name of what hangs on the flange there; "": the file says nothing
   std::string other_load;           // of another motion to it; "": there is none
-  size_t used_at = 0;  // byte where the first motion goes to it, else where it stands: the order of the way
+  size_t used_at = 0;    // byte where the first motion goes to it, else where it stands: the order of the way
+  std::set<int> before;  // points from which motions come to it
   StatedBranch branch;
   std::string untouched;      // why it stays as it is; "": it is corrected
   bool is_elsewhere = false;  // a motion names it; this file has no numbers of it
@@ -96,6 +101,7 @@ struct RobotProgram {
   std::map<std::string, Pose<double>> tools;   // in the flange, stated by the file
   std::map<std::string, ProgramLoad> loads;    // stated by the file; points may name others
   std::vector<std::string> notes;              // what a reader of the result should know
+  std::map<std::string, int> calls_elsewhere;  // routines that are called and are not in this file: line of the first
 
   // Of a joint point: rad.
   std::vector<double> JointValues(const ProgramPoint& point) const;
@@ -117,6 +123,10 @@ class StatedOnce {
   void Change(const std::string& name, std::map<std::string, Value>* stated) {
     is_changed_[name] = true;
     stated->erase(name);
+  }
+  bool IsChanged(const std::string& name) const {
+    const auto known = is_changed_.find(name);
+    return known != is_changed_.end() && known->second;
   }
 
  private:

@@ -11,7 +11,9 @@
 
 #include "problems/input_error.h"
 #include "problems/io/pattern.h"
+#include "problems/io/programs/calls_elsewhere.h"
 #include "problems/io/programs/program_text.h"
+#include "problems/io/programs/ur_flow.h"
 
 namespace sagitta {
 namespace {
@@ -19,7 +21,11 @@ namespace {
 class UrReader {
  public:
   UrReader(int joints, RobotProgram* program)
-      : joints_(joints), program_(*program), code_(WithoutComments(program->text, "#", '"')) {}
+      : joints_(joints),
+        program_(*program),
+        source_(*program, "#", '"'),
+        code_(source_.text()),
+        flow_(FlowOfUrScript(code_)) {}
 
   void Read();
 
@@ -49,16 +55,18 @@ class UrReader {
   int PointOf(const std::string& motion, TextRange argument);
   void SetTool(size_t open);
   void SetLoad(const std::string& call, size_t open);
-  std::string LoadHere();
+  FlowValues LoadsHere();
   int AddLiteral(const std::string& name, size_t at);
 
   const int joints_;
   RobotProgram& program_;
-  const std::string code_;
-  std::string tool_, load_;
-  std::optional<double> mass_at_tool_;  // of a load that is in the tool centre point, wherever that is
-  std::set<int> used_;                  // points that a motion goes to
-  std::map<std::string, int> named_;    // index of a point
+  const ProgramCode source_;
+  const std::string& code_;
+  ProgramFlow flow_;
+  std::map<std::string, double> mass_at_tool_;  // of loads that are in the tool centre point, wherever that is
+  std::map<std::string, int> assigned_;         // how often, in all or in part
+  std::set<int> used_;                          // points that a motion goes to
+  std::map<std::string, int> named_;            // index of a point
 };
 
 constexpr const char* kOnlyStarts = "it only starts an inverse kinematics";
@@ -80,11 +88,11 @@ int UrReader::AddLiteral(const std::string& name, size_t at) {
   const size_t open = at + (is_pose ? 1 : 0);
   if (open >= code_.size() || code_[open] != '[') return -1;
   if (EndOfBracket(code_, open) == std::string::npos) {
-    throw InputError({program_.path, LineAt(code_, at), name}, "the bracket of this list is not closed");
+    throw InputError({program_.path, source_.LineAt(at), name}, "the bracket of this list is not closed");
   }
   ProgramPoint point;
   point.name = name;
-  point.line = LineAt(code_, at);
+  point.line = source_.LineAt(at);
   point.used_at = at;
   point.is_joints = !is_pose;
   point.numbers = NumbersInBracket(code_, open);
@@ -110,17 +118,36 @@ void UrReader::ReadAssignments() {
 }
 
 void UrReader::RefuseChanged() {
-  static const std::regex any = MakePattern(
-      "(?:^|\\n)[ \\t]*(?:global[ \\t]+|local[ \\t]+)?([A-Za-z_]\\w*)[ \\t]*(?:\\[[^\\]\\n]*\\])?[ \\t]*=(?!=)");
-  std::map<std::string, int> times;
-  for (const std::smatch& match : AllMatches(code_.begin(), code_.end(), any)) ++times[match[1]];
+  int depth = 0;  // in brackets "=" names an argument
+  for (size_t i = 1; i + 1 < code_.size(); ++i) {
+    depth += (code_[i] == '(') - (code_[i] == ')');
+    const bool is_comparison =
+        code_[i + 1] == '=' || std::string_view("=<>!").find(code_[i - 1]) != std::string_view::npos;
+    if (code_[i] == '=' && depth == 0 && !is_comparison) ++assigned_[AssignedBefore(code_, i).name];
+  }
+  // def go(p1): the name is another one in there.
+  static const std::regex routine = MakePattern("\\bdef \\w+ ?(\\()");
+  std::set<std::string> parameters;
+  for (const std::smatch& match : AllMatches(code_.begin(), code_.end(), routine)) {
+    const size_t open = static_cast<size_t>(match.position(1)), end = EndOfBracket(code_, open);
+    if (end == std::string::npos) continue;
+    for (const TextRange& part : PartsOf(code_, open + 1, end - 1)) {
+      const size_t name_end = std::min(code_.find_first_of("= ", part.first), part.second);
+      parameters.insert(code_.substr(part.first, name_end - part.first));
+    }
+  }
   for (ProgramPoint& point : program_.points) {
-    if (times[point.name] > 1) point.untouched = kSetAgain;
+    if (assigned_[point.name] > 1) point.untouched = kSetAgain;
+    if (parameters.count(point.name) > 0) point.untouched = "a routine is handed another one by this name";
   }
 }
 
+// A name that is set more than once, or what is computed, is one tool here and another one there.
 void UrReader::SetTool(size_t open) {
-  tool_ = ToolOf(PartsOf(code_, open + 1, EndOfBracket(code_, open) - 1)[0], "set_tcp");
+  const TextRange argument = WithoutKeyword(PartsOf(code_, open + 1, EndOfBracket(code_, open) - 1)[0]);
+  const std::string tool = ToolOf(argument, "set_tcp");
+  const bool is_one = program_.tools.count(tool) > 0 || (IsName(tool) && assigned_[tool] <= 1);
+  is_one ? flow_.Set(kUrTool, tool) : flow_.SetUnknown(kUrTool);
 }
 
 // The name of a tool: of a literal the call that has it, else as it is written.
@@ -129,7 +156,7 @@ std::string UrReader::ToolOf(TextRange argument, const std::string& call) {
   const std::vector<TextNumber> numbers = NumbersInBracket(code_, argument.first + 1);
   if (numbers.size() != 6) return TextOf(argument);
   const Pose<double> pose = PoseFrom(PoseNotation::kRotationVectorMetres, ValuesOf(numbers));
-  std::string name = call + " of line " + std::to_string(LineAt(code_, argument.first));
+  std::string name = call + " of line " + std::to_string(source_.LineAt(argument.first));
   if (program_.tools.count(name) > 0) name += ", column " + std::to_string(argument.first - LineBegin(argument.first));
   program_.tools[name] = pose;
   return name;
@@ -137,35 +164,43 @@ std::string UrReader::ToolOf(TextRange argument, const std::string& call) {
 
 void UrReader::SetLoad(const std::string& call, size_t open) {
   const std::vector<TextRange> parts = PartsOf(code_, open + 1, EndOfBracket(code_, open) - 1);
-  load_ = call + " of line " + std::to_string(LineAt(code_, open));
-  mass_at_tool_.reset();
+  const std::string load = call + " of line " + std::to_string(source_.LineAt(open));
+  flow_.Set(kUrLoad, load);
   if (call == "set_payload_mass" || call == "set_payload_cog") return;
   TextNumber mass;
-  if (!NumberAt(code_, parts[0], &mass) || mass.value < 0.0) return;
+  if (!NumberAt(code_, WithoutKeyword(parts[0]), &mass) || mass.value < 0.0) return;
   if (parts.size() < 2) {
-    mass_at_tool_ = mass.value;
+    mass_at_tool_[load] = mass.value;
     return;
   }
   const size_t bracket = code_.find('[', parts[1].first);  // "[0, 0, 0.05]", "cog=[0, 0, 0.05]"
   if (bracket >= parts[1].second) return;
   const std::vector<TextNumber> centre = NumbersInBracket(code_, bracket);
   if (centre.size() != 3) return;
-  program_.loads[load_] = {mass.value, {centre[0].value, centre[1].value, centre[2].value}};
+  program_.loads[load] = {mass.value, {centre[0].value, centre[1].value, centre[2].value}};
 }
 
-std::string UrReader::LoadHere() {
-  if (!mass_at_tool_) return load_;
-  const std::string name = load_ + (tool_.empty() ? "" : " at " + tool_);
-  const auto tool = program_.tools.find(tool_);
-  if (tool != program_.tools.end()) program_.loads[name] = {*mass_at_tool_, tool->second.translation};
-  return name;
+FlowValues UrReader::LoadsHere() {
+  FlowValues loads;
+  for (const std::string& load : flow_.Of(kUrLoad)) {
+    const auto mass = mass_at_tool_.find(load);
+    if (mass == mass_at_tool_.end()) loads.insert(load);
+    if (mass == mass_at_tool_.end()) continue;
+    for (const std::string& tool : flow_.Of(kUrTool)) {
+      const std::string name = load + (tool.empty() ? "" : " at " + tool);
+      const auto known = program_.tools.find(tool);
+      if (known != program_.tools.end()) program_.loads[name] = {mass->second, known->second.translation};
+      loads.insert(name);
+    }
+  }
+  return loads;
 }
 
 // The point of a target; what has no numbers here is one that stays as it is.
 int UrReader::PointOf(const std::string& motion, TextRange argument) {
   const std::string text = code_.substr(argument.first, argument.second - argument.first);
   if (const auto found = named_.find(text); found != named_.end()) return found->second;
-  const int line = LineAt(code_, argument.first);
+  const int line = source_.LineAt(argument.first);
   const std::string name = motion + " of line " + std::to_string(line);
   if (!text.empty() && (text[0] == '[' || IsPoseAt(code_, argument.first))) {
     const int index = AddLiteral(name, argument.first);
@@ -178,21 +213,24 @@ int UrReader::PointOf(const std::string& motion, TextRange argument) {
 }
 
 void UrReader::ReadTarget(const std::string& motion, TextRange argument, const Start& start) {
-  ProgramMotion to = MotionTo(motion, code_, argument);
+  ProgramMotion to = MotionTo(motion, source_, argument);
   const int index = to.point = PointOf(motion, argument);
   program_.motions.push_back(to);
   ProgramPoint& point = program_.points[static_cast<size_t>(index)];
   const bool is_first = used_.insert(index).second;
-  const std::string tool = start.tool.value_or(tool_);
-  if (!point.is_joints && point.untouched.empty() && !is_first && point.tool != tool) {
-    point.untouched = "the program moves to it with more than one tool";
-    return;
-  }
-  UseLoad(LoadHere(), is_first, &point);
+  if (start.near.empty()) ComeFrom(flow_.Of(kUrArm), &point);
+  flow_.Set(kUrArm, std::to_string(index));
+  const FlowValues tools = start.tool ? FlowValues{*start.tool} : flow_.Of(kUrTool);
+  const bool is_other = tools.size() > 1 || (!is_first && point.tool != *tools.begin());
+  UseLoads(LoadsHere(), is_first, &point);
   if (!point.untouched.empty()) point.used_at = argument.first;
   if (point.untouched.find("no motion") == 0 || point.untouched.find(kOnlyStarts) == 0) point.untouched.clear();
   if (point.is_joints) return;
-  point.tool = tool;
+  if (is_other && point.untouched.empty()) {
+    point.untouched = "the program moves to it with more than one tool";
+    return;
+  }
+  point.tool = *tools.begin();
   GoBy(start, is_first, &point);
 }
 
@@ -296,8 +334,9 @@ void UrReader::ReadCalls() {
     const size_t open = static_cast<size_t>(match.position(2));
     const size_t end = EndOfBracket(code_, open);
     const std::string motion = match[1];
+    flow_.MoveTo(open);
     if (end == std::string::npos) {
-      throw InputError({program_.path, LineAt(code_, open), motion}, "the bracket of this call is not closed");
+      throw InputError({program_.path, source_.LineAt(open), motion}, "the bracket of this call is not closed");
     }
     if (motion == "set_tcp") {
       SetTool(open);
@@ -316,6 +355,8 @@ void UrReader::Read() {
   program_.notation = PoseNotation::kRotationVectorMetres;
   ReadAssignments();
   ReadCalls();
+  FindCallsElsewhere(source_, &program_);
+  source_.PlaceInFile(&program_);
 }
 
 }  // namespace
