@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <set>
@@ -167,10 +168,12 @@ DirectedScatter ScatterOf(const std::vector<ShotResidual>& shots, bool is_sigma_
 // One point among those of its shot and body; squares over the scatter.
 struct Misfit {
   int observation;
-  double squared;  // 3 degrees of freedom
-  double others;   // mean of the other markers on the body; 0: there are none
-  double least;    // of them
-  double rigid;    // what the body's best motion leaves of all of them, over the larger scatter
+  size_t arrival;   // place of shot and body
+  double squared;   // 3 degrees of freedom
+  double others;    // mean of the other markers on the body; 0: there are none
+  double least;     // of them
+  double rigid;     // what the body's best motion leaves of all of them, over the larger scatter
+  double together;  // mean of all of them; 0: it is alone
 };
 
 std::vector<Misfit> MisfitsOf(const std::vector<ShotResidual>& shots, bool is_sigma_stated) {
@@ -191,10 +194,31 @@ std::vector<Misfit> MisfitsOf(const std::vector<ShotResidual>& shots, bool is_si
       for (size_t k = 0; k < n; ++k) {
         if (k != i) least = std::min(least, squares[k]);
       }
-      misfits.push_back({shot.observations[i], squares[i], others, least, dof > 0 ? rigid : 0.0});
+      misfits.push_back({shot.observations[i], static_cast<size_t>(&shot - shots.data()), squares[i], others, least,
+                         dof > 0 ? rigid : 0.0, n > 1 ? sum / static_cast<double>(n) : 0.0});
     }
   }
   return misfits;
+}
+
+// Squares that are its own, given all others.
+double BeyondOthers(std::vector<double> squares) {
+  const auto of_a_cause = static_cast<size_t>(kShareOfACause * static_cast<double>(squares.size()));
+  const size_t place = std::max(kFewOutliers, of_a_cause);
+  if (place >= squares.size()) return std::numeric_limits<double>::infinity();
+  std::nth_element(squares.begin(), squares.begin() + static_cast<long>(place), squares.end(), std::greater<>());
+  return kBeyondOthers * squares[place];
+}
+
+// The same of shots, each by all its points.
+double BeyondOtherArrivals(const std::vector<Misfit>& misfits) {
+  std::map<size_t, double> together;
+  for (const Misfit& misfit : misfits) {
+    if (misfit.together > 0.0) together[misfit.arrival] = misfit.together;
+  }
+  std::vector<double> squares;
+  for (const auto& [arrival, square] : together) squares.push_back(square);
+  return squares.size() < kFewestHeldOut ? std::numeric_limits<double>::infinity() : BeyondOthers(squares);
 }
 
 }  // namespace
@@ -239,11 +263,9 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
   const double limit = held_out ? kHeldOutScatter * own_limit : own_limit;
   std::vector<double> squares;
   for (const Misfit& misfit : misfits) squares.push_back(misfit.squared);
-  std::sort(squares.begin(), squares.end(), std::greater<>());
   // The worst first: they pull the fit, and the others with it.
-  const double floor = std::max(limit, kOfTheWorst * squares.front());
-  const auto of_a_cause = static_cast<size_t>(kShareOfACause * static_cast<double>(squares.size()));
-  const double beyond_others = kBeyondOthers * squares[std::max(kFewOutliers, of_a_cause)];
+  const double floor = std::max(limit, kOfTheWorst * *std::max_element(squares.begin(), squares.end()));
+  const double beyond_others = BeyondOthers(squares), beyond_arrivals = BeyondOtherArrivals(misfits);
   std::vector<int> outliers;
   for (const Misfit& misfit : misfits) {
     const bool alone =
@@ -251,13 +273,47 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
     // Two in one shot hide each other, but not that the body does not move like this.
     const bool not_rigid = misfit.squared > kAlone * misfit.least && misfit.rigid > limit;
     const bool is_its_own = !held_out || misfit.rigid > limit || misfit.squared > beyond_others;
-    if (misfit.squared > floor && (alone || not_rigid) && is_its_own) outliers.push_back(misfit.observation);
+    // Joint values that were not those, or a shot of another pose.
+    const bool is_arrival = !held_out && misfit.together > std::max(floor, beyond_arrivals);
+    if ((misfit.squared > floor && (alone || not_rigid) && is_its_own) || is_arrival)
+      outliers.push_back(misfit.observation);
   }
   // What happens to many points is no outlier but something to explain.
   const auto all = static_cast<double>(outliers.size() + removed);
   const double most = kMostOutliers * static_cast<double>(misfits.size() + removed);
   if (all > (are_fitted ? most : std::max<double>(kFewOutliers, most))) return {};
   return outliers;
+}
+
+std::vector<int> RowsOfTheWorst(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  const std::vector<Misfit> misfits =
+      MisfitsOf(ResidualsByShot(problem, parameters, problem.CalibrationObservations()), IsSigmaStated(problem));
+  struct Worst {
+    double excess = 0.0;
+    std::vector<int> rows;
+  };
+  std::map<int, Worst> by_configuration;
+  for (const Misfit& misfit : misfits) {
+    Worst& own =
+        by_configuration[problem.data().shots[problem.data().observations[misfit.observation].shot].configuration];
+    own.excess += misfit.squared - 3.0;  // degrees of freedom
+    own.rows.push_back(misfit.observation);
+  }
+  std::vector<Worst> worst;
+  double all = 0.0;
+  for (const auto& [configuration, own] : by_configuration) {
+    all += std::max(0.0, own.excess);
+    worst.push_back(own);
+  }
+  std::sort(worst.begin(), worst.end(), [](const Worst& a, const Worst& b) { return a.excess > b.excess; });
+  std::vector<int> rows;
+  double seen = 0.0;
+  for (size_t k = 0; k < worst.size() && seen <= 0.5 * all; ++k) {
+    seen += worst[k].excess;
+    rows.insert(rows.end(), worst[k].rows.begin(), worst[k].rows.end());
+  }
+  const bool are_few = static_cast<double>(rows.size()) <= kMostOutliers * static_cast<double>(misfits.size());
+  return are_few ? rows : std::vector<int>();
 }
 
 std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const ParameterSet& parameters,
