@@ -16,6 +16,7 @@ struct WrongArrival {
   double off = 0.0;  // m, RMS of its points from what the model predicts
 };
 
+// Of the leading set.
 struct NoiseFinding {
   bool is_stated = true;
   bool asks_repeatability = false;  // to be estimated: what is found is no finding

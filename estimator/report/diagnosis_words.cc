@@ -186,8 +186,6 @@ std::string NothingFitsInWords(const Diagnosis& d) {
 
 // Nothing fits, or too much does.
 std::string UnknownInWords(const Diagnosis& d) {
-  const bool is_nothing = d.posterior.nothing > std::max({kEvenOdds, d.posterior.unnamed, d.posterior.noise});
-  if (is_nothing) return NothingFitsInWords(d);
   const std::string there_is = d.gap.before == 0.0
                                    ? "The fitted rows say that something is missing, the untouched ones show no gap"
                                    : "There is a significant gap";
@@ -196,6 +194,9 @@ std::string UnknownInWords(const Diagnosis& d) {
   for (const auto& [spec, probability] : d.posterior.explanations) {
     if (probability >= kWorthSaying && likely.size() < kMostLikely)
       likely.push_back(Title(robot, spec) + " " + Percent(probability));
+  }
+  if (likely.empty() && d.posterior.nothing > std::max(d.posterior.unnamed, d.posterior.noise)) {
+    return NothingFitsInWords(d);
   }
   if (likely.empty() && d.posterior.noise > d.posterior.unnamed) {
     return there_is + ", most probably noise other than stated (" + Percent(d.posterior.noise) +
