@@ -27,7 +27,7 @@ struct ModelRows {
   Eigen::MatrixXd deviations;
 };
 
-// Order 0: the cosine column of a harmonic is that of a constant joint deviation.
+// Order 0: the cosine column of a wave is that of a constant joint deviation.
 ModelRows RowsOf(const DiagnosedModel& model, LatentTreatment treatment) {
   const auto linearize = [treatment](const CalibrationProblem& problem, const ParameterSet& parameters,
                                      const std::vector<int>& columns) {
@@ -38,7 +38,7 @@ ModelRows RowsOf(const DiagnosedModel& model, LatentTreatment treatment) {
   const ParameterSet& parameters = model.estimate.parameters;
   std::vector<EffectSpec> specs;
   for (const Joint& joint : model.problem->robot().chain.joints) {
-    specs.push_back({"joint_harmonic", joint.name, {{"order", "0"}}, {}});
+    specs.push_back({LearntWaveDeviation().name, joint.name, {{"driver", joint.name}, {"order", "0"}}, {}});
   }
   CalibrationProblem extended = model.problem->WithEffects(specs);
   extended.parameters.CopyByName(parameters);

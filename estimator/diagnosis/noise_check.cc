@@ -201,6 +201,14 @@ std::vector<Misfit> MisfitsOf(const std::vector<ShotResidual>& shots, bool is_si
   return misfits;
 }
 
+int ConfigurationOf(const CalibrationProblem& problem, const Misfit& misfit) {
+  return problem.data().shots[problem.data().observations[misfit.observation].shot].configuration;
+}
+
+double Share(size_t some, size_t all) {
+  return static_cast<double>(some) / static_cast<double>(std::max<size_t>(1, all));
+}
+
 // Squares that are its own, given all others.
 double BeyondOthers(std::vector<double> squares) {
   const auto of_a_cause = static_cast<size_t>(kShareOfACause * static_cast<double>(squares.size()));
@@ -267,6 +275,8 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
   const double floor = std::max(limit, kOfTheWorst * *std::max_element(squares.begin(), squares.end()));
   const double beyond_others = BeyondOthers(squares), beyond_arrivals = BeyondOtherArrivals(misfits);
   std::vector<int> outliers;
+  std::set<int> all_configurations, wrong;  // a wrong pose is one mistake
+  size_t single = removed;
   for (const Misfit& misfit : misfits) {
     const bool alone =
         misfit.others > 0.0 ? misfit.squared > kAlone * misfit.others : misfit.squared > kSingleMarker * limit;
@@ -275,14 +285,21 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
     const bool is_its_own = !held_out || misfit.rigid > limit || misfit.squared > beyond_others;
     // Joint values that were not those, or a shot of another pose.
     const bool is_arrival = !held_out && misfit.together > std::max(floor, beyond_arrivals);
-    if ((misfit.squared > floor && (alone || not_rigid) && is_its_own) || is_arrival)
-      outliers.push_back(misfit.observation);
+    const int configuration = ConfigurationOf(problem, misfit);
+    all_configurations.insert(configuration);
+    if (is_arrival) {
+      wrong.insert(configuration);
+    } else if (misfit.squared > floor && (alone || not_rigid) && is_its_own) {
+      ++single;
+    } else {
+      continue;
+    }
+    outliers.push_back(misfit.observation);
   }
   // What happens to many points is no outlier but something to explain.
-  const auto all = static_cast<double>(outliers.size() + removed);
-  const double most = kMostOutliers * static_cast<double>(misfits.size() + removed);
-  if (all > (are_fitted ? most : std::max<double>(kFewOutliers, most))) return {};
-  return outliers;
+  const double share = Share(single, misfits.size() + removed) + Share(wrong.size(), all_configurations.size());
+  const bool are_few = !are_fitted && single + wrong.size() <= kFewOutliers;
+  return share <= kMostOutliers || are_few ? outliers : std::vector<int>();
 }
 
 std::vector<int> RowsOfTheWorst(const CalibrationProblem& problem, const ParameterSet& parameters) {
@@ -294,8 +311,7 @@ std::vector<int> RowsOfTheWorst(const CalibrationProblem& problem, const Paramet
   };
   std::map<int, Worst> by_configuration;
   for (const Misfit& misfit : misfits) {
-    Worst& own =
-        by_configuration[problem.data().shots[problem.data().observations[misfit.observation].shot].configuration];
+    Worst& own = by_configuration[ConfigurationOf(problem, misfit)];
     own.excess += misfit.squared - 3.0;  // degrees of freedom
     own.rows.push_back(misfit.observation);
   }
@@ -308,12 +324,12 @@ std::vector<int> RowsOfTheWorst(const CalibrationProblem& problem, const Paramet
   std::sort(worst.begin(), worst.end(), [](const Worst& a, const Worst& b) { return a.excess > b.excess; });
   std::vector<int> rows;
   double seen = 0.0;
-  for (size_t k = 0; k < worst.size() && seen <= 0.5 * all; ++k) {
-    seen += worst[k].excess;
-    rows.insert(rows.end(), worst[k].rows.begin(), worst[k].rows.end());
+  size_t count = 0;
+  for (; count < worst.size() && seen <= 0.5 * all; ++count) {
+    seen += worst[count].excess;
+    rows.insert(rows.end(), worst[count].rows.begin(), worst[count].rows.end());
   }
-  const bool are_few = static_cast<double>(rows.size()) <= kMostOutliers * static_cast<double>(misfits.size());
-  return are_few ? rows : std::vector<int>();
+  return Share(count, worst.size()) <= kMostOutliers ? rows : std::vector<int>();
 }
 
 std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const ParameterSet& parameters,
