@@ -284,7 +284,8 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
     const bool not_rigid = misfit.squared > kAlone * misfit.least && misfit.rigid > limit;
     const bool is_its_own = !held_out || misfit.rigid > limit || misfit.squared > beyond_others;
     // Joint values that were not those, or a shot of another pose.
-    const bool is_arrival = !held_out && misfit.together > std::max(floor, beyond_arrivals);
+    const bool are_all_off = std::min(misfit.squared, misfit.least) > limit;
+    const bool is_arrival = !held_out && are_all_off && misfit.together > std::max(floor, beyond_arrivals);
     const int configuration = ConfigurationOf(problem, misfit);
     all_configurations.insert(configuration);
     if (is_arrival) {

@@ -249,7 +249,7 @@ TEST(DiagnosisWords, WithoutAGapNoneIsSaid) {
   d.effects.clear();
   d.groups.clear();
   d.verdict = DiagnosisVerdict::kUnknown;
-  d.posterior.unnamed = 0.9;
+  d.posterior.nothing = 0.0, d.posterior.unnamed = 0.9;
   EXPECT_THAT(VerdictInWords(d), HasSubstr("the untouched ones show no gap"));
 }
 
@@ -273,7 +273,7 @@ TEST(DiagnosisWords, UndecidedIsNotUnexplained) {
   d.effects.clear();
   d.groups.clear();
   d.verdict = DiagnosisVerdict::kUnknown;
-  d.posterior.unnamed = 0.9;
+  d.posterior.nothing = 0.0, d.posterior.unnamed = 0.9;
   d.posterior.explanations = {{{"encoder_gain", "A3", {}, {}}, 0.27}, {{"link_gravity", "A3", {}, {}}, 0.05}};
   EXPECT_THAT(VerdictInWords(d), HasSubstr("no effect of the catalogue explains well"));
   const EffectSpec gain{"encoder_gain", "A3", {}, {}}, gravity{"link_gravity", "A2", {}, {}};
