@@ -31,6 +31,7 @@ constexpr double kMostOutliers = 0.06;
 constexpr size_t kFewOutliers = 2;                        // of held-out rows, however few
 constexpr size_t kFewestFitted = 20, kFewestHeldOut = 8;  // rows whose median says what they scatter by
 constexpr int kFewestDof = 20;                            // that determine a scale: to a sixth
+constexpr double kByChance = 0.01;                        // of neighbours, the default significance
 constexpr size_t kSharedRows = 10;                        // beyond one per visit
 
 struct ShotResidual {
@@ -229,6 +230,39 @@ double BeyondOtherArrivals(const std::vector<Misfit>& misfits) {
   return squares.size() < kFewestHeldOut ? std::numeric_limits<double>::infinity() : BeyondOthers(squares);
 }
 
+// Whether what neighbours of these configurations in a joint's value are off by is more than chance has it: a cause
+// that follows the pose (a worn sector) acts on them too, a wrong row does not. With p the share of configurations that
+// are off by as much or more, uniform by chance, of m neighbours
+//   P(sum of p <= d) <= d^m / m!   (the simplex in the cube), times the joints.
+bool ActOnNeighbours(const CalibrationProblem& problem, const std::vector<Misfit>& misfits,
+                     const std::set<int>& wrong) {
+  std::map<int, double> worst;  // of each configuration
+  for (const Misfit& misfit : misfits) {
+    double& own = worst[ConfigurationOf(problem, misfit)];
+    own = std::max(own, misfit.together);
+  }
+  std::vector<int> order;
+  for (const auto& [configuration, square] : worst) order.push_back(configuration);
+  const auto count = static_cast<double>(order.size());
+  const int joints = problem.robot().num_joints();
+  for (int j = 0; j < joints; ++j) {
+    const auto value = [&](int c) { return problem.data().configurations[c].q[j]; };
+    std::sort(order.begin(), order.end(), [&](int a, int b) { return value(a) < value(b); });
+    double sum = 0.0, neighbours = 0.0;
+    for (size_t k = 0; k < order.size(); ++k) {
+      if (wrong.count(order[k]) == 0) continue;
+      for (const size_t next : {k - 1, k + 1}) {
+        if (next >= order.size()) continue;  // -1 too
+        const double own = worst[order[next]];
+        sum += std::count_if(worst.begin(), worst.end(), [own](const auto& w) { return w.second >= own; }) / count;
+        neighbours += 1.0;
+      }
+    }
+    if (neighbours * std::log(sum) - std::lgamma(neighbours + 1.0) < std::log(kByChance / joints)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 bool IsSigmaStated(const CalibrationProblem& problem) {
@@ -274,7 +308,7 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
   // The worst first: they pull the fit, and the others with it.
   const double floor = std::max(limit, kOfTheWorst * *std::max_element(squares.begin(), squares.end()));
   const double beyond_others = BeyondOthers(squares), beyond_arrivals = BeyondOtherArrivals(misfits);
-  std::vector<int> outliers;
+  std::vector<int> outliers, arrivals;
   std::set<int> all_configurations, wrong;  // a wrong pose is one mistake
   size_t single = removed;
   for (const Misfit& misfit : misfits) {
@@ -290,13 +324,17 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
     all_configurations.insert(configuration);
     if (is_arrival) {
       wrong.insert(configuration);
+      arrivals.push_back(misfit.observation);
     } else if (misfit.squared > floor && (alone || not_rigid) && is_its_own) {
       ++single;
-    } else {
-      continue;
+      outliers.push_back(misfit.observation);
     }
-    outliers.push_back(misfit.observation);
   }
+  if (!wrong.empty() && ActOnNeighbours(problem, misfits, wrong)) {
+    wrong.clear();
+    arrivals.clear();
+  }
+  outliers.insert(outliers.end(), arrivals.begin(), arrivals.end());
   // What happens to many points is no outlier but something to explain.
   const double share = Share(single, misfits.size() + removed) + Share(wrong.size(), all_configurations.size());
   const bool are_few = !are_fitted && single + wrong.size() <= kFewOutliers;

@@ -231,6 +231,11 @@ std::string AreBagged(int resamples) {
          "are would be too sure.";
 }
 
+std::string MostIsOf(const std::vector<std::string>& configurations) {
+  return "More than half of what is left is of " + Enumerate(configurations, kNamesListed) +
+         ": check the joint values and the rows there before a cause is looked for.";
+}
+
 std::string NotTestedInWords(const Diagnosis& d) {
   const Robot& robot = d.final.problem->robot();
   std::vector<std::string> parts;

@@ -17,6 +17,8 @@ struct Robot;
 
 // Effects that arms have and that these data cannot show, with what they lack; "" where there are none.
 std::string NotTestedInWords(const Diagnosis& d);
+// Of a misfit that no model has.
+std::string MostIsOf(const std::vector<std::string>& configurations);
 // Whether machines have an effect of that sign and size.
 std::string PhysicalInWords(const PhysicalBounds& bounds);
 
