@@ -12,8 +12,10 @@
 #include "estimator/explanations/drivers.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/noise/variance_components.h"
+#include "estimator/random_effects/evidence_score.h"
 #include "estimator/statistics/distributions.h"
 #include "estimator/statistics/median.h"
+#include "models/effects/learnt_deviation.h"
 
 namespace sagitta {
 namespace {
@@ -31,14 +33,17 @@ constexpr double kMostOutliers = 0.06;
 constexpr size_t kFewOutliers = 2;                        // of held-out rows, however few
 constexpr size_t kFewestFitted = 20, kFewestHeldOut = 8;  // rows whose median says what they scatter by
 constexpr int kFewestDof = 20;                            // that determine a scale: to a sixth
-constexpr double kByChance = 0.01;                        // of neighbours, the default significance
-constexpr size_t kSharedRows = 10;                        // beyond one per visit
+// As a turn about the base, rad: ten times a joint's deviation, beyond which the evidence weighs no cause. A bump of a
+// worn sector moves a few poses alone, too.
+constexpr double kNoCause = kScales[std::size(kScales) - 1] * kTypicalTurn;
+constexpr size_t kSharedRows = 10;  // beyond one per visit
 
 struct ShotResidual {
   std::vector<int> observations;
   Eigen::VectorXd residual;             // whitened
   Eigen::MatrixXd rigid;                // whitened, 6 columns
   std::vector<Eigen::Vector3d> places;  // of each point from the instrument, m; of a rotation zero
+  double turn = 0.0;                    // rad: what its points are off by, over how far they are from the base
 };
 
 // A small motion (t, w) of the body moves a marker at arm a from the centre by t + w x a = t - [a]x w.
@@ -62,6 +67,8 @@ std::vector<ShotResidual> ResidualsByShot(const CalibrationProblem& problem, con
     for (const size_t k : ks) {
       if (problem.data().observations[all[k]].is_point()) center += predicted.col(k) / points;
     }
+    double off = 0.0, reach = 0.0;
+    const Vector3<double> base = parameters.BaseInStation(problem.data().shots[shot.first].station).translation;
     for (size_t i = 0; i < ks.size(); ++i) {
       const Observation& observation = problem.data().observations[all[ks[i]]];
       const Matrix3<double> whitener = noise[ks[i]].inverse();
@@ -73,10 +80,13 @@ std::vector<ShotResidual> ResidualsByShot(const CalibrationProblem& problem, con
         result.rigid.block<3, 6>(3 * i, 0) << Matrix3<double>::Zero(), whitener;
         continue;
       }
+      off += MeasuredMinusPredicted(observation.reading(), predicted.col(ks[i])).squaredNorm();
+      reach += (predicted.col(ks[i]) - base).squaredNorm();
       const Vector3<double> arm = predicted.col(ks[i]) - center;
       result.rigid.block<3, 3>(3 * i, 0) = whitener;
       result.rigid.block<3, 3>(3 * i, 3) = whitener * Matrix3<double>(-Skew(arm));
     }
+    if (reach > 0.0) result.turn = std::sqrt(off / reach);
     shots.push_back(std::move(result));
   }
   return shots;
@@ -175,6 +185,7 @@ struct Misfit {
   double least;     // of them
   double rigid;     // what the body's best motion leaves of all of them, over the larger scatter
   double together;  // mean of all of them; 0: it is alone
+  double turn;      // of the shot
 };
 
 std::vector<Misfit> MisfitsOf(const std::vector<ShotResidual>& shots, bool is_sigma_stated) {
@@ -196,7 +207,7 @@ std::vector<Misfit> MisfitsOf(const std::vector<ShotResidual>& shots, bool is_si
         if (k != i) least = std::min(least, squares[k]);
       }
       misfits.push_back({shot.observations[i], static_cast<size_t>(&shot - shots.data()), squares[i], others, least,
-                         dof > 0 ? rigid : 0.0, n > 1 ? sum / static_cast<double>(n) : 0.0});
+                         dof > 0 ? rigid : 0.0, n > 1 ? sum / static_cast<double>(n) : 0.0, shot.turn});
     }
   }
   return misfits;
@@ -228,39 +239,6 @@ double BeyondOtherArrivals(const std::vector<Misfit>& misfits) {
   std::vector<double> squares;
   for (const auto& [arrival, square] : together) squares.push_back(square);
   return squares.size() < kFewestHeldOut ? std::numeric_limits<double>::infinity() : BeyondOthers(squares);
-}
-
-// Whether what neighbours of these configurations in a joint's value are off by is more than chance has it: a cause
-// that follows the pose (a worn sector) acts on them too, a wrong row does not. With p the share of configurations that
-// are off by as much or more, uniform by chance, of m neighbours
-//   P(sum of p <= d) <= d^m / m!   (the simplex in the cube), times the joints.
-bool ActOnNeighbours(const CalibrationProblem& problem, const std::vector<Misfit>& misfits,
-                     const std::set<int>& wrong) {
-  std::map<int, double> worst;  // of each configuration
-  for (const Misfit& misfit : misfits) {
-    double& own = worst[ConfigurationOf(problem, misfit)];
-    own = std::max(own, misfit.together);
-  }
-  std::vector<int> order;
-  for (const auto& [configuration, square] : worst) order.push_back(configuration);
-  const auto count = static_cast<double>(order.size());
-  const int joints = problem.robot().num_joints();
-  for (int j = 0; j < joints; ++j) {
-    const auto value = [&](int c) { return problem.data().configurations[c].q[j]; };
-    std::sort(order.begin(), order.end(), [&](int a, int b) { return value(a) < value(b); });
-    double sum = 0.0, neighbours = 0.0;
-    for (size_t k = 0; k < order.size(); ++k) {
-      if (wrong.count(order[k]) == 0) continue;
-      for (const size_t next : {k - 1, k + 1}) {
-        if (next >= order.size()) continue;  // -1 too
-        const double own = worst[order[next]];
-        sum += std::count_if(worst.begin(), worst.end(), [own](const auto& w) { return w.second >= own; }) / count;
-        neighbours += 1.0;
-      }
-    }
-    if (neighbours * std::log(sum) - std::lgamma(neighbours + 1.0) < std::log(kByChance / joints)) return true;
-  }
-  return false;
 }
 
 }  // namespace
@@ -308,7 +286,7 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
   // The worst first: they pull the fit, and the others with it.
   const double floor = std::max(limit, kOfTheWorst * *std::max_element(squares.begin(), squares.end()));
   const double beyond_others = BeyondOthers(squares), beyond_arrivals = BeyondOtherArrivals(misfits);
-  std::vector<int> outliers, arrivals;
+  std::vector<int> outliers;
   std::set<int> all_configurations, wrong;  // a wrong pose is one mistake
   size_t single = removed;
   for (const Misfit& misfit : misfits) {
@@ -318,23 +296,15 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
     const bool not_rigid = misfit.squared > kAlone * misfit.least && misfit.rigid > limit;
     const bool is_its_own = !held_out || misfit.rigid > limit || misfit.squared > beyond_others;
     // Joint values that were not those, or a shot of another pose.
-    const bool are_all_off = std::min(misfit.squared, misfit.least) > limit;
+    const bool are_all_off = std::min(misfit.squared, misfit.least) > limit && misfit.turn > kNoCause;
     const bool is_arrival = !held_out && are_all_off && misfit.together > std::max(floor, beyond_arrivals);
     const int configuration = ConfigurationOf(problem, misfit);
     all_configurations.insert(configuration);
-    if (is_arrival) {
-      wrong.insert(configuration);
-      arrivals.push_back(misfit.observation);
-    } else if (misfit.squared > floor && (alone || not_rigid) && is_its_own) {
-      ++single;
-      outliers.push_back(misfit.observation);
-    }
+    const bool is_single = misfit.squared > floor && (alone || not_rigid) && is_its_own;
+    if (is_arrival) wrong.insert(configuration);
+    if (is_single && !is_arrival) ++single;
+    if (is_single || is_arrival) outliers.push_back(misfit.observation);
   }
-  if (!wrong.empty() && ActOnNeighbours(problem, misfits, wrong)) {
-    wrong.clear();
-    arrivals.clear();
-  }
-  outliers.insert(outliers.end(), arrivals.begin(), arrivals.end());
   // What happens to many points is no outlier but something to explain.
   const double share = Share(single, misfits.size() + removed) + Share(wrong.size(), all_configurations.size());
   const bool are_few = !are_fitted && single + wrong.size() <= kFewOutliers;
