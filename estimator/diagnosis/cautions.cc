@@ -207,6 +207,16 @@ std::string OfSuspects(const DiagnosedModel& believed) {
   return LookAtSuspectsFirst(RowsAreSuspect(suspects.size(), suspects[0].row + ": " + suspects[0].words));
 }
 
+void CautionOfAFew(const DiagnosedModel& final, std::vector<std::string>* cautions) {
+  const Measurements& data = final.problem->data();
+  std::vector<std::string> names;
+  for (const int i : RowsOfTheWorst(*final.problem, final.estimate.parameters)) {
+    const std::string& name = data.ConfigurationOf(data.observations[i]).id;
+    if (names.empty() || names.back() != name) names.push_back(name);
+  }
+  if (!names.empty()) cautions->push_back(MostIsOf(names));
+}
+
 bool IsCompliance(const EffectSpec& spec) {
   const EffectDefinition* definition = FindEffect(spec.effect);
   return definition == &JointComplianceEffect() || definition == &TransverseCompliance() ||
@@ -321,6 +331,7 @@ void CautionOfNotNamed(const std::vector<std::pair<EffectSpec, double>>& unconfi
 
 void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, bool is_sigma_stated, double significance,
                       std::vector<std::string>* cautions) {
+  if (has_unexplained) CautionOfAFew(final, cautions);
   const double rms = final.estimate.validation.rms, floor = final.estimate.noise_floor;
   const int held_out = CountHeldOut(final);
   if (held_out < kFewHeldOut) return;

@@ -32,7 +32,8 @@ void CautionOfLookAlikes(const CalibrationProblem& problem, const std::vector<Fo
 // Of effects that are probable by themselves and not named, but for those that untouched rows did not confirm.
 void CautionOfNotNamed(const std::vector<std::pair<EffectSpec, double>>& unconfirmed, Diagnosis* diagnosis);
 
-// Where the hold-out is far above its noise floor although nothing is left to explain it, or below a floor of stated
+// Where something is left and a few configurations have most of it; where the hold-out is far above its noise floor
+// although nothing is left to explain it, or below a floor of stated
 // noise.
 void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, bool is_sigma_stated, double significance,
                       std::vector<std::string>* cautions);

@@ -49,6 +49,7 @@ class Session {
     WeighPointsAndRotations();
     aside_.FromFitted(&d_.baseline);
     if (options_.points_are_measured) d_.cautions = CautionsOfReadings(*d_.baseline.problem);
+    d_.read_first = d_.cautions.size();
     for (const std::string& caution : FindCautions(problem_, d_.baseline)) d_.cautions.push_back(caution);
     for (int round = 0; round < kMostRounds; ++round) {
       Search();
@@ -427,9 +428,7 @@ class Session {
   }
 
   void Decide() {
-    for (const int i : aside_.outliers()) {
-      d_.noise.outliers.push_back(problem_.data().SourceOf(problem_.data().observations[i]));
-    }
+    NameLeftOut(d_.final, aside_.outliers(), &d_.noise);
     d_.noise.outliers_held_out = aside_.held_out();
     d_.baseline_p = LackOfFit(problem_, d_.baseline, {});
     if (d_.has_unexplained) {

@@ -100,6 +100,7 @@ struct Diagnosis {
   LearntFunction unexplained;
   std::shared_ptr<const LearntModel> learnt;  // null: nothing was learnt that predicts untouched rows better
   std::vector<std::string> cautions;          // what limits the verdict, in words
+  size_t read_first = 0;                      // of these, the first: to be read before the answer
   BetweenParts choice;                        // that the final model holds one of several sets; not known: it is alone
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <set>
@@ -11,8 +12,10 @@
 #include "estimator/explanations/drivers.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/noise/variance_components.h"
+#include "estimator/random_effects/evidence_score.h"
 #include "estimator/statistics/distributions.h"
 #include "estimator/statistics/median.h"
+#include "models/effects/learnt_deviation.h"
 
 namespace sagitta {
 namespace {
@@ -30,13 +33,17 @@ constexpr double kMostOutliers = 0.06;
 constexpr size_t kFewOutliers = 2;                        // of held-out rows, however few
 constexpr size_t kFewestFitted = 20, kFewestHeldOut = 8;  // rows whose median says what they scatter by
 constexpr int kFewestDof = 20;                            // that determine a scale: to a sixth
-constexpr size_t kSharedRows = 10;                        // beyond one per visit
+// As a turn about the base, rad: ten times a joint's deviation, beyond which the evidence weighs no cause. A bump of a
+// worn sector moves a few poses alone, too.
+constexpr double kNoCause = kScales[std::size(kScales) - 1] * kTypicalTurn;
+constexpr size_t kSharedRows = 10;  // beyond one per visit
 
 struct ShotResidual {
   std::vector<int> observations;
   Eigen::VectorXd residual;             // whitened
   Eigen::MatrixXd rigid;                // whitened, 6 columns
   std::vector<Eigen::Vector3d> places;  // of each point from the instrument, m; of a rotation zero
+  double turn = 0.0;                    // rad: what its points are off by, over how far they are from the base
 };
 
 // A small motion (t, w) of the body moves a marker at arm a from the centre by t + w x a = t - [a]x w.
@@ -60,6 +67,8 @@ std::vector<ShotResidual> ResidualsByShot(const CalibrationProblem& problem, con
     for (const size_t k : ks) {
       if (problem.data().observations[all[k]].is_point()) center += predicted.col(k) / points;
     }
+    double off = 0.0, reach = 0.0;
+    const Vector3<double> base = parameters.BaseInStation(problem.data().shots[shot.first].station).translation;
     for (size_t i = 0; i < ks.size(); ++i) {
       const Observation& observation = problem.data().observations[all[ks[i]]];
       const Matrix3<double> whitener = noise[ks[i]].inverse();
@@ -71,10 +80,13 @@ std::vector<ShotResidual> ResidualsByShot(const CalibrationProblem& problem, con
         result.rigid.block<3, 6>(3 * i, 0) << Matrix3<double>::Zero(), whitener;
         continue;
       }
+      off += MeasuredMinusPredicted(observation.reading(), predicted.col(ks[i])).squaredNorm();
+      reach += (predicted.col(ks[i]) - base).squaredNorm();
       const Vector3<double> arm = predicted.col(ks[i]) - center;
       result.rigid.block<3, 3>(3 * i, 0) = whitener;
       result.rigid.block<3, 3>(3 * i, 3) = whitener * Matrix3<double>(-Skew(arm));
     }
+    if (reach > 0.0) result.turn = std::sqrt(off / reach);
     shots.push_back(std::move(result));
   }
   return shots;
@@ -167,10 +179,13 @@ DirectedScatter ScatterOf(const std::vector<ShotResidual>& shots, bool is_sigma_
 // One point among those of its shot and body; squares over the scatter.
 struct Misfit {
   int observation;
-  double squared;  // 3 degrees of freedom
-  double others;   // mean of the other markers on the body; 0: there are none
-  double least;    // of them
-  double rigid;    // what the body's best motion leaves of all of them, over the larger scatter
+  size_t arrival;   // place of shot and body
+  double squared;   // 3 degrees of freedom
+  double others;    // mean of the other markers on the body; 0: there are none
+  double least;     // of them
+  double rigid;     // what the body's best motion leaves of all of them, over the larger scatter
+  double together;  // mean of all of them; 0: it is alone
+  double turn;      // of the shot
 };
 
 std::vector<Misfit> MisfitsOf(const std::vector<ShotResidual>& shots, bool is_sigma_stated) {
@@ -191,10 +206,39 @@ std::vector<Misfit> MisfitsOf(const std::vector<ShotResidual>& shots, bool is_si
       for (size_t k = 0; k < n; ++k) {
         if (k != i) least = std::min(least, squares[k]);
       }
-      misfits.push_back({shot.observations[i], squares[i], others, least, dof > 0 ? rigid : 0.0});
+      misfits.push_back({shot.observations[i], static_cast<size_t>(&shot - shots.data()), squares[i], others, least,
+                         dof > 0 ? rigid : 0.0, n > 1 ? sum / static_cast<double>(n) : 0.0, shot.turn});
     }
   }
   return misfits;
+}
+
+int ConfigurationOf(const CalibrationProblem& problem, const Misfit& misfit) {
+  return problem.data().shots[problem.data().observations[misfit.observation].shot].configuration;
+}
+
+double Share(size_t some, size_t all) {
+  return static_cast<double>(some) / static_cast<double>(std::max<size_t>(1, all));
+}
+
+// Squares that are its own, given all others.
+double BeyondOthers(std::vector<double> squares) {
+  const auto of_a_cause = static_cast<size_t>(kShareOfACause * static_cast<double>(squares.size()));
+  const size_t place = std::max(kFewOutliers, of_a_cause);
+  if (place >= squares.size()) return std::numeric_limits<double>::infinity();
+  std::nth_element(squares.begin(), squares.begin() + static_cast<long>(place), squares.end(), std::greater<>());
+  return kBeyondOthers * squares[place];
+}
+
+// The same of shots, each by all its points.
+double BeyondOtherArrivals(const std::vector<Misfit>& misfits) {
+  std::map<size_t, double> together;
+  for (const Misfit& misfit : misfits) {
+    if (misfit.together > 0.0) together[misfit.arrival] = misfit.together;
+  }
+  std::vector<double> squares;
+  for (const auto& [arrival, square] : together) squares.push_back(square);
+  return squares.size() < kFewestHeldOut ? std::numeric_limits<double>::infinity() : BeyondOthers(squares);
 }
 
 }  // namespace
@@ -239,25 +283,62 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
   const double limit = held_out ? kHeldOutScatter * own_limit : own_limit;
   std::vector<double> squares;
   for (const Misfit& misfit : misfits) squares.push_back(misfit.squared);
-  std::sort(squares.begin(), squares.end(), std::greater<>());
   // The worst first: they pull the fit, and the others with it.
-  const double floor = std::max(limit, kOfTheWorst * squares.front());
-  const auto of_a_cause = static_cast<size_t>(kShareOfACause * static_cast<double>(squares.size()));
-  const double beyond_others = kBeyondOthers * squares[std::max(kFewOutliers, of_a_cause)];
+  const double floor = std::max(limit, kOfTheWorst * *std::max_element(squares.begin(), squares.end()));
+  const double beyond_others = BeyondOthers(squares), beyond_arrivals = BeyondOtherArrivals(misfits);
   std::vector<int> outliers;
+  std::set<int> all_configurations, wrong;  // a wrong pose is one mistake
+  size_t single = removed;
   for (const Misfit& misfit : misfits) {
     const bool alone =
         misfit.others > 0.0 ? misfit.squared > kAlone * misfit.others : misfit.squared > kSingleMarker * limit;
     // Two in one shot hide each other, but not that the body does not move like this.
     const bool not_rigid = misfit.squared > kAlone * misfit.least && misfit.rigid > limit;
     const bool is_its_own = !held_out || misfit.rigid > limit || misfit.squared > beyond_others;
-    if (misfit.squared > floor && (alone || not_rigid) && is_its_own) outliers.push_back(misfit.observation);
+    // Joint values that were not those, or a shot of another pose.
+    const bool are_all_off = std::min(misfit.squared, misfit.least) > limit && misfit.turn > kNoCause;
+    const bool is_arrival = !held_out && are_all_off && misfit.together > std::max(floor, beyond_arrivals);
+    const int configuration = ConfigurationOf(problem, misfit);
+    all_configurations.insert(configuration);
+    const bool is_single = misfit.squared > floor && (alone || not_rigid) && is_its_own;
+    if (is_arrival) wrong.insert(configuration);
+    if (is_single && !is_arrival) ++single;
+    if (is_single || is_arrival) outliers.push_back(misfit.observation);
   }
   // What happens to many points is no outlier but something to explain.
-  const auto all = static_cast<double>(outliers.size() + removed);
-  const double most = kMostOutliers * static_cast<double>(misfits.size() + removed);
-  if (all > (are_fitted ? most : std::max<double>(kFewOutliers, most))) return {};
-  return outliers;
+  const double share = Share(single, misfits.size() + removed) + Share(wrong.size(), all_configurations.size());
+  const bool are_few = !are_fitted && single + wrong.size() <= kFewOutliers;
+  return share <= kMostOutliers || are_few ? outliers : std::vector<int>();
+}
+
+std::vector<int> RowsOfTheWorst(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  const std::vector<Misfit> misfits =
+      MisfitsOf(ResidualsByShot(problem, parameters, problem.CalibrationObservations()), IsSigmaStated(problem));
+  struct Worst {
+    double excess = 0.0;
+    std::vector<int> rows;
+  };
+  std::map<int, Worst> by_configuration;
+  for (const Misfit& misfit : misfits) {
+    Worst& own = by_configuration[ConfigurationOf(problem, misfit)];
+    own.excess += misfit.squared - 3.0;  // degrees of freedom
+    own.rows.push_back(misfit.observation);
+  }
+  std::vector<Worst> worst;
+  double all = 0.0;
+  for (const auto& [configuration, own] : by_configuration) {
+    all += std::max(0.0, own.excess);
+    worst.push_back(own);
+  }
+  std::sort(worst.begin(), worst.end(), [](const Worst& a, const Worst& b) { return a.excess > b.excess; });
+  std::vector<int> rows;
+  double seen = 0.0;
+  size_t count = 0;
+  for (; count < worst.size() && seen <= 0.5 * all; ++count) {
+    seen += worst[count].excess;
+    rows.insert(rows.end(), worst[count].rows.begin(), worst[count].rows.end());
+  }
+  return Share(count, worst.size()) <= kMostOutliers ? rows : std::vector<int>();
 }
 
 std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const ParameterSet& parameters,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/statistics/distributions.h"
@@ -110,6 +111,32 @@ NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, con
   }
   noise.is_finding = noise.HasUndeclaredRepeatability() || noise.scale_differs;
   return noise;
+}
+
+void NameLeftOut(const DiagnosedModel& model, const std::vector<int>& outliers, NoiseFinding* noise) {
+  const Measurements& data = model.problem->data();
+  for (const int i : outliers) noise->outliers.push_back(data.SourceOf(data.observations[i]));
+  std::map<int, std::vector<int>> points;  // of each shot
+  for (const int i : data.PointsAmong(outliers)) points[data.observations[i].shot].push_back(i);
+  for (const auto& [shot, own] : points) {
+    const std::vector<int>& all = data.shots[shot].observations;
+    if (own.size() < 2 || own.size() < data.PointsAmong(all).size()) continue;
+    const Eigen::Matrix3Xd predicted = PredictPoints(*model.problem, model.estimate.parameters, own);
+    double sum = 0.0;
+    for (size_t k = 0; k < own.size(); ++k)
+      sum += (data.observations[own[k]].point_in_station - predicted.col(static_cast<long>(k))).squaredNorm();
+    const WrongArrival arrival = {data.configurations[data.shots[shot].configuration].id,
+                                  std::sqrt(sum / static_cast<double>(own.size()))};
+    noise->outliers_of_arrivals += static_cast<int>(own.size());
+    const auto same = std::find_if(noise->arrivals.begin(), noise->arrivals.end(), [&](const WrongArrival& other) {
+      return other.configuration == arrival.configuration;
+    });
+    if (same == noise->arrivals.end()) {
+      noise->arrivals.push_back(arrival);
+    } else {
+      same->off = std::max(same->off, arrival.off);
+    }
+  }
 }
 
 // chi^2 / dof ~ F(dof, dof of sigma). Where sigma is found from rigid bodies with chi^2_r on r degrees of freedom:

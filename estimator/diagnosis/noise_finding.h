@@ -10,6 +10,13 @@
 
 namespace sagitta {
 
+// Joint values or readings of a shot that were not those: all its points are off together, by far more than others.
+struct WrongArrival {
+  std::string configuration;
+  double off = 0.0;  // m, RMS of its points from what the model predicts
+};
+
+// Of the leading set.
 struct NoiseFinding {
   bool is_stated = true;
   bool asks_repeatability = false;  // to be estimated: what is found is no finding
@@ -24,8 +31,11 @@ struct NoiseFinding {
   double stated_repeatability = 0.0;                                              // rad, mean of the joints
   std::vector<std::string> outliers;                                              // file:line
   int outliers_held_out = 0;                                                      // of them
+  int outliers_of_arrivals = 0;                                                   // of them, in:
+  std::vector<WrongArrival> arrivals;                                             // each configuration once
   bool is_finding = false;
 
+  int SingleOutliers() const { return static_cast<int>(outliers.size()) - outliers_of_arrivals; }
   bool HasUndeclaredRepeatability() const { return repeatability > 0.0 && !asks_repeatability; }
 };
 
@@ -43,6 +53,9 @@ double UnitOfRows(const Evidence& evidence, const WeightedModel& model);
 // `final`: the extended model with that noise. `stated`: the problem as it was stated.
 NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& stated,
                        const DiagnosedModel& final);
+
+// The rows that were left out, and which of them are all of a shot, two points at least.
+void NameLeftOut(const DiagnosedModel& model, const std::vector<int>& outliers, NoiseFinding* noise);
 
 // P that the instrument's noise (as stated, or as rigid markers show it where the stated one is wrong) scatters as much
 // as this model leaves.

@@ -1,6 +1,10 @@
 #include "estimator/diagnosis/set_aside.h"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <string>
 
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/explanations/moments.h"
@@ -68,11 +72,139 @@ std::vector<int> HeldOutNextTo(const std::vector<double>& moments, const Calibra
   return rows;
 }
 
+double LogChoose(int n, int k) { return std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0); }
+
+// P that `there` or more of those that are off are among the last `last` of n readings, if it is chance which are:
+//   sum over i >= there of C(last, i) C(n - last, off - i) / C(n, off)
+double ChanceAtTheEnd(int n, int off, int last, int there) {
+  double sum = 0.0;
+  for (int i = std::max(there, off - (n - last)); i <= std::min(off, last); ++i) {
+    sum += std::exp(LogChoose(last, i) + LogChoose(n - last, off - i) - LogChoose(n, off));
+  }
+  return sum;
+}
+
+// How many readings at the end of a series are off as a rule and not by chance: from one that is off on most are, two
+// at least. Two ends are looked at; to begin at the j-th that is off has 1/j of the significance.
+int LengthOfEnd(const std::vector<bool>& is_off, double significance) {
+  const int n = static_cast<int>(is_off.size()), off = static_cast<int>(std::count(is_off.begin(), is_off.end(), true));
+  int nth = 0;
+  for (int first = 0; first < n; ++first) {
+    if (!is_off[first]) continue;
+    const int last = n - first, there = off - nth;
+    ++nth;
+    if (there < 2 || 2 * there <= last) continue;
+    if (2.0 * nth * ChanceAtTheEnd(n, off, last, there) < significance) return last;
+  }
+  return 0;
+}
+
+// One marker in one shot.
+struct Reading {
+  double time;
+  int shot, marker;
+  bool is_off;
+  std::vector<int> observations;
+};
+
+// In the order of time, or of the rows where not all state it.
+std::vector<Reading> ReadingsOf(const CalibrationProblem& problem, const std::set<int>& rows,
+                                const std::set<int>& off) {
+  const std::vector<ShotInput>& shots = problem.shot_inputs();
+  const bool is_timed = std::all_of(shots.begin(), shots.end(), [](const auto& s) { return s.conditions.has_time; });
+  std::map<std::pair<int, int>, Reading> by_shot;
+  for (const int i : rows) {
+    const Observation& row = problem.data().observations[i];
+    const double time = is_timed ? shots[row.shot].conditions.time : row.shot;
+    Reading& reading =
+        by_shot.emplace(std::pair(row.shot, row.marker), Reading{time, row.shot, row.marker, false, {}}).first->second;
+    reading.is_off |= off.count(i) > 0;
+    reading.observations.push_back(i);
+  }
+  std::vector<Reading> readings;
+  for (const auto& [at, reading] : by_shot) readings.push_back(reading);
+  std::stable_sort(readings.begin(), readings.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
+  return readings;
+}
+
+// What a reading was measured under: what most readings of one load, of a station or of a direction of approach do is
+// no mistake of theirs.
+std::vector<std::string> ConditionsOf(const CalibrationProblem& problem, const Reading& reading) {
+  const ShotConditions& shot = problem.shot_inputs()[reading.shot].conditions;
+  std::vector<std::string> conditions = {"load " + shot.load, "station " + shot.station};
+  for (int j = 0; j < problem.robot().num_joints(); ++j) {
+    if (shot.StatesApproachOf(j))
+      conditions.push_back("approach " + std::to_string(j) + " " + std::to_string(shot.approach[j]));
+  }
+  return conditions;
+}
+
+// Those of the rows `off` that are off for a reason that others share: a marker that was seated anew, a tool or a
+// station that was moved is off from some moment on or up to it, and so is what was measured under a condition.
+std::set<int> WithACause(const CalibrationProblem& problem, const std::set<int>& rows, const std::set<int>& off,
+                         double significance) {
+  const std::vector<Reading> readings = ReadingsOf(problem, rows, off);
+  std::map<std::pair<int, std::string>, std::vector<const Reading*>> series;
+  std::map<std::string, std::vector<const Reading*>> conditions;
+  for (const Reading& reading : readings) {
+    series[{reading.marker, ""}].push_back(&reading);
+    series[{reading.marker, problem.shot_inputs()[reading.shot].conditions.station}].push_back(&reading);
+    for (const std::string& condition : ConditionsOf(problem, reading)) conditions[condition].push_back(&reading);
+  }
+  std::set<int> found;
+  const auto add = [&](auto first, auto end) {
+    for (; first != end; ++first) {
+      for (const int i : (*first)->observations) {
+        if (off.count(i) > 0) found.insert(i);
+      }
+    }
+  };
+  for (const auto& [of, own] : series) {
+    std::vector<bool> is_off;
+    for (const Reading* reading : own) is_off.push_back(reading->is_off);
+    add(own.end() - LengthOfEnd(is_off, significance), own.end());
+    std::reverse(is_off.begin(), is_off.end());
+    add(own.begin(), own.begin() + LengthOfEnd(is_off, significance));
+  }
+  for (const auto& [condition, own] : conditions) {
+    const auto off_there = std::count_if(own.begin(), own.end(), [](const Reading* r) { return r->is_off; });
+    if (2 * off_there > static_cast<long>(own.size())) add(own.begin(), own.end());
+  }
+  return found;
+}
+
+std::set<int> Union(std::initializer_list<std::vector<int>> lists) {
+  std::set<int> all;
+  for (const std::vector<int>& list : lists) all.insert(list.begin(), list.end());
+  return all;
+}
+
 }  // namespace
 
+// Rows that were some once and are off all the same.
+std::vector<int> SetAside::StillOff(const DiagnosedModel& model) const {
+  const std::vector<int> once(returned_.begin(), returned_.end());
+  std::vector<int> explained =
+      ExplainedOutliers(*model.problem, model.estimate.parameters, once, kShareOfOutliers * significance_);
+  std::vector<int> still;
+  std::sort(explained.begin(), explained.end());
+  std::set_difference(once.begin(), once.end(), explained.begin(), explained.end(), std::back_inserter(still));
+  return still;
+}
+
 void SetAside::FromFitted(DiagnosedModel* model) {
-  for (int round = 0; round < kMostSetAsideRounds && Follow(*model, model); ++round) {
+  for (int round = 0; round < kMostSetAsideRounds && (Follow(*model, model) || FollowWithoutWorst(model)); ++round) {
   }
+}
+
+bool SetAside::FollowWithoutWorst(DiagnosedModel* model) {
+  CalibrationProblem without = *model->problem;
+  const std::vector<int> rows = RowsOfTheWorst(without, model->estimate.parameters);
+  for (const int i : rows) without.mutable_data()->ExcludeRow(i);
+  DiagnosedModel judge = *model;
+  if (rows.empty() || !Replace(without, joint_, &judge)) return false;
+  judge.problem = model->problem;
+  return Follow(judge, model);
 }
 
 bool SetAside::Follow(const DiagnosedModel& extended, DiagnosedModel* baseline) {
@@ -87,6 +219,12 @@ bool SetAside::Follow(const DiagnosedModel& extended, DiagnosedModel* baseline) 
   }
   std::vector<int> out =
       FindOutliers(seen, parameters, seen.CalibrationObservations(), significance, false, outliers_.size());
+  const std::set<int> caused = WithACause(seen, Union({seen.CalibrationObservations(), outliers_}),
+                                          Union({out, outliers_, StillOff(extended)}), significance_);
+  for (const int i : outliers_) {
+    if (caused.count(i) > 0 && std::find(back.begin(), back.end(), i) == back.end()) back.push_back(i);
+  }
+  returned_.insert(caused.begin(), caused.end());
   const auto came_back = [&](int i) { return returned_.count(i) > 0; };
   out.erase(std::remove_if(out.begin(), out.end(), came_back), out.end());
   if (back.empty() && out.empty()) return false;
@@ -111,6 +249,15 @@ void SetAside::FromHeldOut(bool lacks_nothing, DiagnosedModel* baseline, Diagnos
     if (outliers.empty()) break;
     for (const int i : outliers) cleaned.mutable_data()->ExcludeRow(i);
     removed.insert(removed.end(), outliers.begin(), outliers.end());
+  }
+  const std::set<int> caused = WithACause(
+      cleaned, Union({cleaned.CalibrationObservations(), cleaned.ValidationObservations(), outliers_, removed}),
+      Union({removed, outliers_, StillOff(*final)}), significance_);
+  for (const int i : caused) {
+    const auto own = std::find(removed.begin(), removed.end(), i);
+    if (own == removed.end()) continue;
+    cleaned.mutable_data()->ExcludeRow(i, false);
+    removed.erase(own);
   }
   if (removed.empty()) return;
   CalibrationProblem before = *baseline->problem;

@@ -13,7 +13,9 @@ class SetAside {
  public:
   SetAside(double significance, const JointOptions& joint) : significance_(significance), joint_(joint) {}
 
-  // Leaves out of the model what is an outlier to it, the worst first, and refits.
+  // Leaves out of the model what is an outlier to it, the worst first, and refits. Readings of one marker (of all of a
+  // station) that are off from some moment on, or up to it, and what most readings of a load do, stay: the evidence has
+  // to see them.
   void FromFitted(DiagnosedModel* model);
   // Readings that the extended model explains come back to the baseline, and stay; new ones leave. True: it changed.
   bool Follow(const DiagnosedModel& extended, DiagnosedModel* baseline);
@@ -32,10 +34,14 @@ class SetAside {
   int held_out() const { return held_out_; }
 
  private:
+  // Judged by the fit without the few configurations that are off most.
+  bool FollowWithoutWorst(DiagnosedModel* model);
+  std::vector<int> StillOff(const DiagnosedModel& model) const;
+
   double significance_;
   JointOptions joint_;
   std::vector<int> outliers_;
-  std::set<int> returned_;  // that were some once
+  std::set<int> returned_;  // that were some once, or would be, had they no cause
   int held_out_ = 0;
 };
 

@@ -1,5 +1,6 @@
 #include "estimator/diagnosis/undecided.h"
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
 
@@ -11,6 +12,10 @@ namespace sagitta {
 
 namespace {
 
+// Of the probability of all: in doubles shares add up to 1 without one below this, and a rival would have to be
+// 1 / sqrt(2.2e-16) = 7e7 standard deviations away for it to double a variance.
+constexpr double kNoShare = std::numeric_limits<double>::epsilon();
+
 double OfAll(double probability, const std::vector<RivalSet>& rivals) {
   return std::accumulate(rivals.begin(), rivals.end(), probability,
                          [](double sum, const RivalSet& rival) { return sum + rival.probability; });
@@ -21,10 +26,12 @@ double OfAll(double probability, const std::vector<RivalSet>& rivals) {
 BetweenParts ErrorOfChoice(const Estimate& estimate, double probability, const std::vector<RivalSet>& rivals) {
   BetweenParts found;
   const double all = OfAll(probability, rivals);
-  if (rivals.empty() || !(all > 0.0)) return found;
+  const auto counts = [all](const RivalSet& rival) { return rival.probability > kNoShare * all; };
+  if (!(all > 0.0) || std::none_of(rivals.begin(), rivals.end(), counts)) return found;
   const auto coordinates = static_cast<Eigen::Index>(estimate.estimated.size());
   found.covariance = Eigen::MatrixXd::Zero(coordinates, coordinates);
   for (const RivalSet& rival : rivals) {
+    if (!counts(rival)) continue;
     ParameterSet other = estimate.parameters;
     other.CopyByName(rival.parameters);
     const Eigen::VectorXd all_moved = TangentDifference(other, estimate.parameters);

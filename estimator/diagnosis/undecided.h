@@ -24,7 +24,7 @@ struct RivalSet {
 };
 
 // T of the coordinates behind the estimate's covariance; of an effect that a rival has not, no other value is known.
-// Not known where there is no rival. probability: of the set that the estimate holds.
+// Not known where no rival has a share. probability: of the set that the estimate holds.
 BetweenParts ErrorOfChoice(const Estimate& estimate, double probability, const std::vector<RivalSet>& rivals);
 
 // The effects of each rival with more than that share of the probability of all.

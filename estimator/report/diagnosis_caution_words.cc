@@ -1,9 +1,12 @@
 #include "estimator/report/diagnosis_caution_words.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "estimator/diagnosis/diagnose.h"
 #include "estimator/report/diagnosis_words.h"
+#include "models/effects/catalogue.h"
+#include "problems/io/units.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -226,6 +229,63 @@ std::string AreBagged(int resamples) {
   return "Probabilities are averaged over the poses and " + std::to_string(resamples) +
          " resamples of them (bagged): something without a name is left, and then those of the poses as they "
          "are would be too sure.";
+}
+
+std::string MostIsOf(const std::vector<std::string>& configurations) {
+  return "More than half of what is left is of " + Enumerate(configurations, kNamesListed) +
+         ": check the joint values and the rows there before a cause is looked for.";
+}
+
+std::string NotTestedInWords(const Diagnosis& d) {
+  const Robot& robot = d.final.problem->robot();
+  std::vector<std::string> parts;
+  const auto add = [&](Lack lack, bool with_targets, const std::string& why) {
+    std::vector<std::string> titles, targets;
+    const auto add_once = [](const std::string& name, std::vector<std::string>* names) {
+      if (std::find(names->begin(), names->end(), name) == names->end()) names->push_back(name);
+    };
+    for (const NotTestable& entry : d.not_testable) {
+      if (entry.lack != lack) continue;
+      const EffectDefinition* definition = FindEffect(robot, entry.effect);
+      add_once(definition == nullptr ? "gravity compensator" : definition->title, &titles);
+      add_once(entry.target, &targets);
+    }
+    if (titles.empty()) return;
+    parts.push_back(Enumerate(titles) + (with_targets ? " on " + Enumerate(targets, kNamesListed) : "") + ", " + why);
+  };
+  add(Lack::kCompliance, true,
+      "for neither robot file nor loaded rows show the joint's compliance (state it, or measure with a load)");
+  add(Lack::kTime, false, "for want of times");
+  add(Lack::kTemperature, false, "for want of temperatures");
+  add(Lack::kApproach, true, "for want of approach directions");
+  return parts.empty() ? "" : "Not tested: " + Joined(parts, "; ") + ".";
+}
+
+std::string PhysicalInWords(const PhysicalBounds& bounds) {
+  const auto compliance = [](double k) {
+    const QuantityTraits& traits = TraitsOf(Quantity::kCompliance);
+    return Significant(k / traits.si_per_unit, 3) + " " + traits.unit;
+  };
+  const std::string weighs = "it would weigh " + Significant(bounds.found, 3) + " kg, and " +
+                             Significant(bounds.stated, 3) + " kg are stated: ";
+  switch (bounds.kind) {
+    case PhysicalBounds::Kind::kUsual:
+      break;
+    case PhysicalBounds::Kind::kCorrection:
+      return "it corrects the robot file: " + compliance(bounds.stated) + " there, " + compliance(bounds.found) +
+             " found";
+    case PhysicalBounds::Kind::kNegative:
+      return "the sign is not physical: read it as a description, not as a cause";
+    case PhysicalBounds::Kind::kTooLarge:
+      return "the size is not physical: read it as a description, not as a cause";
+    case PhysicalBounds::Kind::kMoreThanLoad:
+      return weighs + "no error of weighing. Check the stated loads and their units";
+    case PhysicalBounds::Kind::kLoadsExchanged:
+      return weighs + "with its mass and that of " + bounds.other + " exchanged the rows would fit";
+    case PhysicalBounds::Kind::kAboutItsPoint:
+      return "it cancels the stated load point: the moments may be stated about the flange, with the force's in them";
+  }
+  return "the size is one that machines show";
 }
 
 }  // namespace sagitta

@@ -10,8 +10,17 @@
 
 namespace sagitta {
 
+struct Diagnosis;
 struct FoundEffect;
+struct PhysicalBounds;
 struct Robot;
+
+// Effects that arms have and that these data cannot show, with what they lack; "" where there are none.
+std::string NotTestedInWords(const Diagnosis& d);
+// Of a misfit that no model has.
+std::string MostIsOf(const std::vector<std::string>& configurations);
+// Whether machines have an effect of that sign and size.
+std::string PhysicalInWords(const PhysicalBounds& bounds);
 
 // A finding about the readings that no effect answers.
 std::string LookAtThisFirst(const Finding& finding);

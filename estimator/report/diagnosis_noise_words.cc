@@ -8,6 +8,22 @@
 namespace sagitta {
 namespace {
 
+constexpr size_t kNamesListed = 6;
+
+std::string NamesOf(const std::vector<WrongArrival>& arrivals) {
+  std::vector<std::string> names;
+  for (const WrongArrival& arrival : arrivals) names.push_back(arrival.configuration);
+  return (names.size() == 1 ? "configuration " : "configurations ") + Enumerate(names, kNamesListed);
+}
+
+std::string ArrivalsInWords(const std::vector<WrongArrival>& arrivals) {
+  std::vector<std::string> sizes;
+  for (const WrongArrival& arrival : arrivals)
+    sizes.push_back(arrival.configuration + " (" + InMillimetres(arrival.off) + ")");
+  return "All readings of a shot are off together in " + Enumerate(sizes, kNamesListed) +
+         ", by far more than in any other, and were left out: check the joint values and the rows there. ";
+}
+
 std::string RepeatabilityInWords(const NoiseFinding& noise) {
   return "Joint repeatability of about " + Significant(1e6 * noise.repeatability, 3) +
          " urad (95 %: " + Significant(1e6 * noise.repeatability_low, 3) + " to " +
@@ -18,6 +34,8 @@ std::string RepeatabilityInWords(const NoiseFinding& noise) {
               ? ") would explain what is left, and so would any error that follows the pose: no "
                 "pose was visited again. "
                 "Visit ten poses a second time to distinguish them. "
+          : noise.is_bound
+              ? ") would explain what is left; it was not declared, and what has no name may be the cause. "
           : noise.stated_repeatability > 0.0
               ? ") is found; " + Significant(1e6 * noise.stated_repeatability, 3) + " urad are stated. "
               : ") was not declared. ");
@@ -32,7 +50,8 @@ std::string WrongNoiseInWords(const NoiseFinding& noise) {
     wrong.push_back(noise.stated_repeatability > 0.0 ? "the joints deviate more than is stated"
                                                      : "joint repeatability was not declared");
   }
-  if (!noise.outliers.empty()) wrong.push_back("readings are outliers");
+  if (!noise.arrivals.empty()) wrong.push_back("all readings of a shot are off in " + NamesOf(noise.arrivals));
+  if (noise.SingleOutliers() > 0) wrong.push_back("readings are outliers");
   return Enumerate(wrong);
 }
 
@@ -45,9 +64,11 @@ std::string NoiseInWords(const NoiseFinding& noise) {
   if (noise.repeatability > 0.0) {
     words += RepeatabilityInWords(noise);
   }
+  if (!noise.arrivals.empty()) words += ArrivalsInWords(noise.arrivals);
   if (!noise.outliers.empty()) {
     words +=
         std::to_string(noise.outliers.size()) + (noise.outliers.size() == 1 ? " outlier" : " outliers") + " left out";
+    if (noise.outliers_of_arrivals > 0) words += ", " + std::to_string(noise.outliers_of_arrivals) + " of them there";
     if (noise.outliers_held_out > 0) words += ", " + std::to_string(noise.outliers_held_out) + " of them held out";
     words += ". ";
   }

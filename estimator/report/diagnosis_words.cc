@@ -173,6 +173,17 @@ std::string NoEffectInWords(const Diagnosis& d) {
                              : " that no effect of the catalogue explains well.";
 }
 
+// What was fitted needs no cause, and something is off all the same.
+std::string NothingFitsInWords(const Diagnosis& d) {
+  const std::string nothing = " (nothing missing " + Percent(d.posterior.nothing) + ")";
+  return d.gap.before == 0.0
+             ? "The rows scatter more than the noise that is assumed, and no cause that is weighed is probable" +
+                   nothing + "."
+             : "There is a significant gap on untouched configurations, and no cause that is weighed is probable by "
+               "what was fitted" +
+                   nothing + ". Look at the largest residuals of the rows held out (residuals.csv).";
+}
+
 // Nothing fits, or too much does.
 std::string UnknownInWords(const Diagnosis& d) {
   const std::string there_is = d.gap.before == 0.0
@@ -184,6 +195,9 @@ std::string UnknownInWords(const Diagnosis& d) {
     if (probability >= kWorthSaying && likely.size() < kMostLikely)
       likely.push_back(Title(robot, spec) + " " + Percent(probability));
   }
+  if (likely.empty() && d.posterior.nothing > std::max(d.posterior.unnamed, d.posterior.noise)) {
+    return NothingFitsInWords(d);
+  }
   if (likely.empty() && d.posterior.noise > d.posterior.unnamed) {
     return there_is + ", most probably noise other than stated (" + Percent(d.posterior.noise) +
            "; see below), next a cause without a name (" + Percent(d.posterior.unnamed) + ").";
@@ -191,6 +205,7 @@ std::string UnknownInWords(const Diagnosis& d) {
   const bool is_said_alone = likely.empty() && d.posterior.noise < kWorthSaying;
   if (is_said_alone || d.posterior.unnamed > kEvenOdds) return there_is + NoEffectInWords(d);
   likely.push_back("what has no name " + Percent(d.posterior.unnamed));
+  if (d.posterior.nothing >= kWorthSaying) likely.push_back("nothing missing " + Percent(d.posterior.nothing));
   if (d.posterior.noise >= kWorthSaying) likely.push_back("noise other than stated " + Percent(d.posterior.noise));
   return there_is + ", and these data do not decide what it is: " + Joined(likely, ", ") + ".";
 }
@@ -223,6 +238,11 @@ std::string ShortTitle(const Robot& robot, const EffectSpec& spec) {
 }
 
 std::string VerdictInWords(const Diagnosis& d) {
+  const double something = 1.0 - d.posterior.nothing - d.posterior.noise;
+  if (d.verdict == DiagnosisVerdict::kConsistent && something > kEvenOdds) {
+    return "Something is probably missing (" + Percent(something) +
+           "), but these data do not show it surely enough to name it.";
+  }
   if (d.verdict == DiagnosisVerdict::kConsistent) {
     return d.cautions.empty() ? "Nothing is missing at this significance."
                               : "Nothing is missing at this significance, as far as these data show: see the cautions.";
@@ -255,13 +275,19 @@ std::string GaugeInWords(const EffectSpec& spec) {
 std::string EffectInWords(const Robot& robot, const FoundEffect& effect) {
   std::string words = Title(robot, effect.candidate.spec) + ", " + Percent(effect.probability) + ":";
   const std::vector<std::string>& poorly_determined = effect.candidate.poorly_determined;
+  size_t shown = 0;
   for (const ParameterEstimate& row : effect.parameters) {
     if (!IsDetermined(effect, row)) continue;
+    ++shown;
     words += " " + row.name.substr(row.name.rfind('/') + 1) + " " + WithInterval(row) + ",";
   }
   words.back() = ';';
-  if (!poorly_determined.empty())
-    words += " " + std::to_string(poorly_determined.size()) + " more that these data do not determine;";
+  if (!poorly_determined.empty()) {
+    const std::string count = std::to_string(poorly_determined.size());
+    words += shown > 0                       ? " " + count + " more that these data do not determine;"
+             : poorly_determined.size() == 1 ? " these data do not determine its value;"
+                                             : " these data determine none of its " + count + " values by itself;";
+  }
   if (std::isfinite(effect.holdout_after)) {
     const bool is_change = std::isfinite(effect.holdout_before);
     words += " hold-out RMS " + (is_change ? Significant(1e3 * effect.holdout_before, 3) + " -> " : "") +
@@ -360,8 +386,21 @@ std::string UnexplainedInWords(const Diagnosis& d) {
 }
 
 std::string LearntInWords(const Diagnosis& d) {
-  const size_t count = d.learnt->functions.size();
-  return "With " + std::to_string(count) + (count == 1 ? " smooth function" : " smooth functions") +
+  const Robot& robot = d.final.problem->robot();
+  std::vector<std::string> names;  // of effects that are not sure enough to be named
+  size_t count = 0;
+  for (const EffectSpec& spec : d.learnt->functions) {
+    const EffectDefinition* definition = FindEffect(robot, spec.effect);
+    const bool is_function = definition != nullptr && definition->is_learnt;
+    count += is_function ? 1 : 0;
+    if (!is_function) names.push_back(ShortTitle(robot, spec));
+  }
+  const std::string functions = std::to_string(count) + (count == 1 ? " smooth function" : " smooth functions");
+  const std::string effects = Enumerate(names, kMostNames) + ", not sure enough to be named,";
+  return "With " +
+         (names.empty() ? functions
+          : count == 0  ? effects
+                        : functions + " and " + effects) +
          " learnt from the rows (" + kLearntFile + "): " + HoldoutInWords(d.learnt->model.estimate) + "; " +
          ClosedInWords(d.learnt->gap) +
          ". They describe and name no cause, and say nothing beyond the measured ranges.";
@@ -369,58 +408,6 @@ std::string LearntInWords(const Diagnosis& d) {
 
 std::string ShareInWords(const WhereShare& share) {
   return Significant(100 * share.share, 3) + " % of the excess is at " + share.by + " " + share.key;
-}
-
-std::string PhysicalInWords(const PhysicalBounds& bounds) {
-  const auto compliance = [](double k) {
-    const QuantityTraits& traits = TraitsOf(Quantity::kCompliance);
-    return Significant(k / traits.si_per_unit, 3) + " " + traits.unit;
-  };
-  const std::string weighs = "it would weigh " + Significant(bounds.found, 3) + " kg, and " +
-                             Significant(bounds.stated, 3) + " kg are stated: ";
-  switch (bounds.kind) {
-    case PhysicalBounds::Kind::kUsual:
-      break;
-    case PhysicalBounds::Kind::kCorrection:
-      return "it corrects the robot file: " + compliance(bounds.stated) + " there, " + compliance(bounds.found) +
-             " found";
-    case PhysicalBounds::Kind::kNegative:
-      return "the sign is not physical: read it as a description, not as a cause";
-    case PhysicalBounds::Kind::kTooLarge:
-      return "the size is not physical: read it as a description, not as a cause";
-    case PhysicalBounds::Kind::kMoreThanLoad:
-      return weighs + "no error of weighing. Check the stated loads and their units";
-    case PhysicalBounds::Kind::kLoadsExchanged:
-      return weighs + "with its mass and that of " + bounds.other + " exchanged the rows would fit";
-    case PhysicalBounds::Kind::kAboutItsPoint:
-      return "it cancels the stated load point: the moments may be stated about the flange, with the force's in them";
-  }
-  return "the size is one that machines show";
-}
-
-std::string NotTestedInWords(const Diagnosis& d) {
-  const Robot& robot = d.final.problem->robot();
-  std::vector<std::string> parts;
-  const auto add = [&](Lack lack, bool with_targets, const std::string& why) {
-    std::vector<std::string> titles, targets;
-    const auto add_once = [](const std::string& name, std::vector<std::string>* names) {
-      if (std::find(names->begin(), names->end(), name) == names->end()) names->push_back(name);
-    };
-    for (const NotTestable& entry : d.not_testable) {
-      if (entry.lack != lack) continue;
-      const EffectDefinition* definition = FindEffect(robot, entry.effect);
-      add_once(definition == nullptr ? "gravity compensator" : definition->title, &titles);
-      add_once(entry.target, &targets);
-    }
-    if (titles.empty()) return;
-    parts.push_back(Enumerate(titles) + (with_targets ? " on " + Enumerate(targets, kMostTargets) : "") + ", " + why);
-  };
-  add(Lack::kCompliance, true,
-      "for neither robot file nor loaded rows show the joint's compliance (state it, or measure with a load)");
-  add(Lack::kTime, false, "for want of times");
-  add(Lack::kTemperature, false, "for want of temperatures");
-  add(Lack::kApproach, true, "for want of approach directions");
-  return parts.empty() ? "" : "Not tested: " + Joined(parts, "; ") + ".";
 }
 
 std::string GapIsNotKnown(const GapReport& gap) {
@@ -438,11 +425,18 @@ std::string ClosedInWords(const GapReport& gap) {
          Significant(100 * gap.closed_ci95.high, 3) + ")";
 }
 
+// Where a cause without a name is all that is found (JudgeFinal): the noise as it was stated.
+bool IsBelievedModel(const Diagnosis& d) { return d.effects.empty() && d.has_unexplained; }
+
 std::string DiagnosisToText(const Diagnosis& d) {
   std::ostringstream text;
   const Robot& robot = d.final.problem->robot();
   const Estimate& before = d.baseline.estimate;
   const Estimate& after = d.final.estimate;
+  for (const std::string& warning : d.baseline.problem->data().warnings) text << "Warning: " << warning << "\n";
+  const auto others = d.cautions.begin() + static_cast<long>(d.read_first);
+  for (auto caution = d.cautions.begin(); caution != others; ++caution) text << "Caution: " << *caution << "\n";
+  if (text.tellp() > 0) text << "\n";
   text << "Verdict: " << WordOf(d.verdict) << ".";
   for (const std::string& line : VerdictLines(d)) text << " " << line << "\n";
   text << "\n";
@@ -461,7 +455,8 @@ std::string DiagnosisToText(const Diagnosis& d) {
   if (d.effects.size() > kMostEffects)
     text << d.effects.size() - kMostEffects << " more effects: in report.html and diagnosis.json\n";
   text << "Final: reduced chi-square " << Significant(after.chi2 / std::max(1, after.dof), 3)
-       << (d.noise.scale_differs ? " with the noise that is found, " : ", ") << HoldoutInWords(after);
+       << (d.noise.scale_differs && !IsBelievedModel(d) ? " with the noise that is found, " : ", ")
+       << HoldoutInWords(after);
   const bool is_held_out = after.validation.observations > 0;
   if (is_held_out && !std::isnan(d.gap.floor)) text << ", noise floor " << Significant(1e3 * d.gap.floor, 3) << " mm";
   text << "\n";
@@ -474,8 +469,7 @@ std::string DiagnosisToText(const Diagnosis& d) {
   const std::string not_tested = NotTestedInWords(d);
   if (!not_tested.empty()) text << not_tested << "\n";
   for (const ReportedFlip& flip : d.posterior.flips) text << "Prior: " << FlipInWords(robot, flip) << "\n";
-  for (const std::string& caution : d.cautions) text << "Caution: " << caution << "\n";
-  for (const std::string& warning : d.baseline.problem->data().warnings) text << "Warning: " << warning << "\n";
+  for (auto caution = others; caution != d.cautions.end(); ++caution) text << "Caution: " << *caution << "\n";
   const std::string unread = NotReadInWords(d.baseline.problem->data().unread_columns);
   if (!unread.empty()) text << unread << "\n";
   return text.str();

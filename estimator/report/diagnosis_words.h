@@ -39,12 +39,9 @@ std::string FlipInWords(const Robot& robot, const ReportedFlip& flip);
 std::string GroupInWords(const Diagnosis& diagnosis, const EffectGroup& group);
 std::string ShareInWords(const WhereShare& share);
 
-// Effects that arms have and that these data cannot show, with what they lack; "" where there are none.
-std::string NotTestedInWords(const Diagnosis& d);
 std::string GapIsNotKnown(const GapReport& gap);
 std::string ClosedInWords(const GapReport& gap);
 
-std::string PhysicalInWords(const PhysicalBounds& bounds);
 // Whether the data determine this parameter of the effect; the others are held near neutral.
 bool IsDetermined(const FoundEffect& effect, const ParameterEstimate& row);
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "estimator/diagnosis/learnt_model.h"
+#include "estimator/report/diagnosis_caution_words.h"
 #include "estimator/report/diagnosis_next_words.h"
 #include "estimator/report/diagnosis_noise_words.h"
 #include "estimator/report/diagnosis_words.h"
@@ -173,6 +174,9 @@ Json NoiseToJson(const NoiseFinding& noise) {
     json["repeatability_ci95_urad"] = {1e6 * noise.repeatability_low, 1e6 * noise.repeatability_high};
   }
   json["outliers"] = noise.outliers;
+  for (const WrongArrival& arrival : noise.arrivals) {
+    json["wrong_configs"].push_back({{"config", arrival.configuration}, {"off_mm", 1e3 * arrival.off}});
+  }
   if (noise.repeatability_is_overstated) json["repeatability_is_overstated"] = true;
   if (noise.is_bound) json["is_bound"] = true;
   json["probability"] = noise.probability;
@@ -247,6 +251,8 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
   Json json = {{"schema", "sagitta/diagnosis/1"}, {"verdict", WordOf(d.verdict)}, {"significance", significance}};
   json["words"] = VerdictInWords(d);
   if (!d.cautions.empty()) json["cautions"] = d.cautions;
+  const std::vector<std::string>& warnings = d.baseline.problem->data().warnings;
+  if (!warnings.empty()) json["warnings"] = warnings;
   json["baseline"] = {{"reduced_chi2", before.chi2 / std::max(1, before.dof)},
                       {"lack_of_fit_p", Finite(d.baseline_p)},
                       {"rms_mm", 1e3 * before.fit.rms},

@@ -7,6 +7,8 @@
 #include <memory>
 
 #include "estimator/diagnosis/cautions.h"
+#include "estimator/diagnosis/learnt_model.h"
+#include "estimator/report/diagnosis_caution_words.h"
 #include "estimator/report/diagnosis_next_words.h"
 #include "estimator/report/diagnosis_noise_words.h"
 #include "problems/loads.h"
@@ -191,6 +193,8 @@ TEST(DiagnosisWords, JointsThatDeviateMoreThanStatedAreNotCalledUndeclared) {
   EXPECT_EQ(WrongNoiseInWords(noise), "the joints deviate more than is stated");
   noise.is_distinguished_from_pose = false;
   EXPECT_THAT(NoiseInWords(noise), HasSubstr("and so would any error that follows the pose"));
+  noise.stated_repeatability = 0.0, noise.is_distinguished_from_pose = true, noise.is_bound = true;
+  EXPECT_THAT(NoiseInWords(noise), HasSubstr("would explain what is left"));
 }
 
 // The list's value is not the one that was found.
@@ -245,7 +249,7 @@ TEST(DiagnosisWords, WithoutAGapNoneIsSaid) {
   d.effects.clear();
   d.groups.clear();
   d.verdict = DiagnosisVerdict::kUnknown;
-  d.posterior.unnamed = 0.9;
+  d.posterior.nothing = 0.0, d.posterior.unnamed = 0.9;
   EXPECT_THAT(VerdictInWords(d), HasSubstr("the untouched ones show no gap"));
 }
 
@@ -269,7 +273,7 @@ TEST(DiagnosisWords, UndecidedIsNotUnexplained) {
   d.effects.clear();
   d.groups.clear();
   d.verdict = DiagnosisVerdict::kUnknown;
-  d.posterior.unnamed = 0.9;
+  d.posterior.nothing = 0.0, d.posterior.unnamed = 0.9;
   d.posterior.explanations = {{{"encoder_gain", "A3", {}, {}}, 0.27}, {{"link_gravity", "A3", {}, {}}, 0.05}};
   EXPECT_THAT(VerdictInWords(d), HasSubstr("no effect of the catalogue explains well"));
   const EffectSpec gain{"encoder_gain", "A3", {}, {}}, gravity{"link_gravity", "A2", {}, {}};
@@ -288,6 +292,78 @@ TEST(DiagnosisWords, UndecidedIsNotUnexplained) {
   d.posterior.unnamed = 0.1, d.posterior.noise = 0.52;
   EXPECT_THAT(VerdictInWords(d), HasSubstr("most probably noise other than stated (52 %; see below), next a cause "
                                            "without a name (10 %)"));
+}
+
+TEST(DiagnosisWords, WhatIsNotMissingIsNotSaidToBe) {
+  Diagnosis d = Large();
+  d.effects.clear();
+  d.groups.clear();
+  d.verdict = DiagnosisVerdict::kUnknown;
+  d.posterior.nothing = 0.61, d.posterior.unnamed = 0.09;
+  d.posterior.sets = {{0.026, {{"encoder_gain", "A3", {}, {}}}, {}}};
+  EXPECT_THAT(VerdictInWords(d), AllOf(HasSubstr("nothing missing 61 %"), HasSubstr("residuals.csv"),
+                                       Not(HasSubstr("most probably")), Not(HasSubstr("encoder_gain"))));
+  d.gap.before = 0.0;
+  EXPECT_THAT(VerdictInWords(d), AllOf(HasSubstr("scatter more"), HasSubstr("nothing missing 61 %")));
+  d.verdict = DiagnosisVerdict::kConsistent;
+  EXPECT_THAT(VerdictInWords(d), StartsWith("Nothing is missing at this significance."));
+  d.posterior.nothing = 0.17, d.posterior.noise = 0.02;
+  EXPECT_THAT(VerdictInWords(d), StartsWith("Something is probably missing (81 %)"));
+}
+
+// Where only what has no name is found, the final model is the believed one with the noise as stated.
+TEST(DiagnosisWords, NoNoiseIsFoundInTheBelievedModel) {
+  Diagnosis d = Large();
+  d.noise.scale_differs = true;
+  EXPECT_THAT(DiagnosisToText(d), HasSubstr("with the noise that is found"));
+  d.effects.clear();
+  d.groups.clear();
+  EXPECT_THAT(DiagnosisToText(d), Not(HasSubstr("with the noise that is found")));
+}
+
+TEST(DiagnosisWords, ValuesThatAreNotDeterminedAreCounted) {
+  FoundEffect effect = Found("encoder_gain", "A4", 0.99);
+  const Robot robot = test::Kr270Robot();
+  effect.candidate.poorly_determined = {"a"};
+  EXPECT_THAT(EffectInWords(robot, effect), HasSubstr("do not determine its value"));
+  effect.candidate.poorly_determined = {"a", "b"};
+  EXPECT_THAT(EffectInWords(robot, effect), HasSubstr("none of its 2 values by itself"));
+  effect.parameters.emplace_back();
+  effect.parameters[0].name = "c";
+  EXPECT_THAT(EffectInWords(robot, effect), HasSubstr("2 more that these data do not determine"));
+}
+
+TEST(DiagnosisWords, ALearntEffectOfTheCatalogueIsNoSmoothFunction) {
+  Diagnosis d = Large();
+  LearntModel learnt;
+  learnt.model = d.final;
+  learnt.functions = {{"encoder_gain", "A4", {}, {}}};
+  d.learnt = std::make_shared<LearntModel>(learnt);
+  EXPECT_THAT(LearntInWords(d), StartsWith("With A4 encoder_gain, not sure enough to be named, learnt from the rows"));
+  learnt.functions.push_back({"learnt_deviation", "A2", {}, {}});
+  d.learnt = std::make_shared<LearntModel>(learnt);
+  EXPECT_THAT(LearntInWords(d), StartsWith("With 1 smooth function and A4 encoder_gain, not sure"));
+}
+
+TEST(DiagnosisWords, AWrongPoseIsNamed) {
+  NoiseFinding noise;
+  noise.outliers = {"m.csv:7", "m.csv:8", "m.csv:20"};
+  noise.arrivals = {{"c6", 5.3e-3}};
+  noise.outliers_of_arrivals = 2;
+  EXPECT_EQ(WrongNoiseInWords(noise), "all readings of a shot are off in configuration c6 and readings are outliers");
+  EXPECT_THAT(NoiseInWords(noise), AllOf(HasSubstr("c6 (5.3 mm)"), HasSubstr("3 outliers left out, 2 of them there")));
+}
+
+TEST(DiagnosisWords, WhatIsWrongWithTheRowsIsSaidFirst) {
+  Diagnosis d = Large();
+  CalibrationProblem problem = *d.baseline.problem;
+  problem.mutable_data()->warnings = {"copies"};
+  d.baseline.problem = std::make_shared<CalibrationProblem>(problem);
+  d.cautions = {"units", "few poses"};
+  d.read_first = 1;
+  const std::string text = DiagnosisToText(d);
+  EXPECT_THAT(text, StartsWith("Warning: copies\nCaution: units\n\nVerdict: "));
+  EXPECT_THAT(text, EndsWith("Caution: few poses\n"));
 }
 
 // A sign or a size that no machine shows is said in the first line: nothing is left, and yet the cause is another one.

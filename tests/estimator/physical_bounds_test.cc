@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "estimator/report/diagnosis_caution_words.h"
 #include "estimator/report/diagnosis_words.h"
 #include "problems/excitation.h"
 #include "tests/support/loaded_kr270.h"

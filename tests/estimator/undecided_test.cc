@@ -35,6 +35,11 @@ TEST(Undecided, RivalsCountByTheirProbability) {
   EXPECT_NEAR(found.variance[0], 2.25e-6, 1e-15);
   EXPECT_NEAR(found.covariance.sum(), 2.25e-6, 1e-15);
   EXPECT_FALSE(ErrorOfChoice(estimate, 1.0, {}).known());
+  // In numbers next to the least that there are T would not be symmetric, and no reader would accept it.
+  const RivalSet none = {1.9e-308, {}, moved(-1e-3)};
+  EXPECT_FALSE(ErrorOfChoice(estimate, 1.0, {none}).known());
+  EXPECT_EQ(ErrorOfChoice(estimate, 0.05, {{0.1, {}, moved(2e-3)}, {0.05, {}, moved(-1e-3)}, none}).covariance,
+            found.covariance);
 }
 
 // A marker that is held, or a base that nothing places, rests elsewhere in a rival's fit, and what moves with it does,

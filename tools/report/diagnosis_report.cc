@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 
+#include "estimator/report/diagnosis_caution_words.h"
 #include "estimator/report/diagnosis_noise_words.h"
 #include "estimator/report/diagnosis_words.h"
 #include "estimator/report/inspection_words.h"
@@ -247,7 +248,9 @@ Section WhereSection(const Diagnosis& d) {
 Section VerdictSection(const Diagnosis& d) {
   Section section;
   section.title = "Diagnosis: " + WordOf(d.verdict);
-  section.paragraphs = VerdictLines(d);
+  for (const std::string& warning : d.baseline.problem->data().warnings)
+    section.paragraphs.push_back("Warning: " + warning);
+  for (const std::string& line : VerdictLines(d)) section.paragraphs.push_back(line);
   section.paragraphs.push_back("Noise: " + NoiseInWords(d.noise));
   if (d.has_unexplained) {
     section.paragraphs.push_back("Without a name: " + UnexplainedInWords(d) + ".");
