@@ -36,6 +36,7 @@ constexpr int kFewestDof = 20;                            // that determine a sc
 // As a turn about the base, rad: ten times a joint's deviation, beyond which the evidence weighs no cause. A bump of a
 // worn sector moves a few poses alone, too.
 constexpr double kNoCause = kScales[std::size(kScales) - 1] * kTypicalTurn;
+constexpr double kByChance = 0.01;  // the default significance
 constexpr size_t kSharedRows = 10;  // beyond one per visit
 
 struct ShotResidual {
@@ -338,7 +339,15 @@ std::vector<int> RowsOfTheWorst(const CalibrationProblem& problem, const Paramet
     seen += worst[count].excess;
     rows.insert(rows.end(), worst[count].rows.begin(), worst[count].rows.end());
   }
-  return Share(count, worst.size()) <= kMostOutliers ? rows : std::vector<int>();
+  // Each of them beyond what the scatter makes of the worst of so many.
+  const auto is_by_chance = [&](const Worst& own) {
+    const double dof = 3.0 * static_cast<double>(own.rows.size());
+    return own.excess + dof < ChiSquareQuantile(1.0 - kByChance / static_cast<double>(worst.size()), dof);
+  };
+  const bool are_few = Share(count, worst.size()) <= kMostOutliers;
+  return are_few && std::none_of(worst.begin(), worst.begin() + static_cast<long>(count), is_by_chance)
+             ? rows
+             : std::vector<int>();
 }
 
 std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const ParameterSet& parameters,
