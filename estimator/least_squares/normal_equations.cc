@@ -12,7 +12,7 @@
 namespace sagitta {
 namespace {
 
-constexpr int kBatchesOfBlock = 16;  // 512 units: large against what a piece of work costs by itself
+constexpr int kBatchesOfBlock = 64;  // 512 units: large against what a piece of work costs by itself
 constexpr int kRowsAtOnce = 48;      // of lanes that are summed together: they stay in the cache
 
 // The sums of one group's rows, lane by lane, and where they go.
