@@ -7,13 +7,9 @@
 
 #include "estimator/changes/comparison_columns.h"
 #include "estimator/changes/sparse_search.h"
-#include "estimator/least_squares/held_influence.h"
-#include "estimator/least_squares/row_sums.h"
 #include "estimator/report/changes_words.h"
 #include "models/dense_algebra.h"
-#include "models/matrix_functions.h"
 #include "problems/input_error.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {

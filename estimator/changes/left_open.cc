@@ -5,6 +5,8 @@
 
 #include "estimator/changes/comparison.h"
 #include "estimator/changes/comparison_columns.h"
+#include "estimator/least_squares/held_influence.h"
+#include "estimator/least_squares/row_sums.h"
 #include "estimator/report/changes_words.h"
 #include "estimator/results/prediction_noise.h"
 #include "models/dense_algebra.h"

@@ -198,11 +198,12 @@ void SetAside::FromFitted(DiagnosedModel* model) {
 }
 
 bool SetAside::FollowWithoutWorst(DiagnosedModel* model) {
-  CalibrationProblem without = *model->problem;
-  const std::vector<int> rows = RowsOfTheWorst(without, model->estimate.parameters);
-  for (const int i : rows) without.mutable_data()->ExcludeRow(i);
+  const std::vector<int> rows = RowsOfTheWorst(*model->problem, model->estimate.parameters);
+  if (rows.empty()) return false;
   DiagnosedModel judge = *model;
-  if (rows.empty() || !Replace(without, joint_, &judge)) return false;
+  ExcludeFrom(&judge, rows);
+  const std::shared_ptr<const CalibrationProblem> without = judge.problem;
+  if (!Replace(*without, joint_, &judge)) return false;
   judge.problem = model->problem;
   return Follow(judge, model);
 }

@@ -72,11 +72,11 @@ class EstimateReader {
  private:
   // Where the residuals gave the noise, or scaled it; files of other programs may lack what says so.
   double NoiseFreedom() const {
-    const auto sigma = root_.Find("sigma"), fit = root_.Find("fit");
-    if (!sigma || !fit) return 0.0;
-    const auto stated = sigma->Find("stated"), scaled = sigma->Find("scaled"), dof = fit->Find("dof");
+    const auto sigma = root_.Find("sigma");
+    if (!sigma) return 0.0;
+    const auto stated = sigma->Find("stated"), scaled = sigma->Find("scaled");
     const bool is_stated = !stated || stated->json() == true, is_scaled = scaled && scaled->json() == true;
-    return dof && (is_scaled || !is_stated) ? dof->NotNegativeNumber() : 0.0;
+    return is_scaled || !is_stated ? known_.dof : 0.0;
   }
 
   // What it is, and that it is a result and not the record of a failure.

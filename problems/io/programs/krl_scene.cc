@@ -33,7 +33,7 @@ KrlFields KrlScene::FieldsAt(size_t open) const {
   KrlFields fields;
   for (const TextRange& part : PartsOf(code_, begin, end - 1)) {
     size_t name_end = part.first;
-    while (name_end < part.second && (IsWordCharacter(code_[name_end]))) ++name_end;
+    while (name_end < part.second && IsWordCharacter(code_[name_end])) ++name_end;
     size_t value = name_end;
     while (value < part.second && code_[value] == ' ') ++value;
     fields[code_.substr(part.first, name_end - part.first)] = {value, part.second};
