@@ -22,6 +22,7 @@
 #include "problems/measurements.h"
 #include "problems/noise_model.h"
 #include "problems/parameter_set.h"
+#include "problems/reading_group.h"
 #include "problems/shared_value.h"
 
 namespace sagitta {
@@ -86,6 +87,7 @@ class CalibrationProblem {
   FoundNoise found_noise;
   // By which the noise is another than stated, of whatever row, as far as that was found; in resolved_noise too.
   double stated_noise_factor = 1.0;
+  std::vector<ScaledGroup> scaled_groups;  // in addition, of these
   // Roots the fit weighs with in place of the noise's (estimator/noise/weighting.h): the
   // noise then says what the estimate is worth, not how it is made. Empty: the noise's.
   NoiseRoots weight_roots;

@@ -11,6 +11,7 @@
 
 #include "estimator/explanations/drivers.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/noise/rigid_bodies.h"
 #include "estimator/noise/variance_components.h"
 #include "estimator/random_effects/evidence_score.h"
 #include "estimator/statistics/distributions.h"
@@ -38,82 +39,6 @@ constexpr int kFewestDof = 20;                            // that determine a sc
 constexpr double kNoCause = kScales[std::size(kScales) - 1] * kTypicalTurn;
 constexpr double kByChance = 0.01;  // the default significance
 constexpr size_t kSharedRows = 10;  // beyond one per visit
-
-struct ShotResidual {
-  std::vector<int> observations;
-  Eigen::VectorXd residual;             // whitened
-  Eigen::MatrixXd rigid;                // whitened, 6 columns
-  std::vector<Eigen::Vector3d> places;  // of each point from the instrument, m; of a rotation zero
-  double turn = 0.0;                    // rad: what its points are off by, over how far they are from the base
-};
-
-// A small motion (t, w) of the body moves a marker at arm a from the centre by t + w x a = t - [a]x w.
-std::vector<ShotResidual> ResidualsByShot(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                          const std::vector<int>& all) {
-  const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, all);
-  const NoiseRoots noise = ObservationNoise(problem, all, kFallbackSigma);
-  std::map<std::pair<int, int>, std::vector<size_t>> members;  // of each shot and body
-  for (size_t k = 0; k < all.size(); ++k) {
-    const Observation& observation = problem.data().observations[all[k]];
-    members[{observation.shot, problem.marker_frames()[observation.marker]}].push_back(k);
-  }
-  std::vector<ShotResidual> shots;
-  for (const auto& [shot, ks] : members) {
-    ShotResidual result;
-    result.residual.resize(3 * ks.size());
-    result.rigid.resize(3 * ks.size(), 6);
-    Vector3<double> center = Vector3<double>::Zero();
-    double points = 0.0;
-    for (const size_t k : ks) points += problem.data().observations[all[k]].is_point() ? 1.0 : 0.0;
-    for (const size_t k : ks) {
-      if (problem.data().observations[all[k]].is_point()) center += predicted.col(k) / points;
-    }
-    double off = 0.0, reach = 0.0;
-    const Vector3<double> base = parameters.BaseInStation(problem.data().shots[shot.first].station).translation;
-    for (size_t i = 0; i < ks.size(); ++i) {
-      const Observation& observation = problem.data().observations[all[ks[i]]];
-      const Matrix3<double> whitener = noise[ks[i]].inverse();
-      result.observations.push_back(all[ks[i]]);
-      result.residual.segment<3>(3 * i) =
-          whitener * MeasuredMinusPredicted(observation.reading(), predicted.col(ks[i]));
-      result.places.push_back(observation.is_point() ? Eigen::Vector3d(predicted.col(ks[i])) : Eigen::Vector3d::Zero());
-      if (!observation.is_point()) {  // turns with the body, wherever it is
-        result.rigid.block<3, 6>(3 * i, 0) << Matrix3<double>::Zero(), whitener;
-        continue;
-      }
-      off += MeasuredMinusPredicted(observation.reading(), predicted.col(ks[i])).squaredNorm();
-      reach += (predicted.col(ks[i]) - base).squaredNorm();
-      const Vector3<double> arm = predicted.col(ks[i]) - center;
-      result.rigid.block<3, 3>(3 * i, 0) = whitener;
-      result.rigid.block<3, 3>(3 * i, 3) = whitener * Matrix3<double>(-Skew(arm));
-    }
-    if (reach > 0.0) result.turn = std::sqrt(off / reach);
-    shots.push_back(std::move(result));
-  }
-  return shots;
-}
-
-// What the best rigid motion leaves; degrees of freedom by rank.
-Eigen::VectorXd WithoutRigidMotion(const ShotResidual& shot, int* dof) {
-  Eigen::MatrixXd scaled = shot.rigid;
-  for (int c = 0; c < 6; ++c) scaled.col(c) /= std::max(1e-300, scaled.col(c).norm());
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled);
-  qr.setThreshold(1e-9);
-  *dof = static_cast<int>(shot.residual.size() - qr.rank());
-  // By an orthonormal basis: solving would divide by the pivots beyond the rank, which are rounding alone.
-  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(scaled.rows(), qr.rank());
-  const Eigen::MatrixXd basis = qr.householderQ() * identity;
-  return shot.residual - basis * (basis.transpose() * shot.residual);
-}
-
-// What the shapes of the bodies cost, their marker points being estimated: 3 m - 6 each, one distance where m is 2.
-int ShapeCost(const CalibrationProblem& problem) {
-  std::map<int, int> markers;
-  for (const int frame : problem.marker_frames()) ++markers[frame];
-  int cost = 0;
-  for (const auto& [frame, m] : markers) cost += m == 2 ? 1 : std::max(0, 3 * m - 6);
-  return cost;
-}
 
 // One repeatability of all revolute joints, estimated, then those of the sliding ones as stated.
 std::vector<DeviationGroup> CommonDeviations(const CalibrationProblem& problem) {
@@ -377,6 +302,16 @@ CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double fa
   }
   std::optional<double>& common = scaled.mutable_experiment()->noise.sigma;  // of rows that are predicted
   if (common) *common *= factor;
+  return scaled;
+}
+
+CalibrationProblem WithScaledGroups(const CalibrationProblem& problem, const std::vector<ScaledGroup>& groups) {
+  CalibrationProblem scaled = problem;
+  scaled.resolved_noise.resize(problem.data().observations.size());
+  for (size_t i = 0; i < scaled.resolved_noise.size(); ++i) {
+    scaled.resolved_noise[i] = ScaledRoot(ReadingOf(problem, static_cast<int>(i)), groups);
+  }
+  scaled.scaled_groups = groups;
   return scaled;
 }
 

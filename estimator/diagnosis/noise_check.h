@@ -1,6 +1,4 @@
-// Is the stated noise right? Markers of one shot on one body (mostly the flange) move together: what is left after the
-// best rigid motion of their residuals is the instrument's noise alone, whatever the robot does. n markers leave 3 n -
-// 6 degrees of freedom (two: one; one: none).
+// Is the stated noise right? As rigid bodies show it, whatever the robot does (noise/rigid_bodies.h).
 #pragma once
 
 #include <optional>
@@ -42,6 +40,9 @@ std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const Para
 
 // The problem with every stated sigma multiplied.
 CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double factor);
+
+// The problem with the noise of groups of readings multiplied, of rows to come too.
+CalibrationProblem WithScaledGroups(const CalibrationProblem& problem, const std::vector<ScaledGroup>& groups);
 
 // The problem with one common repeatability on every revolute joint, rad, instead of what it states of them.
 CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double sigma);

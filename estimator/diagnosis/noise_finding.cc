@@ -51,6 +51,20 @@ void FindRepeatability(const Evidence& evidence, const WeightedModel& model, con
   noise->repeatability_is_overstated = fit.high > 0.0 ? fit.high < stated_size : noise->repeatability < stated_size;
 }
 
+std::vector<GroupFinding> FindGroups(const Evidence& evidence, const WeightedModel& model, const Measurements& data) {
+  std::vector<GroupFinding> found;
+  const double applied = evidence.IsSigmaStated() ? AppliedFactor(evidence, model) : 1.0;
+  for (const ViewedGroup& viewed : evidence.ViewOf(model).groups) {
+    const ReadingGroup& group = viewed.scaled.group;
+    const double factor = applied * viewed.scaled.factor, arm = std::exp(NormalQuantile(0.975) * viewed.log_sd);
+    const bool is_stated_otherwise = evidence.IsSigmaStated() && (factor / arm > 1.0 || factor * arm < 1.0);
+    const bool is_wrong = !group.IsDirection() || factor > 1.0;
+    found.push_back(
+        {KindOf(group), NameOf(group, data), factor, factor / arm, factor * arm, is_stated_otherwise && is_wrong});
+  }
+  return found;
+}
+
 }  // namespace
 
 CalibrationProblem WithWorkingSigma(const DiagnosedModel& baseline, bool is_stated) {
@@ -73,6 +87,7 @@ CalibrationProblem WithNoiseOf(const Evidence& evidence, const WeightedModel& mo
   if (view.kind == NoiseView::Kind::kPose) {
     with = WithRepeatability(with, factor * std::hypot(view.sigma, MeanStated(problem)));
   }
+  if (!view.groups.empty()) with = WithScaledGroups(with, view.Scaled());
   if (factor != 1.0) with = WithScaledSigmas(with, factor);
   if (evidence.IsSigmaStated()) with.stated_noise_factor = factor;  // and that of rows to come
   return with;
@@ -93,7 +108,8 @@ NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, con
   for (const WeightedModel& each : evidence.models()) {
     if (seen > kNearlyAll) break;
     seen += each.probability;
-    const bool other = evidence.ViewOf(each).kind == NoiseView::Kind::kVisit;
+    const NoiseView& view = evidence.ViewOf(each);
+    const bool other = view.kind == NoiseView::Kind::kVisit || !view.groups.empty();
     noise.probability += each.probability * (other ? 1.0 : evidence.SigmaIsWrong(each));
   }
   if (evidence.ViewOf(model).kind == NoiseView::Kind::kVisit) {
@@ -109,7 +125,10 @@ NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, con
     noise.low = applied * scale->low;
     noise.high = applied * scale->high;
   }
-  noise.is_finding = noise.HasUndeclaredRepeatability() || noise.scale_differs;
+  noise.groups = FindGroups(evidence, model, stated.data());
+  noise.is_finding =
+      noise.HasUndeclaredRepeatability() || noise.scale_differs ||
+      std::any_of(noise.groups.begin(), noise.groups.end(), [](const GroupFinding& group) { return group.is_finding; });
   return noise;
 }
 

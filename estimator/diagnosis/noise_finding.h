@@ -16,6 +16,16 @@ struct WrongArrival {
   double off = 0.0;  // m, RMS of its points from what the model predicts
 };
 
+// A group of readings that scatters by a factor of its own: times what is stated of it, or where nothing is stated
+// times what the others scatter by.
+struct GroupFinding {
+  std::string kind, name;                      // as of KindOf and NameOf (problems/reading_group.h)
+  double factor = 1.0, low = 1.0, high = 1.0;  // 95 %
+  // Where it scatters less in one direction than is stated for all, one figure is stated for an instrument that has
+  // two: nothing is wrong.
+  bool is_finding = false;
+};
+
 // Of the leading set.
 struct NoiseFinding {
   bool is_stated = true;
@@ -29,10 +39,11 @@ struct NoiseFinding {
   bool is_distinguished_from_pose = true;    // poses were visited again: what follows the pose is no repeatability
   double repeatability = 0.0, repeatability_low = 0.0, repeatability_high = 0.0;  // rad; 0: as stated
   double stated_repeatability = 0.0;                                              // rad, mean of the joints
-  std::vector<std::string> outliers;                                              // file:line
-  int outliers_held_out = 0;                                                      // of them
-  int outliers_of_arrivals = 0;                                                   // of them, in:
-  std::vector<WrongArrival> arrivals;                                             // each configuration once
+  std::vector<GroupFinding> groups;
+  std::vector<std::string> outliers;   // file:line
+  int outliers_held_out = 0;           // of them
+  int outliers_of_arrivals = 0;        // of them, in:
+  std::vector<WrongArrival> arrivals;  // each configuration once
   bool is_finding = false;
 
   int SingleOutliers() const { return static_cast<int>(outliers.size()) - outliers_of_arrivals; }

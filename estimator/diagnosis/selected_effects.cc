@@ -91,7 +91,7 @@ bool IsRateAlone(const Evidence& evidence, const std::vector<int>& columns) {
 
 DiagnosedModel LackingGiven(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& working,
                             const DiagnosedModel& baseline, const JointOptions& joint) {
-  const bool is_other = evidence.ViewOf(model).kind != NoiseView::Kind::kStated;
+  const bool is_other = !evidence.ViewOf(model).IsStated();
   if (!is_other && evidence.IsSigmaStated() && evidence.SigmaIsWrong(model) <= kEvenOdds) return baseline;
   DiagnosedModel refit = RefitFully(WithNoiseOf(evidence, model, working), baseline.estimate, joint);
   return IsUsable(refit.estimate.status) ? refit : baseline;

@@ -1,8 +1,9 @@
 // The posterior over everything that could explain the gap: sets of explanations given each view of the noise.
 //
 // The noise is one more thing that may be other than stated. Its factor is part of the likelihood (evidence_score.h);
-// that joints deviate at every visit by more or less than stated, or that some deviation follows the pose in a way of
-// its own, are other covariances of the rows. Each view has its normal equations; their log weights compare directly:
+// that joints deviate at every visit by more or less than stated, that some deviation follows the pose in a way of its
+// own, or that a group of readings scatters by a factor of its own, are other covariances of the rows. Each view has
+// its normal equations; their log weights compare directly:
 //
 //   log p(r | view, set) = -1/2 log |C| - 1/2 log |J' C^-1 J| + log f(R) + log B(set)
 //
@@ -17,6 +18,7 @@
 #include <optional>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "estimator/explanations/explanations.h"
@@ -25,8 +27,16 @@
 namespace sagitta {
 
 constexpr double kEvenOdds = 0.5;  // as likely as not
-// That a stated noise is wrong in its factor, and in its repeatability: one experiment in twenty each.
+// That a stated noise is wrong in its factor, in its repeatability, and in that of some group of readings: one
+// experiment in twenty each.
 constexpr double kNoiseIsWrong = 0.05;
+
+// A group of readings with the factor that a view has for it, with nothing, or a set, missing.
+struct ViewedGroup {
+  ScaledGroup scaled;
+  double log_sd = 0.0;     // of the factor's logarithm
+  double log_occam = 0.0;  // as of the view
+};
 
 struct NoiseView {
   enum class Kind {
@@ -37,6 +47,24 @@ struct NoiseView {
   Kind kind = Kind::kStated;
   double sigma = 0.0;      // rad, of the latter two
   double log_occam = 0.0;  // of the even prior over log sigma, what the likelihood keeps
+  std::vector<ViewedGroup> groups = {};
+
+  bool IsStated() const { return kind == Kind::kStated && groups.empty(); }
+  std::vector<ScaledGroup> Scaled() const;
+};
+
+// What a view is, in an order.
+using NoiseSizes = std::tuple<NoiseView::Kind, double, std::vector<std::pair<ReadingGroup, double>>>;
+NoiseSizes SizesOf(const NoiseView& view);
+
+// What of the noise may be other than in a view: how the joints deviate or, where it is given, how a group scatters.
+struct NoisePart {
+  NoiseView::Kind joints = NoiseView::Kind::kStated;
+  std::optional<ReadingGroup> group = std::nullopt;
+  double about = 0.0;  // the group's factor is near it
+  std::optional<ReadingGroup> instead_of = std::nullopt;
+
+  bool operator<(const NoisePart& other) const { return std::tie(joints, group) < std::tie(other.joints, other.group); }
 };
 
 // Weights over all views and sets, normalised.
@@ -58,7 +86,7 @@ void Normalise(std::vector<WeightedModel>* models);
 // Normal equations of the explanations in one view of the noise.
 struct ViewedNormal {
   NoiseView view;
-  JointScatter scatter;
+  RowScatter scatter;
   GivenBelieved given_believed;
 };
 
@@ -107,17 +135,23 @@ class Evidence {
  private:
   struct Trial {
     NoiseView view;
-    double log_weight = -std::numeric_limits<double>::infinity();  // no other view than the stated one
+    double log_weight = -std::numeric_limits<double>::infinity();  // there is none
   };
-  JointScatter ScatterOf(const NoiseView& view) const;
+  // In views other than the stated one as long as any is worth it.
+  void ClimbInViews(const std::function<void(const std::string&)>& progress);
+  RowScatter ScatterOf(const NoiseView& view) const;
   ViewedNormal Viewed(const NoiseView& view) const;
   // Of the view, in addition to the set's own.
   double LogPriorOf(const NoiseView& view, const WeightedSet& set) const;
   // Of the set given a view; `sums` are of its few columns alone.
   double LogWeight(const NoiseView& view, const WeightedSet& set, const FewExplanations& few,
                    const RowSums& sums) const;
-  double LogWeightAsStated(const WeightedSet& set) const;
-  Trial BestView(NoiseView::Kind kind, const WeightedSet& set) const;
+  // The most likely view in which a part is other than in `base`, which has it as stated.
+  Trial BestView(const NoiseView& base, const NoisePart& part, const WeightedSet& set);
+  // What may be other than in a view, given a set.
+  std::vector<NoisePart> PartsFor(const NoiseView& view, const WeightedSet& set) const;
+  // The most likely view with one part other than in `view` that is not searched yet.
+  Trial BestChange(const NoiseView& view, const WeightedSet& set);
   // The view that is most likely with one of two sets, the best one and nothing; nothing where none is worth a
   // search.
   std::optional<Trial> NextView();
@@ -140,12 +174,17 @@ class Evidence {
   SetPrior prior_;
   double share_of_pose_ = 0.0;  // of the prior, of a deviation that follows the pose
   double sigma_dof_;
-  JointScatter stated_;
+  RowScatter stated_;
   std::deque<ViewedNormal> views_;  // stay where they are
   std::deque<SetSearch> searches_;  // in each view, until all are explored
   std::vector<WeightedModel> models_;
-  // Best views with sets, by kind, members and scales: the set of nothing is asked every time.
-  std::map<std::tuple<NoiseView::Kind, std::vector<int>, std::vector<double>>, Trial> tried_;
+  std::vector<ReadingGroup> groups_;  // that may have noise of their own
+  double log_share_of_group_ = 0.0;   // of the prior, of each
+  // Log weights of sets in views, by view, members and scales.
+  std::map<std::tuple<NoiseSizes, std::vector<int>, std::vector<double>>, double> weights_;
+  // Best views with sets, by the view without the part, the part, members and scales: the set of nothing is asked every
+  // time.
+  std::map<std::tuple<NoiseSizes, NoisePart, std::vector<int>, std::vector<double>>, Trial> tried_;
 };
 
 }  // namespace sagitta

@@ -295,7 +295,7 @@ std::optional<PoseChoice> ChoiceOf(const Evidence& evidence, const std::vector<R
   for (const Rival& rival : rivals) sets.push_back(&evidence.models()[rival.model].set);
   const FewColumns few(evidence, sets, extended, parameters);
   if (!few.AreListed()) return std::nullopt;
-  const JointScatter& scatter = evidence.views()[evidence.models()[rivals[0].model].view].scatter;
+  const RowScatter& scatter = evidence.views()[evidence.models()[rivals[0].model].view].scatter;
   std::vector<int> chosen;  // members of all sets, each once
   for (const WeightedSet* set : sets) {
     for (const int m : set->members) chosen.push_back(few.NumberOf(m));

@@ -101,7 +101,7 @@ class SumsByName {
 
  private:
   void AddEmpty(const WeightedModel& model) {
-    const bool is_stated = evidence_.ViewOf(model).kind == NoiseView::Kind::kStated;
+    const bool is_stated = evidence_.ViewOf(model).IsStated();
     const double wrong = is_stated ? evidence_.SigmaIsWrong(model) : 1.0;
     posterior_.noise += wrong * model.probability;
     posterior_.nothing += (1.0 - wrong) * model.probability;

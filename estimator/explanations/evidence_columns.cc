@@ -80,9 +80,9 @@ std::vector<int> MarkersOnFlange(const CalibrationProblem& problem) {
   return markers;
 }
 
-JointScatter StatedScatter(const CalibrationProblem& problem) {
+RowScatter StatedScatter(const CalibrationProblem& problem) {
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(problem.robot().num_joints());
-  JointScatter scatter{none, none};
+  RowScatter scatter{none, none};
   for (int i = 0; i < problem.latent.size(); ++i) scatter.visit[problem.latent.joints[i]] = problem.latent.sigmas[i];
   return scatter;
 }

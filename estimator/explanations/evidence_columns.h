@@ -10,6 +10,7 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <set>
@@ -22,6 +23,7 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/random_effects/evidence_score.h"
 #include "models/single_motion.h"
+#include "problems/reading_group.h"
 
 namespace sagitta {
 
@@ -70,14 +72,18 @@ struct FunctionFamily {
   std::shared_ptr<const Eigen::MatrixXd> functions;  // one row per shot of the data; those of other sources too
 };
 
-// Joint deviations that rows of one visit, or of one pose (equal joint values), share: standard deviations, rad or m,
-// one per joint.
-struct JointScatter {
+// How rows scatter: joint deviations that rows of one visit, or of one pose (equal joint values), share, standard
+// deviations, rad or m, one per joint; and readings that scatter otherwise than the problem has it.
+struct RowScatter {
   Eigen::VectorXd visit, pose;
+  std::vector<ScaledGroup> readings = {};
+
+  // Whether whitened rows are independent, of unit variance.
+  bool IsUnit() const { return visit.isZero(0.0) && pose.isZero(0.0) && readings.empty(); }
 };
 
 // As the experiment states it: repeatability at each visit.
-JointScatter StatedScatter(const CalibrationProblem& problem);
+RowScatter StatedScatter(const CalibrationProblem& problem);
 
 // Sums over rows, whitened: rows of [believed, explaining, residual] times themselves.
 struct RowSums {
@@ -87,6 +93,25 @@ struct RowSums {
 
   static RowSums Zero(long width) { return {Eigen::MatrixXd::Zero(width, width), 0.0, 0}; }
   RowSums& operator+=(const RowSums& other);
+};
+
+// What the rows say at first order of a factor on the noise of some of them: r'P V P r / 2 and its expectation
+// (evidence_scores.cc).
+struct FactorScore {
+  double square = 0.0, expected = 0.0;
+
+  // Where all rows have `variance`.
+  double Factor(double variance) const { return std::sqrt(square / (variance * expected)); }
+  // Of log likelihood by that factor, as if the square were chi-square with so many degrees of freedom:
+  //   n/2 (f^2 - 1 - log f^2)
+  double Gain(double variance) const {
+    const double factor = Factor(variance);
+    return factor > 0.0 ? expected * (0.5 * (factor * factor - 1.0) - std::log(factor)) : 0.0;
+  }
+};
+struct GroupScores {
+  std::vector<FactorScore> of_group;
+  FactorScore of_all;
 };
 
 // Given what is believed, which is eliminated with a flat prior (or its stated one).
@@ -147,21 +172,25 @@ class EvidenceColumns {
 
   std::vector<int> AllColumns() const;
   // Of some columns over all rows, or one block of rows in `every`; over the poses of each group by themselves.
-  RowSums Sum(const JointScatter& scatter, const std::vector<int>& columns, int every = 1) const;
-  std::vector<RowSums> SumEach(const JointScatter& scatter, const std::vector<int>& columns,
+  RowSums Sum(const RowScatter& scatter, const std::vector<int>& columns, int every = 1) const;
+  std::vector<RowSums> SumEach(const RowScatter& scatter, const std::vector<int>& columns,
                                const std::vector<int>& group_of_pose, int every = 1) const;
   int num_rows() const { return 3 * static_cast<int>(extended_.CalibrationObservations().size()); }
   GivenBelieved Project(const RowSums& sums) const;
   // Of all columns over all rows. own: lists of columns of which the block with themselves is asked for often. Where
   // the linearized blocks are kept the other products are made as they are asked for: this must outlive what is
   // returned.
-  GivenBelieved ProjectAll(const JointScatter& scatter, const std::set<std::vector<int>>& own) const;
+  GivenBelieved ProjectAll(const RowScatter& scatter, const std::set<std::vector<int>>& own) const;
+
+  // Of factors in addition to what `scatter` has, the columns estimated with what is believed.
+  GroupScores ScoreGroups(const RowScatter& scatter, const std::vector<int>& columns,
+                          const std::vector<ReadingGroup>& groups) const;
 
   AlongSources SumAlong(const std::vector<Source>& sources) const;
 
   int num_believed() const { return static_cast<int>(believed_.size()); }
   // Rows [believed, columns] of one pose that need not be fitted, whitened.
-  Eigen::MatrixXd RowsAt(const std::vector<int>& observations, const JointScatter& scatter,
+  Eigen::MatrixXd RowsAt(const std::vector<int>& observations, const RowScatter& scatter,
                          const std::vector<int>& columns) const;
   // Products of RowSums, the priors of the believed included.
   Eigen::MatrixXd WithPriors(Eigen::MatrixXd products) const;
@@ -177,14 +206,18 @@ class EvidenceColumns {
     long top = 0, height = 0;
   };
   std::vector<PoseRows> PosesAmong(const std::vector<int>& observations) const;
+  void ScaleReadings(const PoseRows& pose, const std::vector<int>& observations,
+                     const std::vector<ScaledGroup>& readings, Eigen::MatrixXd* covariance) const;
   Eigen::MatrixXd SharedBy(const PoseRows& pose, const std::vector<int>& observations, const Eigen::MatrixXd& latent,
-                           const JointScatter& scatter) const;
+                           const RowScatter& scatter) const;
   // Of the covariance of one pose's rows, which begin at `top` in their block.
   struct PoseRoot {
     long top = 0;
     Eigen::LLT<Eigen::MatrixXd> root;
   };
   using BlockRoots = std::vector<PoseRoot>;  // empty: rows are independent, of unit variance
+  static Eigen::MatrixXd OwnProjections(const BlockRoots& roots, const Eigen::MatrixXd& covariance,
+                                        const Eigen::MatrixXd& rows);
 
   // Candidates that the model has not: those whose parameters each move one thing, by their index, and the others.
   struct SplitCandidates {
@@ -221,7 +254,7 @@ class EvidenceColumns {
   // Their number.
   int AddPriors(Eigen::MatrixXd* own, Eigen::VectorXd* along, double* square) const;
   BlockRoots RootsOf(const std::vector<int>& observations, const Eigen::MatrixXd& latent,
-                     const JointScatter& scatter) const;
+                     const RowScatter& scatter) const;
   // rows <- root^-1 rows of each pose; log of the determinant of the covariance.
   static double Whiten(const BlockRoots& roots, Eigen::MatrixXd* rows);
   // Believed columns, with their priors, eliminated from sums with others and the residual.
@@ -234,7 +267,7 @@ class EvidenceColumns {
   Eliminated Eliminate(Eigen::MatrixXd own, Eigen::MatrixXd with_others, double square, const RowSums& sums) const;
   class ShotProducts;
   struct AllSums;
-  AllSums SumAll(const JointScatter& scatter, const std::set<std::vector<int>>& own,
+  AllSums SumAll(const RowScatter& scatter, const std::set<std::vector<int>>& own,
                  std::vector<BlockRoots>* roots) const;
   std::vector<Eigen::MatrixXd> SumsOfShots(const std::vector<Eigen::MatrixXd>& along, long first, long rows) const;
   // u'A of all columns of families; along: u' of each block.

@@ -164,7 +164,7 @@ std::vector<long> PlacesOf(const std::vector<int>& list, const std::vector<int>&
 
 }  // namespace
 
-EvidenceColumns::AllSums EvidenceColumns::SumAll(const JointScatter& scatter, const std::set<std::vector<int>>& own,
+EvidenceColumns::AllSums EvidenceColumns::SumAll(const RowScatter& scatter, const std::set<std::vector<int>>& own,
                                                  std::vector<BlockRoots>* roots) const {
   const long believed = num_believed(), of_linearization = static_cast<long>(catalogue_.size());
   const std::vector<int> by_rows = ColumnsByRows(static_cast<int>(of_linearization), own);
@@ -209,7 +209,7 @@ EvidenceColumns::AllSums EvidenceColumns::SumAll(const JointScatter& scatter, co
   return all;
 }
 
-GivenBelieved EvidenceColumns::ProjectAll(const JointScatter& scatter, const std::set<std::vector<int>>& own) const {
+GivenBelieved EvidenceColumns::ProjectAll(const RowScatter& scatter, const std::set<std::vector<int>>& own) const {
   VLOG(1) << "diagnosis: products of " << num_columns_ << " columns in " << own.size() << " groups";
   if (stored_.size() < observations_of_block_.size()) return Project(Sum(scatter, AllColumns()));
   const long believed = num_believed();

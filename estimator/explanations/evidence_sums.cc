@@ -32,7 +32,7 @@ std::vector<EvidenceColumns::PoseRows> EvidenceColumns::PosesAmong(const std::ve
 
 // Sum over joints of visit_j^2 l_j l_j' within visits + pose_j^2 l_j l_j' within poses.
 Eigen::MatrixXd EvidenceColumns::SharedBy(const PoseRows& pose, const std::vector<int>& observations,
-                                          const Eigen::MatrixXd& latent, const JointScatter& scatter) const {
+                                          const Eigen::MatrixXd& latent, const RowScatter& scatter) const {
   const Eigen::MatrixXd l = latent.middleRows(pose.top, pose.height);
   const Eigen::MatrixXd of_visit = l * scatter.visit.asDiagonal(), of_pose = l * scatter.pose.asDiagonal();
   Eigen::MatrixXd shared = of_pose * of_pose.transpose();
@@ -49,13 +49,24 @@ Eigen::MatrixXd EvidenceColumns::SharedBy(const PoseRows& pose, const std::vecto
   return shared;
 }
 
+// Adds M M' of each reading, I of one that is as the problem has it.
+void EvidenceColumns::ScaleReadings(const PoseRows& pose, const std::vector<int>& observations,
+                                    const std::vector<ScaledGroup>& readings, Eigen::MatrixXd* covariance) const {
+  covariance->diagonal().array() += 1.0;
+  if (readings.empty()) return;
+  for (long row = 0; row < pose.height; row += 3) {
+    const Matrix3<double> scaling = ScalingOf(ReadingOf(extended_, observations[(pose.top + row) / 3]), readings);
+    covariance->block<3, 3>(row, row) += scaling * scaling.transpose() - Matrix3<double>::Identity();
+  }
+}
+
 EvidenceColumns::BlockRoots EvidenceColumns::RootsOf(const std::vector<int>& observations,
-                                                     const Eigen::MatrixXd& latent, const JointScatter& scatter) const {
+                                                     const Eigen::MatrixXd& latent, const RowScatter& scatter) const {
   BlockRoots roots;
-  if (scatter.visit.isZero(0.0) && scatter.pose.isZero(0.0)) return roots;
+  if (scatter.IsUnit()) return roots;
   for (const PoseRows& pose : PosesAmong(observations)) {
     Eigen::MatrixXd covariance = SharedBy(pose, observations, latent, scatter);
-    covariance.diagonal().array() += 1.0;
+    ScaleReadings(pose, observations, scatter.readings, &covariance);
     roots.push_back({pose.top, Eigen::LLT<Eigen::MatrixXd>(covariance)});
   }
   return roots;
@@ -77,7 +88,7 @@ std::vector<int> EvidenceColumns::AllColumns() const {
   return all;
 }
 
-RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>& columns, int every) const {
+RowSums EvidenceColumns::Sum(const RowScatter& scatter, const std::vector<int>& columns, int every) const {
   return SumEach(scatter, columns, std::vector<int>(poses_.size(), 0), every)[0];
 }
 
@@ -88,7 +99,7 @@ RowSums& RowSums::operator+=(const RowSums& other) {
   return *this;
 }
 
-std::vector<RowSums> EvidenceColumns::SumEach(const JointScatter& scatter, const std::vector<int>& columns,
+std::vector<RowSums> EvidenceColumns::SumEach(const RowScatter& scatter, const std::vector<int>& columns,
                                               const std::vector<int>& group_of_pose, int every) const {
   const int groups = 1 + *std::max_element(group_of_pose.begin(), group_of_pose.end());
   const long width = believed_.size() + columns.size() + 1;
@@ -150,7 +161,7 @@ int EvidenceColumns::AddPriors(Eigen::MatrixXd* own, Eigen::VectorXd* along, dou
   return static_cast<int>(priors.residual.size());
 }
 
-Eigen::MatrixXd EvidenceColumns::RowsAt(const std::vector<int>& observations, const JointScatter& scatter,
+Eigen::MatrixXd EvidenceColumns::RowsAt(const std::vector<int>& observations, const RowScatter& scatter,
                                         const std::vector<int>& columns) const {
   const Block block = LinearizeBlock(observations);
   Eigen::MatrixXd rows;

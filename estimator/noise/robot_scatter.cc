@@ -103,8 +103,9 @@ double ScatterBeyondStated(const CalibrationProblem& problem, const Estimate& es
   const SigmaReport& sigma = estimate.sigma;
   const std::vector<int> rows = problem.CalibrationObservations();
   const bool is_asked = IsUsable(estimate.status) && sigma.stated && sigma.scaled && problem.latent.empty() &&
-                        problem.stated_noise_factor == 1.0 && estimate.noise_report.components.empty() &&
-                        estimate.dof > 0 && problem.data().PointsAmong(rows).size() == rows.size();
+                        problem.stated_noise_factor == 1.0 && problem.scaled_groups.empty() &&
+                        estimate.noise_report.components.empty() && estimate.dof > 0 &&
+                        problem.data().PointsAmong(rows).size() == rows.size();
   if (!is_asked || sigma.a_posteriori * sigma.a_posteriori < kInstrumentIsNotTheNoise) return 0.0;
   const auto stated = [&](int i) {
     const Observation& observation = problem.data().observations[i];

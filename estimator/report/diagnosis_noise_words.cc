@@ -3,24 +3,25 @@
 #include <cmath>
 #include <vector>
 
+#include "estimator/report/explanations_words.h"
 #include "problems/text.h"
 
 namespace sagitta {
 namespace {
 
-constexpr size_t kNamesListed = 6;
+constexpr size_t kMostNamed = 6;
 
 std::string NamesOf(const std::vector<WrongArrival>& arrivals) {
   std::vector<std::string> names;
   for (const WrongArrival& arrival : arrivals) names.push_back(arrival.configuration);
-  return (names.size() == 1 ? "configuration " : "configurations ") + Enumerate(names, kNamesListed);
+  return (names.size() == 1 ? "configuration " : "configurations ") + Enumerate(names, kMostNamed);
 }
 
 std::string ArrivalsInWords(const std::vector<WrongArrival>& arrivals) {
   std::vector<std::string> sizes;
   for (const WrongArrival& arrival : arrivals)
     sizes.push_back(arrival.configuration + " (" + InMillimetres(arrival.off) + ")");
-  return "All readings of a shot are off together in " + Enumerate(sizes, kNamesListed) +
+  return "All readings of a shot are off together in " + Enumerate(sizes, kMostNamed) +
          ", by far more than in any other, and were left out: check the joint values and the rows there. ";
 }
 
@@ -41,11 +42,29 @@ std::string RepeatabilityInWords(const NoiseFinding& noise) {
               : ") was not declared. ");
 }
 
+// "The noise of the readings of station S2 is 3 times what is stated (95 %: 2.8 to 3.2). "
+std::string GroupsInWords(const NoiseFinding& noise) {
+  std::string words;
+  for (const GroupFinding& group : noise.groups) {
+    words += "The noise of " + GroupInWords(group.kind, group.name) + " is " + Significant(group.factor, 3) +
+             (noise.is_stated ? " times what is stated (95 %: " : " times that of the others (95 %: ") +
+             Significant(group.low, 3) + " to " + Significant(group.high, 3) + "). ";
+  }
+  return words;
+}
+
 }  // namespace
 
 std::string WrongNoiseInWords(const NoiseFinding& noise) {
   std::vector<std::string> wrong;
-  if (noise.scale_differs || noise.repeatability_is_overstated) wrong.push_back("the stated noise is wrong");
+  if (noise.scale_differs || noise.repeatability_is_overstated) {
+    wrong.push_back("the stated noise is wrong");
+  } else {
+    for (const GroupFinding& group : noise.groups) {
+      if (group.is_finding)
+        wrong.push_back("the stated noise of " + GroupInWords(group.kind, group.name) + " is wrong");
+    }
+  }
   if (noise.HasUndeclaredRepeatability() && !noise.repeatability_is_overstated) {
     wrong.push_back(noise.stated_repeatability > 0.0 ? "the joints deviate more than is stated"
                                                      : "joint repeatability was not declared");
@@ -58,9 +77,11 @@ std::string WrongNoiseInWords(const NoiseFinding& noise) {
 std::string NoiseInWords(const NoiseFinding& noise) {
   std::string words;
   if (noise.scale_differs) {
-    words += "The instrument's noise is " + Significant(noise.scale, 3) +
-             " times what is stated (95 %: " + Significant(noise.low, 3) + " to " + Significant(noise.high, 3) + "). ";
+    words += (noise.groups.empty() ? "The instrument's noise is " : "The noise of the other readings is ") +
+             Significant(noise.scale, 3) + " times what is stated (95 %: " + Significant(noise.low, 3) + " to " +
+             Significant(noise.high, 3) + "). ";
   }
+  words += GroupsInWords(noise);
   if (noise.repeatability > 0.0) {
     words += RepeatabilityInWords(noise);
   }

@@ -131,6 +131,22 @@ std::string SearchingWithRepeatability(double sigma_rad) {
   return "once more with joints that deviate by " + std::to_string(std::lround(1e6 * sigma_rad)) + " urad";
 }
 
+std::string GroupInWords(const std::string& kind, const std::string& name) {
+  if (kind == "rotations") return "the rotations";
+  if (kind == "axis") return "the readings along " + name;
+  if (kind == "sight") return "the readings along the line of sight";
+  return "the readings of " + kind + " " + name;
+}
+
+std::string SearchingWithGroups(const std::vector<ScaledGroup>& groups, const Measurements& data) {
+  std::vector<std::string> all;
+  for (const ScaledGroup& scaled : groups) {
+    all.push_back(GroupInWords(KindOf(scaled.group), NameOf(scaled.group, data)) + " " + Significant(scaled.factor, 2) +
+                  " times");
+  }
+  return "once more with noise other than stated: " + Enumerate(all);
+}
+
 std::string WeighingAboutWhatWasFound() { return "weighing once more about what was found"; }
 
 }  // namespace sagitta

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
+
+#include "problems/reading_group.h"
 
 namespace sagitta {
 
@@ -59,6 +62,9 @@ std::string GravityIsUnknown(const std::string& station);
 
 // Progress: the search among sets is repeated with this repeatability.
 std::string SearchingWithRepeatability(double sigma_rad);
+// "the readings of station S2".
+std::string GroupInWords(const std::string& kind, const std::string& name);
+std::string SearchingWithGroups(const std::vector<ScaledGroup>& groups, const Measurements& data);
 // All is weighed once more, from an estimate that holds what was found.
 std::string WeighingAboutWhatWasFound();
 

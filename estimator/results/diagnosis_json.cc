@@ -177,6 +177,12 @@ Json NoiseToJson(const NoiseFinding& noise) {
   for (const WrongArrival& arrival : noise.arrivals) {
     json["wrong_configs"].push_back({{"config", arrival.configuration}, {"off_mm", 1e3 * arrival.off}});
   }
+  for (const GroupFinding& group : noise.groups) {
+    json["groups"].push_back({{"of", group.kind},
+                              {"name", group.name.empty() ? Json(nullptr) : Json(group.name)},
+                              {"factor", group.factor},
+                              {"ci95", {group.low, group.high}}});
+  }
   if (noise.repeatability_is_overstated) json["repeatability_is_overstated"] = true;
   if (noise.is_bound) json["is_bound"] = true;
   json["probability"] = noise.probability;

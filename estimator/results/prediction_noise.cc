@@ -76,6 +76,10 @@ Json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& es
   const VarianceComponent* instrument = InstrumentComponent(estimate);
   const bool is_factor = instrument != nullptr && estimate.noise_report.instrument_is_factor;
   json["instrument_factor"] = is_factor ? instrument->value : problem.stated_noise_factor;
+  for (const ScaledGroup& scaled : problem.scaled_groups) {
+    const std::string name = NameOf(scaled.group, problem.data());
+    json["groups"].push_back({{"of", KindOf(scaled.group)}, {"name", name}, {"factor", scaled.factor}});
+  }
   const double scatter = ScatterBeyondStated(problem, estimate);
   json["scale"] = sigma.stated && sigma.scaled && scatter == 0.0 ? sigma.a_posteriori : 1.0;
   if (scatter > 0.0) json["scatter_mm"] = 1e3 * scatter;
@@ -100,6 +104,11 @@ PredictionNoise ReadPredictionNoise(const JsonValue& json, Experiment* experimen
   }
   if (const auto rotation = json.Find("sigma_rot_urad")) noise.sigma_rotation = rotation->PositiveNumber() / 1e6;
   if (const auto factor = json.Find("instrument_factor")) noise.instrument_factor = factor->NotNegativeNumber();
+  if (const auto groups = json.Find("groups")) {
+    for (const JsonValue& group : groups->Items()) {
+      noise.groups.push_back({group.Get("of").Text(), group.Get("name").Text(), group.Get("factor").PositiveNumber()});
+    }
+  }
   if (const auto scatter = json.Find("scatter_mm")) noise.scatter = scatter->NotNegativeNumber() / 1e3;
   const auto read = [&json](const char* key, RepeatabilitySpec::OfKind* kind) {
     const auto joints = json.Find(key);
@@ -116,13 +125,17 @@ NoiseRoots PredictionRoots(const CalibrationProblem& problem, const PredictionNo
                            const Eigen::Matrix3Xd& points) {
   NoiseRoots roots;
   const Measurements& data = problem.data();
+  std::vector<ScaledGroup> scaled;  // of them, what these rows have
+  for (const PredictionNoise::Group& group : noise.groups) {
+    if (const auto found = FindGroup(group.kind, group.name, data)) scaled.push_back({*found, group.factor});
+  }
   for (size_t i = 0; i < data.observations.size(); ++i) {
     Matrix3<double> root = StatedRoot(problem.experiment(), data, data.observations[i], points.col(i));
     const Observation& observation = data.observations[i];
     const bool is_open = !observation.is_point() && !(observation.rotation().sigma.minCoeff() > 0.0);
     if (!IsStated(root) && noise.sigma_axis) root = noise.sigma_axis->asDiagonal();
     if (is_open && noise.sigma_rotation > 0.0) root = noise.sigma_rotation * Matrix3<double>::Identity();
-    root *= noise.instrument_factor;
+    root = noise.instrument_factor * ScaledRoot({problem.experiment(), data, observation, points.col(i), root}, scaled);
     if (noise.scatter > 0.0 && observation.is_point() && IsStated(root)) {
       root = LowerRoot(root * root.transpose() + noise.scatter * noise.scatter * Matrix3<double>::Identity());
     }

@@ -12,8 +12,15 @@
 namespace sagitta {
 
 struct PredictionNoise {
-  double scale = 1.0;              // of stated sigmas and repeatability
-  double scatter = 0.0;            // m, of every coordinate in addition to what is stated (noise/robot_scatter.h)
+  double scale = 1.0;    // of stated sigmas and repeatability
+  double scatter = 0.0;  // m, of every coordinate in addition to what is stated (noise/robot_scatter.h)
+  // Groups of readings that scatter otherwise than stated, with kind and name as of KindOf and NameOf
+  // (problems/reading_group.h).
+  struct Group {
+    std::string kind, name;
+    double factor = 1.0;
+  };
+  std::vector<Group> groups;
   double instrument_factor = 1.0;  // of the instrument alone, rows' sigmas included: by which it is not as stated
   // m, where neither row, instrument nor one sigma says it: spread of repeats, of residuals
   std::optional<Vector3<double>> sigma_axis;
@@ -21,7 +28,7 @@ struct PredictionNoise {
   double sigma_rotation = 0.0;  // rad, of rotations that state none; 0: as everywhere (problems/noise_model.h)
 };
 
-// {"sigma_mm", "sigma_axis_mm", "sigma_rot_urad", "instrument", "instrument_factor", "scale", "scatter_mm",
+// {"sigma_mm", "sigma_axis_mm", "sigma_rot_urad", "instrument", "instrument_factor", "groups", "scale", "scatter_mm",
 // "repeatability_urad", "repeatability_um"}; `scale` is 1 where there is a scatter.
 nlohmann::ordered_json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& estimate);
 

@@ -29,7 +29,7 @@ CalibrationProblem Campaign() {
   return MakeCalibrationProblem(test::Kr270Robot(), data, Experiment());
 }
 
-JointScatter Scatter(int joints, double visit, double pose) {
+RowScatter Scatter(int joints, double visit, double pose) {
   return {Eigen::VectorXd::Constant(joints, visit), Eigen::VectorXd::Constant(joints, pose)};
 }
 
@@ -42,8 +42,11 @@ TEST(EvidenceColumns, ProductsThatAreAskedForAreThoseOfAllRows) {
   std::set<std::vector<int>> own;
   for (const Explanation& explanation : list.math) own.insert(explanation.group.columns);
   const int joints = problem.robot().num_joints();
-  for (const JointScatter& scatter :
-       {StatedScatter(problem), Scatter(joints, 3e-5, 0.0), Scatter(joints, 2e-5, 4e-5)}) {
+  RowScatter grouped = StatedScatter(problem), with_joints = Scatter(joints, 2e-5, 4e-5);
+  grouped.readings =
+      with_joints.readings = {{{ReadingGroup::Kind::kStation, 1}, 3.0}, {{ReadingGroup::Kind::kSight, 0}, 0.5}};
+  for (const RowScatter& scatter :
+       {StatedScatter(problem), Scatter(joints, 3e-5, 0.0), Scatter(joints, 2e-5, 4e-5), grouped, with_joints}) {
     const GivenBelieved whole = columns.Project(columns.Sum(scatter, columns.AllColumns()));
     const GivenBelieved asked = columns.ProjectAll(scatter, own);
     EXPECT_NEAR(asked.log_constant, whole.log_constant, 1e-9 * std::abs(whole.log_constant));
@@ -62,6 +65,67 @@ TEST(EvidenceColumns, ProductsThatAreAskedForAreThoseOfAllRows) {
               .norm(),
           1e-8 * row.norm());
     }
+  }
+}
+
+// A factor on the noise of readings is other rows of the same problem: sums are those of the problem with that noise,
+// given that the joints deviate.
+TEST(EvidenceColumns, ScaledReadingsAreThoseOfAProblemWithThatNoise) {
+  const CalibrationProblem problem = Campaign();
+  const ParameterSet parameters = EstimateJointly(problem).parameters;
+  const EvidenceColumns columns(problem, parameters, {});
+  RowScatter scatter = Scatter(problem.robot().num_joints(), 2e-5, 4e-5);
+  scatter.readings = {{{ReadingGroup::Kind::kMarker, 2}, 0.4}, {{ReadingGroup::Kind::kAxis, 1}, 2.5}};
+  CalibrationProblem other = problem;
+  double log_det = 0.0;  // of the roots: rows are whitened by them beforehand
+  for (size_t i = 0; i < problem.data().observations.size(); ++i) {
+    const Observation& row = problem.data().observations[i];
+    const Vector3<double> factors = row.marker == 2 ? Vector3<double>(0.4, 1.0, 0.4) : Vector3<double>(1.0, 2.5, 1.0);
+    const Matrix3<double> root = problem.SqrtCovariance(static_cast<int>(i));
+    ASSERT_TRUE(root.isDiagonal());
+    other.resolved_noise.push_back(root * factors.asDiagonal());
+    log_det += 2.0 * factors.array().log().sum();
+  }
+  const EvidenceColumns of_other(other, parameters, {});
+  const RowSums sums = columns.Sum(scatter, {});
+  const RowSums expected = of_other.Sum(Scatter(problem.robot().num_joints(), 2e-5, 4e-5), {});
+  EXPECT_LT((sums.products - expected.products).norm(), 1e-9 * expected.products.norm());
+  EXPECT_NEAR(sums.log_det, expected.log_det + log_det, 1e-7 * std::abs(log_det));
+}
+
+// The slope of the restricted log likelihood, by differences of it: given joints that deviate and another group that is
+// scaled already.
+TEST(EvidenceColumns, ScoresOfGroupsAreSlopesOfTheRestrictedLikelihood) {
+  const CalibrationProblem problem = Campaign();
+  const ParameterSet parameters = EstimateJointly(problem).parameters;
+  const CandidateList candidates = ListCandidates(problem, parameters);
+  const EvidenceColumns columns(problem, parameters, candidates.candidates);
+  const std::vector<int> some = {0, 5};
+  RowScatter scatter = Scatter(problem.robot().num_joints(), 2e-5, 0.0);
+  scatter.readings = {{{ReadingGroup::Kind::kStation, 0}, 1.5}};
+  const std::vector<ReadingGroup> groups = GroupsOfReadings(problem);
+  ASSERT_EQ(groups.size(), 9u);  // two stations, three markers, three axes, the line of sight
+  const GroupScores scores = columns.ScoreGroups(scatter, some, groups);
+  const auto log_likelihood = [&](const ReadingGroup& group, double log_factor) {
+    RowScatter scaled = scatter;
+    scaled.readings.push_back({group, std::exp(log_factor)});
+    RowSums sums = columns.Sum(scaled, some);
+    // All columns estimated with a flat prior.
+    const long count = sums.products.cols() - 1;
+    const Eigen::MatrixXd own = columns.WithPriors(sums.products).topLeftCorner(count, count);
+    const Eigen::VectorXd scale = own.diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::LLT<Eigen::MatrixXd> root(Eigen::MatrixXd(scale.asDiagonal() * own * scale.asDiagonal()));
+    const Eigen::VectorXd along =
+        root.matrixL().solve(Eigen::VectorXd(scale.asDiagonal() * sums.products.col(count).head(count)));
+    const double residual = sums.products(count, count) - along.squaredNorm();
+    const Eigen::MatrixXd lower = root.matrixL();
+    return -0.5 * (residual + sums.log_det) - lower.diagonal().array().log().sum() + scale.array().log().sum();
+  };
+  for (size_t g = 0; g < groups.size(); ++g) {
+    const double step = 1e-4;
+    const double slope = (log_likelihood(groups[g], step) - log_likelihood(groups[g], -step)) / (2.0 * step);
+    const FactorScore& score = scores.of_group[g];
+    EXPECT_NEAR(score.square - score.expected, slope, 1e-4 * score.expected) << KindOf(groups[g]);
   }
 }
 
@@ -134,7 +198,7 @@ TEST(EvidenceColumns, SumsOfGroupsOfPosesAddUp) {
   const CalibrationProblem problem = Campaign();
   const ParameterSet parameters = EstimateJointly(problem).parameters;  // residuals of noise, not of decimetres
   const EvidenceColumns columns(problem, parameters, ListCandidates(problem, parameters).candidates);
-  const JointScatter scatter = Scatter(problem.robot().num_joints(), 2e-5, 4e-5);
+  const RowScatter scatter = Scatter(problem.robot().num_joints(), 2e-5, 4e-5);
   const std::vector<int> some = {0, 3, columns.num_columns() - 1};
   std::vector<int> group_of_pose;
   std::vector<std::vector<int>> observations(3);

@@ -172,7 +172,7 @@ TEST(UnnamedFunctions, AreEffectsOfTheModel) {
   parameters.SetBaseInStation(0, Pose<double>());
   for (int m = 0; m < parameters.num_markers(); ++m) parameters.SetMarkerPoint(m, test::Kr270Truth().tools[m]);
   const std::vector<int> all = problem.CalibrationObservations();
-  const JointScatter scatter = StatedScatter(problem);
+  const RowScatter scatter = StatedScatter(problem);
   EvidenceColumns columns(problem, parameters, {{{"load_com", "heavy", {}, {}}}});
   const std::vector<UnnamedGroup> groups = ListUnnamed(problem, parameters, &columns);
   std::vector<Candidate> candidates;

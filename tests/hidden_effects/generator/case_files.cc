@@ -174,9 +174,33 @@ void WriteRow(const Case& made, const Shot& shot, const std::string& marker, int
   out << "\n";
 }
 
+const char* const kOtherMarker = "M2";
+
+std::string NameOfGroup(const CaseOptions& options) {
+  if (options.group == "station") return "S" + std::to_string(options.design.stations);
+  return options.group == "marker" ? kOtherMarker : options.group == "axis" ? "z" : "";
+}
+
+// What a group's factor makes of an error; seen: the point from the instrument.
+Vector3d ScaledError(const CaseOptions& options, const Shot& shot, const std::string& marker, const Vector3d& seen,
+                     Vector3d error) {
+  const std::string name = NameOfGroup(options);
+  const bool is_whole =
+      (options.group == "station" && shot.station == name) || (options.group == "marker" && marker == name);
+  if (is_whole) return options.group_factor * error;
+  if (options.group == "axis") error.z() *= options.group_factor;
+  if (options.group == "sight") {
+    const Vector3d along = seen.normalized();
+    error += (options.group_factor - 1.0) * along * along.dot(error);
+  }
+  return error;
+}
+
 // Noise, and outliers of 10 to 40 sigma on single coordinates of the stated share of rows.
-Vector3d Noise(const CaseOptions& options, const Shot& shot, Stream* noise, Stream* outliers, bool* is_outlier) {
+Vector3d Noise(const CaseOptions& options, const Shot& shot, const std::string& marker, const Vector3d& seen,
+               Stream* noise, Stream* outliers, bool* is_outlier) {
   Vector3d error = options.sigma_factor * shot.sigma.cwiseProduct(noise->NormalVector(1.0));
+  error = ScaledError(options, shot, marker, seen, error);
   *is_outlier = outliers->Chance(options.outliers);
   if (*is_outlier) {
     const int axis = outliers->Below(3);
@@ -197,6 +221,11 @@ void WriteAnswer(const Case& made, const std::vector<std::string>& outliers) {
                            {"sigma_factor", options.sigma_factor},
                            {"outliers", outliers},
                            {"scales", options.scales}};
+  if (!options.group.empty()) {
+    const std::string name = NameOfGroup(options);
+    answer["group"] = {{"of", options.group}, {"factor", options.group_factor}, {"name", nullptr}};
+    if (!name.empty()) answer["group"]["name"] = name;
+  }
   answer["hidden"] = nlohmann::json::array();
   for (const HiddenEffect& effect : made.effects) answer["hidden"].push_back(AnswerOf(effect));
   Open(std::filesystem::path(options.answer_folder) / "answer.json") << answer.dump(1) << "\n";
@@ -296,9 +325,10 @@ void WriteCase(const Case& made) {
       for (int repeat = 1; repeat <= (shot.config < options.repeated ? 2 : 1); ++repeat) {
         ++line;
         bool is_outlier = false;
-        const Vector3d error = Noise(options, shot, &noise, &thrown, &is_outlier);
+        const Vector3d seen = SeenAt(noisy, shot, marker);
+        const Vector3d error = Noise(options, shot, marker, seen, &noise, &thrown, &is_outlier);
         if (is_outlier) outliers.push_back("measurements.csv:" + std::to_string(line));
-        WriteRow(made, shot, marker, repeat, SeenAt(noisy, shot, marker) + error, 6, measured);
+        WriteRow(made, shot, marker, repeat, seen + error, 6, measured);
         WriteRow(made, shot, marker, repeat, SeenAt(made.nature, shot, marker), 10, exact);
       }
     }

@@ -20,6 +20,8 @@ struct CaseOptions {
   double stated_factor = 1.0;             // of it, what is declared instead
   double undeclared_repeatability = 0.0;  // rad per joint
   double sigma_factor = 1.0;              // true over stated sigma
+  std::string group;                      // readings whose noise has a factor of its own: station, marker, axis, sight
+  double group_factor = 1.0;              // of the last station, the second marker, z, the line of sight
   double outliers = 0.0;                  // share of the rows
   std::string noise = "rows";             // what states it: rows, repeats, none
   int repeated = 0;                       // configurations that are shot twice

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <exception>
 #include <map>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -27,6 +28,8 @@ const char* const kHelp = R"(sagitta_hidden_generator --out=DIR --answer=DIR [fl
   --stated_factor=X           of that, what the experiment declares [1]
   --undeclared_urad=X         not declared, per joint [0]
   --sigma_factor=X            true over stated sigma [1]
+  --group=NAME                readings with other noise: station (the last), marker (M2), axis (z), sight
+  --group_factor=X            their true over their stated sigma [1]
   --outliers=X                share of the rows [0]
   --noise=rows|repeats|none   what states the noise; the latter two: one sigma for all rows [rows]
   --repeated=N                configurations that are shot twice [0]
@@ -98,6 +101,10 @@ hidden::CaseOptions Options(Flags* flags) {
   options.stated_factor = flags->Number("stated_factor", 1.0);
   options.undeclared_repeatability = hidden::kMicro * flags->Number("undeclared_urad", 0.0);
   options.sigma_factor = flags->Number("sigma_factor", 1.0);
+  options.group = flags->Take("group", "");
+  const std::set<std::string> groups = {"", "station", "marker", "axis", "sight"};
+  if (groups.count(options.group) == 0) throw std::invalid_argument("--group is station, marker, axis or sight");
+  options.group_factor = flags->Number("group_factor", 1.0);
   options.outliers = flags->Number("outliers", 0.0);
   options.noise = flags->Take("noise", "rows");
   if (options.noise != "rows" && options.noise != "repeats" && options.noise != "none") {

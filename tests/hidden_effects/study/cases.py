@@ -21,6 +21,9 @@ NEWCOMERS = ['gas_balancer', 'creeping_gear', 'slipping_clamp', 'slow_tail', 'to
 # A fourth.
 LATECOMERS = ['worn_sector', 'wrist_windup', 'rocking_foot', 'spindle_heat', 'reseated_tool', 'swinging_load',
               'stand_twist', 'thermal_scaling', 'stacked_pallet', 'load_number']
+# Readings that scatter otherwise than is stated of all, and effects that are then to be found all the same.
+GROUPS = ['station', 'marker', 'axis', 'sight']
+NEXT_TO_GROUPS = ['encoder_gain', 'gravity_compensator', 'backlash', 'marker_shift']
 NEEDS_COLUMN = {'joint_slip': 'time', 'station_drift': 'time', 'marker_shift': 'time', 'time_wave': 'time',
                 'thermal_growth': 'temperature', 'backlash': 'approach', 'warm_up': 'time',
                 'link_heating': 'time', 'reading_bursts': 'time', 'seat_wear': 'time', 'floor_settling': 'time',
@@ -121,6 +124,22 @@ def pairs_suite(seed, count, options):
         flags = base_flags(draw, i, kinds, stations=allowed_stations(kinds, 1))
         sizes = [log_uniform(draw, SIZES['strong']), log_uniform(draw, SIZES[second])]
         yield case('pairs', seed, i, kinds, sizes, flags, 'strong+' + second)
+
+
+def groups_suite(seed, count, options):
+    """Readings of one station, of one marker or in one direction with other noise than is stated of all, with nothing
+    hidden and with one strong effect."""
+    i = 0
+    for repeat in range(count):
+        for group in GROUPS:
+            for factor in (1.0 / 3.0, 3.0):
+                for kinds in ([], [NEXT_TO_GROUPS[repeat % len(NEXT_TO_GROUPS)]]):
+                    draw = draw_of('groups', seed, i)
+                    flags = base_flags(draw, repeat, kinds, stations=2 if group == 'station' else 1)
+                    flags.update({'group': group, 'group_factor': round(factor, 4)})
+                    yield case('groups', seed, i, kinds, [log_uniform(draw, OUTSIDE_SIZE)] if kinds else [], flags,
+                               group + (' and an effect' if kinds else ''), 'catalogue' if kinds else 'noise')
+                    i += 1
 
 
 def outside_suite(name, all_kinds):
@@ -249,5 +268,5 @@ SUITES = {'null': null_suite, 'healthy': healthy_suite, 'catalogue': catalogue_s
           'outside': outside_suite('outside', OUTSIDE), 'foreign': outside_suite('foreign', FOREIGN),
           'strangers': outside_suite('strangers', STRANGERS), 'newcomers': outside_suite('newcomers', NEWCOMERS),
           'latecomers': outside_suite('latecomers', LATECOMERS),
-          'noise': noise_suite, 'unstated': unstated_suite, 'slight': slight_suite,
+          'noise': noise_suite, 'groups': groups_suite, 'unstated': unstated_suite, 'slight': slight_suite,
           'confounded': confounded_suite, 'few': few_suite, 'stations': stations_suite, 'robots': robots_suite}

@@ -218,9 +218,21 @@ def scale_found(record):
     return low <= record['sealed_noise']['scale'] <= high
 
 
+def found_group(record):
+    """What is said of the readings that have other noise; None: nothing, or of others too."""
+    sealed, groups = record['sealed_noise']['group'], record['noise'].get('groups', [])
+    same = [g for g in groups if (g['of'], g['name']) == (sealed['of'], sealed['name'])]
+    return same[0] if same and len(groups) == 1 else None
+
+
+def group_in_interval(record):
+    found = found_group(record)
+    return found is not None and found['ci95'][0] <= record['sealed_noise']['group']['factor'] <= found['ci95'][1]
+
+
 def wrong_noise(records):
     out = {}
-    chosen = [r for r in records if r['expects'] == 'noise']
+    chosen = [r for r in records if r['expects'] == 'noise' or r['sealed_noise'].get('group')]
     for group in sorted({r['group'] for r in chosen}):
         rows = [r for r in chosen if r['group'] == group]
         entry = {'effect_named': rate(rows, lambda r: bool(r['steps'])),
@@ -230,6 +242,10 @@ def wrong_noise(records):
             entry['scale_in_interval'] = rate(rows, scale_found)
         if group.endswith('repeatability'):
             entry['repeatability_found'] = rate(rows, lambda r: bool(r['noise'].get('repeatability_urad')))
+        if rows[0]['sealed_noise'].get('group'):
+            entry['group_found'] = rate(rows, lambda r: found_group(r) is not None)
+            entry['group_in_interval'] = rate(rows, group_in_interval)
+            entry['truth_named_first'] = rate(rows, lambda r: r['named_first'])
         if group == 'outliers':
             planted = sum(len(r['sealed_noise']['outliers']) for r in rows)
             lines = [set(o.rsplit('/', 1)[-1] for o in r['noise']['outliers']) for r in rows]

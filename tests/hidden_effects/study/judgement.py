@@ -59,7 +59,7 @@ def judge(case, sized, answer, diagnosis, separations):
         'tests': diagnosis.get('screened'), 'lack_of_fit_p': diagnosis['baseline'].get('lack_of_fit_p'), 'best_p': best.get('p_value'),
         'noise': diagnosis['noise'], 'sealed_noise': {
             'scale': answer['sigma_factor'], 'repeatability_urad': answer['undeclared_repeatability_urad'],
-            'outliers': answer['outliers']},
+            'outliers': answer['outliers'], 'group': answer.get('group')},
         'unexplained': {k: unexplained.get(k) for k in ('words', 'kind', 'depends_on')} if unexplained else None,
         'learnt': unexplained.get('learnt'),
         'baseline_reduced_chi2': diagnosis['baseline'].get('reduced_chi2'),

@@ -68,7 +68,8 @@ def noise_lines(table):
     for group, f in table.items():
         lines.append('%-14s effect named %s, verdict noise %s' % (group, share(f['effect_named']),
                                                                  share(f['verdict_noise'])))
-        for key in ('scale_in_interval', 'repeatability_found'):
+        for key in ('scale_in_interval', 'repeatability_found', 'group_found', 'group_in_interval',
+                    'truth_named_first'):
             if key in f:
                 lines.append('%14s %s %s' % ('', key.replace('_', ' '), share(f[key])))
         if 'outliers' in f:

@@ -1,0 +1,310 @@
+// Views of the noise: which are worth a search, and how likely each is in addition to what a set explains.
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <boost/math/tools/minima.hpp>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+#include "estimator/evidence/evidence.h"
+#include "estimator/noise/rigid_bodies.h"
+#include "estimator/report/explanations_words.h"
+#include "models/constants.h"
+
+namespace sagitta {
+namespace {
+
+// Repeatability of arms, from small ones to worn ones: 2 to 500 urad.
+constexpr double kLeastRepeatability = 2e-6, kMostRepeatability = 5e-4;
+constexpr double kSettled = 0.03;  // of the logarithm of a size, which is found by octaves, then refined
+constexpr int kSettledBits = 5;    // 2^-5
+// Rows beyond what is estimated that settle it: of n degrees of freedom a standard deviation is good to 1 / sqrt(2 n),
+// 2 % here.
+constexpr int kRowsThatSettle = 1000;
+// A view that is so much less likely with the best set is not searched: e^-4 = 2 %.
+constexpr double kWorthSearching = -4.0;
+constexpr int kMostViews = 4;
+constexpr int kMostChanges = 8;       // of a view before it is searched
+constexpr size_t kMostPromising = 2;  // groups that each change tries
+constexpr double kSameSize = 0.1;     // of the logarithm
+// A part of the noise is another than stated only where the interval of 95 % for it, by the likelihood ratio, does not
+// hold what is stated: half the quantile of chi-square with one degree of freedom.
+constexpr double kLeastGain = 1.92;
+
+struct LogRange {
+  double low, high;
+};
+
+LogRange RangeOf(const NoisePart& part) {
+  if (part.group) return {-std::log(kWidestFactor), std::log(kWidestFactor)};
+  return {std::log(kLeastRepeatability), std::log(kMostRepeatability)};
+}
+
+// The prior is even over the logarithm: of its range the likelihood keeps what its curvature leaves.
+double LogOccam(double log_sd, const LogRange& range) {
+  return std::log(std::min(1.0, std::sqrt(2.0 * kPi) * log_sd / (range.high - range.low)));
+}
+
+// Before it is searched for: of n degrees of freedom a standard deviation is good to 1 / sqrt(2 n).
+double LogOccamOf(const FactorScore& score) {
+  return LogOccam(1.0 / std::sqrt(2.0 * score.expected), RangeOf({{}, ReadingGroup()}));
+}
+
+bool IsOf(const ViewedGroup& viewed, const ReadingGroup& group) { return viewed.scaled.group == group; }
+
+// Groups are in order.
+std::vector<ViewedGroup>::iterator PlaceOf(const ReadingGroup& group, NoiseView* view) {
+  return std::find_if(view->groups.begin(), view->groups.end(),
+                      [&](const ViewedGroup& viewed) { return !(viewed.scaled.group < group); });
+}
+
+// The view with a part of this size.
+NoiseView With(const NoiseView& base, const NoisePart& part, double size) {
+  NoiseView view = base;
+  if (part.group) {
+    view.groups.insert(PlaceOf(*part.group, &view), {{*part.group, size}});
+  } else {
+    view.kind = part.joints;
+    view.sigma = size;
+  }
+  return view;
+}
+
+// The view in which a part is as stated.
+NoiseView Without(const NoiseView& view, const NoisePart& part) {
+  NoiseView base = view;
+  const auto is_it = [&](const ViewedGroup& viewed) {
+    return IsOf(viewed, *part.group) || (part.instead_of && IsOf(viewed, *part.instead_of));
+  };
+  if (part.group) {
+    base.groups.erase(std::remove_if(base.groups.begin(), base.groups.end(), is_it), base.groups.end());
+  } else {
+    base.kind = NoiseView::Kind::kStated;
+    base.sigma = base.log_occam = 0.0;
+  }
+  return base;
+}
+
+bool HaveEqualGroups(const NoiseView& a, const NoiseView& b) {
+  return std::equal(a.groups.begin(), a.groups.end(), b.groups.begin(), b.groups.end(),
+                    [](const ViewedGroup& own, const ViewedGroup& other) {
+                      return IsOf(own, other.scaled.group) &&
+                             std::abs(std::log(own.scaled.factor / other.scaled.factor)) < kSameSize;
+                    });
+}
+
+bool AreAlike(const NoiseView& a, const NoiseView& b) {
+  if (a.kind != b.kind || !HaveEqualGroups(a, b)) return false;
+  return a.kind == NoiseView::Kind::kStated || std::abs(std::log(a.sigma / b.sigma)) < kSameSize;
+}
+
+// Of a group that a view has: another factor, or another group of the kind in its place. That one of two stations
+// scatters less and all more is that the other one scatters more.
+void AddChangesOf(const ScaledGroup& scaled, const std::vector<ReadingGroup>& groups, std::vector<NoisePart>* parts) {
+  parts->push_back({NoiseView::Kind::kStated, scaled.group, scaled.factor});
+  for (const ReadingGroup& other : groups) {
+    if (other.kind != scaled.group.kind || other == scaled.group) continue;
+    parts->push_back({NoiseView::Kind::kStated, other, 1.0 / scaled.factor, scaled.group});
+  }
+}
+
+// Of what has no name, of all that may be missing: of a family in addition to those of the list.
+double ShareOfOneMoreFamily(const ExplanationList& list, const PriorMasses& masses) {
+  std::set<std::string> families;
+  for (size_t k = 0; k < list.math.size(); ++k) {
+    if (list.IsUnnamed(static_cast<int>(k))) families.insert(list.place[k].family);
+  }
+  return masses.unnamed / (masses.catalogue + masses.unnamed) / (1.0 + static_cast<double>(families.size()));
+}
+
+}  // namespace
+
+NoiseSizes SizesOf(const NoiseView& view) {
+  NoiseSizes sizes{view.kind, view.sigma, {}};
+  for (const ViewedGroup& viewed : view.groups)
+    std::get<2>(sizes).emplace_back(viewed.scaled.group, viewed.scaled.factor);
+  return sizes;
+}
+
+std::vector<ScaledGroup> NoiseView::Scaled() const {
+  std::vector<ScaledGroup> scaled;
+  for (const ViewedGroup& viewed : groups) scaled.push_back(viewed.scaled);
+  return scaled;
+}
+
+void Evidence::ClimbInViews(const std::function<void(const std::string&)>& progress) {
+  share_of_pose_ = ShareOfOneMoreFamily(list_, masses_);
+  const std::vector<ReadingGroup> all = GroupsOfReadings(problem_);
+  log_share_of_group_ = std::log(kNoiseIsWrong / static_cast<double>(std::max<size_t>(1, all.size())));
+  groups_ = GroupsOfOwnNoise(problem_, parameters_, all);
+  for (int round = 1; round < kMostViews; ++round) {
+    const WeightedSet best = models_[0].set;
+    const std::optional<Trial> next = NextView();
+    if (!next) return;
+    const bool has_joints = next->view.kind != NoiseView::Kind::kStated;
+    if (progress) {
+      progress(has_joints ? SearchingWithRepeatability(next->view.sigma)
+                          : SearchingWithGroups(next->view.Scaled(), problem_.data()));
+    }
+    VLOG(1) << "diagnosis: joints " << 1e6 * next->view.sigma << " urad, " << next->view.groups.size()
+            << " groups of readings: " << next->log_weight - models_[0].log_weight << " over the best so far";
+    Climb(Viewed(next->view), best);
+  }
+}
+
+// Groups that the view has, and the few that promise most.
+std::vector<NoisePart> Evidence::PartsFor(const NoiseView& view, const WeightedSet& set) const {
+  std::vector<NoisePart> parts;
+  const auto& joints = problem_.robot().chain.joints;
+  const auto turns = [](const Joint& joint) { return joint.type == JointType::kRevolute; };
+  if (std::any_of(joints.begin(), joints.end(), turns)) {
+    parts.push_back({NoiseView::Kind::kVisit});
+    if (columns_.HasRevisits()) parts.push_back({NoiseView::Kind::kPose});
+  }
+  if (groups_.empty()) return parts;
+  const FewExplanations few = WithTheirColumns(list_.math, set.members);
+  const GroupScores scores = columns_.ScoreGroups(ScatterOf(view), few.columns, groups_);
+  // A factor of all readings is no more than one of a group, and in the likelihood already.
+  const double of_all = scores.of_all.Factor(1.0), variance = of_all * of_all;
+  const double by_all = IsSigmaStated() ? scores.of_all.Gain(1.0) + std::log(kNoiseIsWrong) + LogOccamOf(scores.of_all)
+                                        : std::numeric_limits<double>::infinity();
+  std::vector<std::pair<double, NoisePart>> promising;
+  for (size_t g = 0; g < groups_.size(); ++g) {
+    const FactorScore& score = scores.of_group[g];
+    const auto own = std::find_if(view.groups.begin(), view.groups.end(),
+                                  [&](const ViewedGroup& viewed) { return IsOf(viewed, groups_[g]); });
+    if (own != view.groups.end()) {
+      AddChangesOf(own->scaled, groups_, &parts);
+      continue;
+    }
+    const bool is_next_to_all = by_all + score.Gain(variance) > score.Gain(1.0);
+    const double gain =
+        is_next_to_all ? score.Gain(variance) + std::min(by_all, 0.0) : score.Gain(1.0) - std::max(by_all, 0.0);
+    if (gain + log_share_of_group_ + LogOccamOf(score) < kWorthSearching) continue;
+    promising.push_back({gain, {NoiseView::Kind::kStated, groups_[g], score.Factor(is_next_to_all ? variance : 1.0)}});
+  }
+  std::stable_sort(promising.begin(), promising.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (size_t k = 0; k < std::min(kMostPromising, promising.size()); ++k) parts.push_back(promising[k].second);
+  return parts;
+}
+
+Evidence::Trial Evidence::BestChange(const NoiseView& view, const WeightedSet& set) {
+  const auto is_searched = [&](const NoiseView& other) {
+    return std::any_of(views_.begin(), views_.end(),
+                       [&](const ViewedNormal& known) { return AreAlike(known.view, other); });
+  };
+  Trial best;
+  for (const NoisePart& part : PartsFor(view, set)) {
+    const NoiseView base = Without(view, part);
+    const auto [known, is_new] = tried_.try_emplace({SizesOf(base), part, set.members, set.scales});
+    if (is_new) known->second = BestView(base, part, set);
+    const Trial& trial = known->second;
+    if (trial.log_weight <= best.log_weight || AreAlike(trial.view, view) || is_searched(trial.view)) continue;
+    best = trial;
+  }
+  return best;
+}
+
+// Changed in one part, then in as many as make it more likely: each search is worth many changes.
+std::optional<Evidence::Trial> Evidence::NextView() {
+  const WeightedModel& best = models_[0];
+  std::optional<Trial> next;
+  const auto try_next_to = [&](const WeightedModel& model) {
+    Trial trial = BestChange(ViewOf(model), model.set);
+    if (trial.log_weight < best.log_weight + kWorthSearching) return;
+    for (int change = 1; change < kMostChanges; ++change) {
+      Trial more = BestChange(trial.view, model.set);
+      if (more.log_weight <= trial.log_weight) break;
+      trial = std::move(more);
+    }
+    if (!next || trial.log_weight > next->log_weight) next = std::move(trial);
+  };
+  try_next_to(best);
+  if (!best.set.members.empty()) try_next_to(BestOfNothing());  // which other noise may be enough for
+  return next;
+}
+
+RowScatter Evidence::ScatterOf(const NoiseView& view) const {
+  RowScatter scatter = stated_;
+  scatter.readings = view.Scaled();
+  if (view.kind == NoiseView::Kind::kStated) return scatter;
+  for (long j = 0; j < scatter.visit.size(); ++j) {
+    if (problem_.robot().chain.joints[j].type != JointType::kRevolute) continue;
+    (view.kind == NoiseView::Kind::kVisit ? scatter.visit : scatter.pose)[j] = view.sigma;
+  }
+  return scatter;
+}
+
+// A deviation that follows the pose in its own way is one more cause of the set, with the share of one family of what
+// has no name: it is a family that is in no list. That some group scatters otherwise is shared by all groups.
+double Evidence::LogPriorOf(const NoiseView& view, const WeightedSet& set) const {
+  double log_prior = view.log_occam;
+  for (const ViewedGroup& group : view.groups) log_prior += log_share_of_group_ + group.log_occam;
+  if (view.kind == NoiseView::Kind::kVisit) log_prior += std::log(kNoiseIsWrong);
+  if (view.kind != NoiseView::Kind::kPose) return log_prior;
+  std::vector<double> shares(set.members.size(), 1.0);
+  const double without = prior_.Log(shares);
+  shares.push_back(share_of_pose_);
+  return log_prior + prior_.Log(shares) - without;
+}
+
+double Evidence::LogWeight(const NoiseView& view, const WeightedSet& set, const FewExplanations& few,
+                           const RowSums& sums) const {
+  std::vector<int> members(set.members.size());
+  std::iota(members.begin(), members.end(), 0);
+  const GivenBelieved given_believed = columns_.Project(sums);
+  return SearchAmong(few.explanations, given_believed.normal).Evaluate(members, set.scales).log_weight +
+         given_believed.log_constant + LogPriorOf(view, set);
+}
+
+// Or `base` itself, where the rows do not ask for the part. The size is found on as many blocks of rows as settle it;
+// all rows say how likely it is.
+Evidence::Trial Evidence::BestView(const NoiseView& base, const NoisePart& part, const WeightedSet& set) {
+  const auto [low, high] = RangeOf(part);
+  const FewExplanations few = WithTheirColumns(list_.math, set.members);
+  const int enough = kRowsThatSettle + columns_.num_believed() + static_cast<int>(few.columns.size());
+  const int every = std::max(1, columns_.num_rows() / enough);
+  const auto weight_of = [&](const NoiseView& view, int one_in) {
+    return LogWeight(view, set, few, columns_.Sum(ScatterOf(view), few.columns, one_in));
+  };
+  const auto weight = [&](double log_size) { return weight_of(With(base, part, std::exp(log_size)), 1); };
+  const auto among_some = [&](double log_size) { return weight_of(With(base, part, std::exp(log_size)), every); };
+  const double spacing = std::log(2.0);
+  double near = part.group ? std::clamp(std::log(part.about), low, high) : low;
+  double near_weight = among_some(near);
+  for (double at = low + spacing; !part.group && at <= high; at += spacing) {
+    const double here = among_some(at);
+    if (here <= near_weight) continue;
+    near = at;
+    near_weight = here;
+  }
+  // Counted from the nearest of them: the precision is relative.
+  const auto offset = boost::math::tools::brent_find_minima([&](double at) { return -among_some(near + at); },
+                                                            std::max(low - near, -spacing),
+                                                            std::min(high - near, spacing), kSettledBits)
+                          .first;
+  const auto [base_known, is_new] = weights_.try_emplace({SizesOf(base), set.members, set.scales});
+  if (is_new) base_known->second = weight_of(base, 1);
+  const double at = near + offset, at_weight = weight(at), base_weight = base_known->second;
+  NoiseView view = With(base, part, std::exp(at));
+  const double gain = at_weight - LogPriorOf(view, set) - (base_weight - LogPriorOf(base, set));
+  if (gain < kLeastGain) return {base, base_weight};
+  // The top of the parabola through three points, at most one of them away.
+  const double apart = 4.0 * kSettled, up = weight(at + apart), down = weight(at - apart);
+  const double slope = (up - down) / (2.0 * apart);
+  const double curvature = std::max((2.0 * at_weight - up - down) / (apart * apart), 1e-3);
+  const double beyond = std::clamp(slope / curvature, -apart, apart);
+  view = With(base, part, std::exp(at + beyond));
+  const double log_sd = 1.0 / std::sqrt(curvature), occam = LogOccam(log_sd, RangeOf(part));
+  if (part.group) {
+    const auto own = PlaceOf(*part.group, &view);
+    own->log_sd = log_sd;
+    own->log_occam = occam;
+  } else {
+    view.log_occam = occam;
+  }
+  return {view, at_weight + (slope - 0.5 * curvature * beyond) * beyond + occam};
+}
+
+}  // namespace sagitta

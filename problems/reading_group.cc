@@ -1,0 +1,126 @@
+#include "problems/reading_group.h"
+
+#include <algorithm>
+#include <array>
+
+#include "models/matrix_functions.h"
+#include "problems/calibration_problem.h"
+#include "problems/noise_model.h"
+
+namespace sagitta {
+namespace {
+
+using Kind = ReadingGroup::Kind;
+
+constexpr int kFewestCoordinates = 20;
+constexpr std::array<const char*, 5> kKinds = {"station", "marker", "rotations", "axis", "sight"};
+const std::vector<std::string> kAxes = {"x", "y", "z"};
+
+std::vector<ReadingGroup> AllGroups(const Measurements& data) {
+  std::vector<ReadingGroup> groups;
+  for (size_t s = 0; s < data.stations.size(); ++s) groups.push_back({Kind::kStation, static_cast<int>(s)});
+  for (size_t m = 0; m < data.markers.size(); ++m) groups.push_back({Kind::kMarker, static_cast<int>(m)});
+  groups.push_back({Kind::kRotations, 0});
+  for (int axis = 0; axis < 3; ++axis) groups.push_back({Kind::kAxis, axis});
+  groups.push_back({Kind::kSight, 0});
+  return groups;
+}
+
+// Names among which a group's index counts.
+std::vector<std::string> NamesOf(Kind kind, const Measurements& data) {
+  switch (kind) {
+    case Kind::kStation:
+      return data.stations;
+    case Kind::kMarker:
+      return data.markers;
+    case Kind::kAxis:
+      return kAxes;
+    case Kind::kRotations:
+    case Kind::kSight:
+      break;
+  }
+  return {""};
+}
+
+bool Has(const ReadingGroup& group, const ReadingWithRoot& reading) {
+  if (reading.observation.is_point() == (group.kind == Kind::kRotations)) return false;
+  switch (group.kind) {
+    case Kind::kStation:
+      return reading.data.shots[reading.observation.shot].station == group.index;
+    case Kind::kMarker:
+      return reading.observation.marker == group.index;
+    case Kind::kRotations:
+    case Kind::kAxis:
+    case Kind::kSight:
+      break;
+  }
+  return true;
+}
+
+// Of all points; zero: it has none.
+Vector3<double> DirectionOf(const ReadingGroup& group, const ReadingWithRoot& reading) {
+  if (group.kind == Kind::kAxis) return Vector3<double>::Unit(group.index);
+  const std::string& station = reading.data.stations[reading.data.shots[reading.observation.shot].station];
+  return reading.point - InstrumentPlace(reading.experiment, station);
+}
+
+}  // namespace
+
+std::string KindOf(const ReadingGroup& group) { return kKinds[static_cast<size_t>(group.kind)]; }
+
+std::string NameOf(const ReadingGroup& group, const Measurements& data) {
+  return NamesOf(group.kind, data)[static_cast<size_t>(group.index)];
+}
+
+std::optional<ReadingGroup> FindGroup(const std::string& kind, const std::string& name, const Measurements& data) {
+  const auto known = std::find(kKinds.begin(), kKinds.end(), kind);
+  if (known == kKinds.end()) return std::nullopt;
+  const auto of = static_cast<Kind>(known - kKinds.begin());
+  const std::vector<std::string> names = NamesOf(of, data);
+  const auto own = std::find(names.begin(), names.end(), name);
+  if (own == names.end()) return std::nullopt;
+  return ReadingGroup{of, static_cast<int>(own - names.begin())};
+}
+
+std::vector<ReadingGroup> GroupsOfReadings(const CalibrationProblem& problem) {
+  const std::vector<int> rows = problem.CalibrationObservations();
+  std::vector<ReadingGroup> groups;
+  for (const ReadingGroup& group : AllGroups(problem.data())) {
+    long own = 0;
+    for (const int i : rows) own += DirectionsOf(ReadingOf(problem, i), group).cols();
+    const long others = 3 * static_cast<long>(rows.size()) - own;
+    if (std::min(own, others) >= kFewestCoordinates) groups.push_back(group);
+  }
+  return groups;
+}
+
+Directions DirectionsOf(const ReadingWithRoot& reading, const ReadingGroup& group) {
+  if (!Has(group, reading) || !IsStated(reading.root)) return Directions(3, 0);
+  if (!group.IsDirection()) return Matrix3<double>::Identity();
+  const Vector3<double> whitened = reading.root.inverse() * DirectionOf(group, reading);
+  const double length = whitened.norm();
+  return length > 0.0 ? Directions(whitened / length) : Directions(3, 0);
+}
+
+Matrix3<double> ScalingOf(const ReadingWithRoot& reading, const std::vector<ScaledGroup>& groups) {
+  Matrix3<double> scaling = Matrix3<double>::Identity();
+  for (const ScaledGroup& scaled : groups) {
+    const Directions own = DirectionsOf(reading, scaled.group);
+    scaling += (scaled.factor - 1.0) * scaling * own * own.transpose();
+  }
+  return scaling;
+}
+
+Matrix3<double> ScaledRoot(const ReadingWithRoot& reading, const std::vector<ScaledGroup>& groups) {
+  const Matrix3<double> scaling = ScalingOf(reading, groups);
+  if (scaling.isIdentity(0.0)) return reading.root;
+  const Matrix3<double> root = reading.root * scaling;
+  return LowerRoot(root * root.transpose());
+}
+
+ReadingWithRoot ReadingOf(const CalibrationProblem& problem, int observation) {
+  const Observation& row = problem.data().observations[observation];
+  return {problem.experiment(), problem.data(), row, row.point_in_station, problem.SqrtCovariance(observation)};
+}
+
+}  // namespace sagitta

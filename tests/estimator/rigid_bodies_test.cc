@@ -1,0 +1,74 @@
+#include "estimator/noise/rigid_bodies.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "estimator/calibration/joint_estimator.h"
+#include "tests/support/moved_kr270.h"
+
+namespace sagitta::rigid_bodies_test {
+namespace {
+
+using Kind = ReadingGroup::Kind;
+
+// Two stations; the joints stand elsewhere than the rows say by `off`, rad, in poses that only the second one measures.
+CalibrationProblem Campaign(double off, std::uint64_t seed) {
+  const test::Kr270Design design = test::CampaignOf(60, 2, 2e-5, seed);
+  Measurements data = test::DesignMeasurements(design), moved = data;
+  for (size_t c = 0; c < moved.configurations.size(); ++c) {
+    Eigen::VectorXd& q = moved.configurations[c].q;
+    q[1] += off * std::sin(7.0 * static_cast<double>(c));
+    q[3] += off * std::cos(5.0 * static_cast<double>(c));
+  }
+  test::MeasureKr270(test::Kr270Truth(), design.sigma, 40 + seed, &moved);
+  for (size_t i = 0; i < data.observations.size(); ++i) {
+    data.observations[i].point_in_station = moved.observations[i].point_in_station;
+  }
+  return MakeCalibrationProblem(test::Kr270Robot(), data, Experiment());
+}
+
+bool Has(const std::vector<ReadingGroup>& groups, const ReadingGroup& group) {
+  return std::find(groups.begin(), groups.end(), group) != groups.end();
+}
+
+// Three markers leave three degrees of freedom in each of 60 shots, their distances: twice the noise is beyond doubt.
+TEST(RigidBodies, AGroupOfOwnNoiseIsListed) {
+  for (const ReadingGroup& group :
+       {ReadingGroup{Kind::kStation, 1}, ReadingGroup{Kind::kMarker, 2}, ReadingGroup{Kind::kAxis, 0}}) {
+    CalibrationProblem problem = Campaign(0.0, 3);
+    for (Observation& row : problem.mutable_data()->observations) {
+      const bool of_station = problem.data().shots[row.shot].station == 1;
+      if (group.kind == Kind::kStation && of_station) row.sigma /= 2.0;
+      if (group.kind == Kind::kMarker && row.marker == 2) row.sigma /= 2.0;
+      if (group.kind == Kind::kAxis) row.sigma.x() /= 2.0;
+    }
+    const ParameterSet parameters = EstimateJointly(problem).parameters;
+    EXPECT_TRUE(Has(GroupsOfOwnNoise(problem, parameters, GroupsOfReadings(problem)), group)) << KindOf(group);
+  }
+}
+
+// Residuals 20 times the noise that move bodies as a whole: no group of them.
+TEST(RigidBodies, WhatMovesBodiesIsNoNoise) {
+  const CalibrationProblem healthy = Campaign(0.0, 3), moved = Campaign(4e-4, 3);
+  const std::vector<ReadingGroup> all = GroupsOfReadings(healthy);
+  ASSERT_EQ(all.size(), 9u);
+  const Estimate estimate = EstimateJointly(moved);
+  ASSERT_GT(estimate.chi2, 25.0 * estimate.dof);
+  EXPECT_EQ(GroupsOfOwnNoise(moved, estimate.parameters, all),
+            GroupsOfOwnNoise(healthy, EstimateJointly(healthy).parameters, all));
+}
+
+// One marker on the flange, or two: nothing, or one distance.
+TEST(RigidBodies, AMarkerAloneShowsNothing) {
+  CalibrationProblem problem = Campaign(0.0, 4);
+  for (size_t i = 0; i < problem.data().observations.size(); ++i) {
+    if (problem.data().observations[i].marker > 0) problem.mutable_data()->ExcludeRow(static_cast<int>(i));
+  }
+  for (Observation& row : problem.mutable_data()->observations) row.sigma.x() /= 5.0;
+  EXPECT_TRUE(GroupsOfOwnNoise(problem, problem.parameters, GroupsOfReadings(problem)).empty());
+}
+
+}  // namespace
+}  // namespace sagitta::rigid_bodies_test
