@@ -66,7 +66,7 @@ Vector3<double> DirectionOf(const ReadingGroup& group, const ReadingWithRoot& re
 
 }  // namespace
 
-std::string KindOf(const ReadingGroup& group) { return kKinds[static_cast<size_t>(group.kind)]; }
+std::string WordOf(Kind kind) { return kKinds[static_cast<size_t>(kind)]; }
 
 std::string NameOf(const ReadingGroup& group, const Measurements& data) {
   return NamesOf(group.kind, data)[static_cast<size_t>(group.index)];

@@ -43,7 +43,7 @@ struct ReadingGroup {
 };
 
 // In files: "station" with a name, "marker" with a name, "rotations", "axis" with x, y or z, "sight".
-std::string KindOf(const ReadingGroup& group);
+std::string WordOf(ReadingGroup::Kind kind);
 std::string NameOf(const ReadingGroup& group, const Measurements& data);  // "" where its kind says all
 // The group that a file means; nothing where the data do not have it.
 std::optional<ReadingGroup> FindGroup(const std::string& kind, const std::string& name, const Measurements& data);
@@ -52,6 +52,7 @@ std::optional<ReadingGroup> FindGroup(const std::string& kind, const std::string
 // to a sixth then) and leave as many to others.
 std::vector<ReadingGroup> GroupsOfReadings(const CalibrationProblem& problem);
 
+// A group and the factor of its noise.
 struct ScaledGroup {
   ReadingGroup group;
   double factor = 1.0;  // of standard deviations

@@ -60,7 +60,7 @@ std::vector<GroupFinding> FindGroups(const Evidence& evidence, const WeightedMod
     const bool is_stated_otherwise = evidence.IsSigmaStated() && (factor / arm > 1.0 || factor * arm < 1.0);
     const bool is_wrong = !group.IsDirection() || factor > 1.0;
     found.push_back(
-        {KindOf(group), NameOf(group, data), factor, factor / arm, factor * arm, is_stated_otherwise && is_wrong});
+        {group.kind, NameOf(group, data), factor, factor / arm, factor * arm, is_stated_otherwise && is_wrong});
   }
   return found;
 }

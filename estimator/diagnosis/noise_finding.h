@@ -19,7 +19,8 @@ struct WrongArrival {
 // A group of readings that scatters by a factor of its own: times what is stated of it, or where nothing is stated
 // times what the others scatter by.
 struct GroupFinding {
-  std::string kind, name;                      // as of KindOf and NameOf (problems/reading_group.h)
+  ReadingGroup::Kind kind = ReadingGroup::Kind::kStation;
+  std::string name;                            // as of NameOf (problems/reading_group.h)
   double factor = 1.0, low = 1.0, high = 1.0;  // 95 %
   // Where it scatters less in one direction than is stated for all, one figure is stated for an instrument that has
   // two: nothing is wrong.

@@ -38,6 +38,7 @@ struct ViewedGroup {
   double log_occam = 0.0;  // as of the view
 };
 
+// How the noise is assumed to be.
 struct NoiseView {
   enum class Kind {
     kStated,

@@ -109,6 +109,7 @@ struct FactorScore {
     return factor > 0.0 ? expected * (0.5 * (factor * factor - 1.0) - std::log(factor)) : 0.0;
   }
 };
+// Of groups, and of all rows.
 struct GroupScores {
   std::vector<FactorScore> of_group;
   FactorScore of_all;

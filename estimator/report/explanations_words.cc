@@ -131,17 +131,25 @@ std::string SearchingWithRepeatability(double sigma_rad) {
   return "once more with joints that deviate by " + std::to_string(std::lround(1e6 * sigma_rad)) + " urad";
 }
 
-std::string GroupInWords(const std::string& kind, const std::string& name) {
-  if (kind == "rotations") return "the rotations";
-  if (kind == "axis") return "the readings along " + name;
-  if (kind == "sight") return "the readings along the line of sight";
-  return "the readings of " + kind + " " + name;
+std::string GroupInWords(ReadingGroup::Kind kind, const std::string& name) {
+  switch (kind) {
+    case ReadingGroup::Kind::kStation:
+    case ReadingGroup::Kind::kMarker:
+      break;
+    case ReadingGroup::Kind::kRotations:
+      return "the rotations";
+    case ReadingGroup::Kind::kAxis:
+      return "the readings along " + name;
+    case ReadingGroup::Kind::kSight:
+      return "the readings along the line of sight";
+  }
+  return "the readings of " + WordOf(kind) + " " + name;
 }
 
 std::string SearchingWithGroups(const std::vector<ScaledGroup>& groups, const Measurements& data) {
   std::vector<std::string> all;
   for (const ScaledGroup& scaled : groups) {
-    all.push_back(GroupInWords(KindOf(scaled.group), NameOf(scaled.group, data)) + " " + Significant(scaled.factor, 2) +
+    all.push_back(GroupInWords(scaled.group.kind, NameOf(scaled.group, data)) + " " + Significant(scaled.factor, 2) +
                   " times");
   }
   return "once more with noise other than stated: " + Enumerate(all);

@@ -63,7 +63,7 @@ std::string GravityIsUnknown(const std::string& station);
 // Progress: the search among sets is repeated with this repeatability.
 std::string SearchingWithRepeatability(double sigma_rad);
 // "the readings of station S2".
-std::string GroupInWords(const std::string& kind, const std::string& name);
+std::string GroupInWords(ReadingGroup::Kind kind, const std::string& name);
 std::string SearchingWithGroups(const std::vector<ScaledGroup>& groups, const Measurements& data);
 // All is weighed once more, from an estimate that holds what was found.
 std::string WeighingAboutWhatWasFound();

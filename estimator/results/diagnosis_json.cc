@@ -178,7 +178,7 @@ Json NoiseToJson(const NoiseFinding& noise) {
     json["wrong_configs"].push_back({{"config", arrival.configuration}, {"off_mm", 1e3 * arrival.off}});
   }
   for (const GroupFinding& group : noise.groups) {
-    json["groups"].push_back({{"of", group.kind},
+    json["groups"].push_back({{"of", WordOf(group.kind)},
                               {"name", group.name.empty() ? Json(nullptr) : Json(group.name)},
                               {"factor", group.factor},
                               {"ci95", {group.low, group.high}}});

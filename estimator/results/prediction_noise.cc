@@ -78,7 +78,7 @@ Json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& es
   json["instrument_factor"] = is_factor ? instrument->value : problem.stated_noise_factor;
   for (const ScaledGroup& scaled : problem.scaled_groups) {
     const std::string name = NameOf(scaled.group, problem.data());
-    json["groups"].push_back({{"of", KindOf(scaled.group)}, {"name", name}, {"factor", scaled.factor}});
+    json["groups"].push_back({{"of", WordOf(scaled.group.kind)}, {"name", name}, {"factor", scaled.factor}});
   }
   const double scatter = ScatterBeyondStated(problem, estimate);
   json["scale"] = sigma.stated && sigma.scaled && scatter == 0.0 ? sigma.a_posteriori : 1.0;

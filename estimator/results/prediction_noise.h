@@ -14,7 +14,7 @@ namespace sagitta {
 struct PredictionNoise {
   double scale = 1.0;    // of stated sigmas and repeatability
   double scatter = 0.0;  // m, of every coordinate in addition to what is stated (noise/robot_scatter.h)
-  // Groups of readings that scatter otherwise than stated, with kind and name as of KindOf and NameOf
+  // Groups of readings that scatter otherwise than stated, with kind and name as of WordOf and NameOf
   // (problems/reading_group.h).
   struct Group {
     std::string kind, name;

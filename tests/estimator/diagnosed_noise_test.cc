@@ -55,7 +55,7 @@ TEST(Diagnosis, WrongStatedNoiseIsAFindingAndNoEffect) {
   EXPECT_EQ(extended.stated_noise_factor, found.stated_noise_factor);
 }
 
-// Of one marker three times what is stated. 180 coordinates less what 5 % of the unknowns take: sigma of the logarithm
+// Of one marker three times what is stated. 180 coordinates less their part of the unknowns: sigma of the logarithm
 // 5.5 %.
 TEST(Diagnosis, AMarkerThatIsReadWithOtherNoiseIsAFinding) {
   CalibrationProblem problem = Hidden(3, [](double) { return 0.0; });
@@ -66,7 +66,7 @@ TEST(Diagnosis, AMarkerThatIsReadWithOtherNoiseIsAFinding) {
   EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kNoise);
   ASSERT_EQ(diagnosis.noise.groups.size(), 1u);
   const GroupFinding& group = diagnosis.noise.groups[0];
-  EXPECT_EQ(group.kind, "marker");
+  EXPECT_EQ(group.kind, ReadingGroup::Kind::kMarker);
   EXPECT_EQ(group.name, problem.data().markers[1]);
   EXPECT_TRUE(group.is_finding);
   EXPECT_NEAR(std::log(group.factor / 3.0), 0.0, 4.0 * 0.06);
@@ -92,7 +92,7 @@ TEST(Diagnosis, LessNoiseInOneDirectionThanStatedIsNoFinding) {
   const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
   EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kConsistent);
   ASSERT_EQ(diagnosis.noise.groups.size(), 1u);
-  EXPECT_EQ(diagnosis.noise.groups[0].kind, "axis");
+  EXPECT_EQ(diagnosis.noise.groups[0].kind, ReadingGroup::Kind::kAxis);
   EXPECT_EQ(diagnosis.noise.groups[0].name, "z");
   EXPECT_NEAR(std::log(3.0 * diagnosis.noise.groups[0].factor), 0.0, 4.0 * 0.06);
 }

@@ -125,7 +125,7 @@ TEST(EvidenceColumns, ScoresOfGroupsAreSlopesOfTheRestrictedLikelihood) {
     const double step = 1e-4;
     const double slope = (log_likelihood(groups[g], step) - log_likelihood(groups[g], -step)) / (2.0 * step);
     const FactorScore& score = scores.of_group[g];
-    EXPECT_NEAR(score.square - score.expected, slope, 1e-4 * score.expected) << KindOf(groups[g]);
+    EXPECT_NEAR(score.square - score.expected, slope, 1e-4 * score.expected) << WordOf(groups[g].kind);
   }
 }
 

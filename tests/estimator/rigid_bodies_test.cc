@@ -45,7 +45,7 @@ TEST(RigidBodies, AGroupOfOwnNoiseIsListed) {
       if (group.kind == Kind::kAxis) row.sigma.x() /= 2.0;
     }
     const ParameterSet parameters = EstimateJointly(problem).parameters;
-    EXPECT_TRUE(Has(GroupsOfOwnNoise(problem, parameters, GroupsOfReadings(problem)), group)) << KindOf(group);
+    EXPECT_TRUE(Has(GroupsOfOwnNoise(problem, parameters, GroupsOfReadings(problem)), group)) << WordOf(group.kind);
   }
 }
 

@@ -93,8 +93,8 @@ TEST(ReadingGroup, ANameIsThatOfItsGroup) {
   const std::vector<ReadingGroup> groups = GroupsOfReadings(problem);
   EXPECT_EQ(groups.size(), 9u);  // two stations, three markers, three axes, the line of sight
   for (const ReadingGroup& group : groups) {
-    const auto found = FindGroup(KindOf(group), NameOf(group, data), data);
-    ASSERT_TRUE(found) << KindOf(group);
+    const auto found = FindGroup(WordOf(group.kind), NameOf(group, data), data);
+    ASSERT_TRUE(found) << WordOf(group.kind);
     EXPECT_TRUE(*found == group);
   }
   EXPECT_EQ(NameOf({Kind::kStation, 1}, data), data.stations[1]);

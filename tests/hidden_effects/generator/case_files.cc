@@ -190,8 +190,10 @@ Vector3d ScaledError(const CaseOptions& options, const Shot& shot, const std::st
   if (is_whole) return options.group_factor * error;
   if (options.group == "axis") error.z() *= options.group_factor;
   if (options.group == "sight") {
-    const Vector3d along = seen.normalized();
-    error += (options.group_factor - 1.0) * along * along.dot(error);
+    // Of what is stated per axis, along the direction that becomes the line of sight once each is divided by its sigma.
+    const Vector3d along = seen.cwiseQuotient(shot.sigma).normalized();
+    const double drawn = along.dot(error.cwiseQuotient(shot.sigma));
+    error += (options.group_factor - 1.0) * drawn * shot.sigma.cwiseProduct(along);
   }
   return error;
 }
