@@ -12,6 +12,7 @@
 #include "problems/io/cell_file.h"
 #include "problems/io/effect_names.h"
 #include "problems/io/files.h"
+#include "problems/io/measurement_file.h"
 #include "problems/io/output_files.h"
 #include "problems/range.h"
 #include "python/inputs.h"
@@ -79,6 +80,13 @@ std::shared_ptr<DiagnosedExperiment> DiagnoseInputs(ExperimentInputs inputs, int
       DiagnosedExperiment{std::move(diagnosis), inputs.experiment.significance, {command, "joint", inputs.files}});
 }
 
+// As plan.csv states them. Those that a plan was made of have the readings that are expected, of no measurement.
+Rows RowsOf(const PlannedExperiment& planned) {
+  MeasurementReadOptions options;
+  options.points_required = false;
+  return {ReadMeasurementsText(planned.robot, PlanToCsv(planned.robot.chain, planned.plan), "plan", options)};
+}
+
 std::shared_ptr<PlannedExperiment> PlanInputs(const ExperimentInputs& inputs, const py::dict& wishes,
                                               const std::string& command, const py::object& progress) {
   PlanRequest request;
@@ -144,7 +152,7 @@ void BindResults(py::module_& module) {
             "diagnosis"));
       });
   py::class_<PlannedExperiment, std::shared_ptr<PlannedExperiment>>(module, "Plan")
-      .def_property_readonly("rows", [](const PlannedExperiment& p) { return Rows{p.plan.rows}; })
+      .def_property_readonly("rows", &RowsOf)
       .def("json", [](const PlannedExperiment& p) { return DumpJson(PlanToJson(p.plan)); })
       .def("report_html", &PlannedExperiment::ReportHtml)
       .def("csv", [](const PlannedExperiment& p) { return PlanToCsv(p.robot.chain, p.plan); });
