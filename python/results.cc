@@ -33,6 +33,10 @@ struct DiagnosedExperiment {
   Provenance provenance;
 
   std::string ReportHtml() const { return DiagnosisToHtml(diagnosis, ExtendedCalibration(diagnosis), provenance); }
+  // Of the estimate.json of `sagitta diagnose`.
+  KnownRobot Known() const {
+    return ReadEstimateText(DumpJson(CalibrationToJson(ExtendedCalibration(diagnosis), provenance)), "diagnosis");
+  }
 };
 
 struct PlannedExperiment {
@@ -142,14 +146,9 @@ void BindResults(py::module_& module) {
              if (!d.diagnosis.learnt) return std::nullopt;
              return RobotToYaml(RobotOf(d.diagnosis.learnt->model));
            })
-      .def("estimate_json",
-           [](const DiagnosedExperiment& d) {
-             return DumpJson(EstimateToJson(*d.diagnosis.final.problem, d.diagnosis.final.estimate, d.provenance));
-           })
       .def("known", [](const DiagnosedExperiment& d) {
-        return std::make_shared<KnownRobot>(ReadEstimateText(
-            DumpJson(EstimateToJson(*d.diagnosis.final.problem, d.diagnosis.final.estimate, d.provenance)),
-            "diagnosis"));
+        const OthersMayRun others_may_run;
+        return std::make_shared<KnownRobot>(d.Known());
       });
   py::class_<PlannedExperiment, std::shared_ptr<PlannedExperiment>>(module, "Plan")
       .def_property_readonly("rows", &RowsOf)

@@ -3,6 +3,7 @@
 
 usage: results_test.py PROGRAM      (with the module on PYTHONPATH)
 """
+import json
 import sys
 import unittest
 
@@ -47,6 +48,28 @@ class Plans(unittest.TestCase):
             plan = sagitta.plan(sagitta.read(KR270 / "robot.yaml", rows, sigma_mm=0.1), poses=6, pool=60)
             self.assert_rows_are_the_plan(plan)
             self.assertEqual(len(plan.rows), 6 * 6)
+
+
+class Diagnoses(FolderTest):
+    def test_predictions_are_those_of_the_programs_estimate(self):
+        """The readings have an encoder's wave that no model may have: rest and model error are there."""
+        frame = sagitta.read(KR270 / "experiment.yaml").to_dataframe()
+        for axis, phase in zip("xyz", (0.0, 0.7, 1.9)):
+            frame["%s_mm" % axis] += 0.3 * np.sin(5 * np.radians(frame["q1_deg"]) + phase)
+        frame.to_csv(self.folder / "rows.csv", index=False)
+        (self.folder / "experiment.yaml").write_text(
+            "schema: sagitta/experiment/1\nrobot: %s\nmeasurements: [rows.csv]\nnoise: {sigma_mm: 0.02}\n"
+            % (KR270 / "robot.yaml"))
+        module_test.run("diagnose", self.folder / "experiment.yaml", "--out=%s" % self.folder, "--quiet")
+        diagnosis, theirs = sagitta.diagnose(sagitta.read(self.folder / "experiment.yaml")), self.folder / "estimate.json"
+        self.assertGreater(json.loads(theirs.read_text())["model_error"]["rest_mm"], 0.05)
+        ours, written = [sagitta.predict(known, frame) for known in (diagnosis, theirs)]
+        np.testing.assert_array_equal(ours.covariance_m2, written.covariance_m2)
+        self.assertEqual(len(ours.warnings), len(written.warnings))
+        ours, written = [sagitta.validate(known, frame).after for known in (diagnosis, theirs)]
+        self.assertEqual(ours, written)
+        changed = [sagitta.changed(known, theirs).to_dict() for known in (diagnosis, theirs)]
+        self.assertEqual(*map(module_test.without_circumstances, changed))
 
 
 if __name__ == "__main__":
