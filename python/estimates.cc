@@ -280,7 +280,10 @@ void BindPrograms(py::module_& module) {
            [](const CompensatedProgram& p) {
              return p.solved.empty() ? std::string() : CompensationToCsv(p.targets, p.solved);
            })
-      .def("write", [](const CompensatedProgram& p, const std::string& path) { OutputFile(path).Write(p.text); });
+      .def("write", [](const CompensatedProgram& p, const std::string& path) {
+        CheckProgramIsKept(p.program.path, path, "path");
+        OutputFile(path).Write(p.text);
+      });
   module.def("compensate_program", &CompensateProgramOf);
   py::class_<Changes>(module, "Changes").def("json", [](const Changes& c) { return DumpJson(ChangesToJson(c)); });
   module.def("changed", [](const KnownRobot& before, const KnownRobot& after) {

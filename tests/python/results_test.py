@@ -4,6 +4,7 @@
 usage: results_test.py PROGRAM      (with the module on PYTHONPATH)
 """
 import json
+import os
 import sys
 import unittest
 
@@ -70,6 +71,28 @@ class Diagnoses(FolderTest):
         self.assertEqual(ours, written)
         changed = [sagitta.changed(known, theirs).to_dict() for known in (diagnosis, theirs)]
         self.assertEqual(*map(module_test.without_circumstances, changed))
+
+
+class Programs(FolderTest):
+    KRL = b"DEF P( )\r\nPTP {A1 5,A2 -90,A3 95,A4 0,A5 10,A6 -3.5}\r\nEND\r\n"
+
+    def corrected(self, name, text, estimate=None, **scene):
+        path = self.folder / name
+        path.write_bytes(text)
+        estimate = estimate or sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))
+        return sagitta.compensate_program(estimate, path, **scene)
+
+    def test_the_program_itself_is_kept(self):
+        corrected = self.corrected("p.src", self.KRL)
+        (self.folder / "link.src").symlink_to(self.folder / "p.src")
+        os.link(self.folder / "p.src", self.folder / "same.src")
+        for name in ("p.src", "link.src", "same.src"):
+            with self.assertRaises(sagitta.InputError) as raised:
+                corrected.write(self.folder / name)
+            self.assertEqual(raised.exception.key, "path")
+            self.assertEqual((self.folder / name).read_bytes(), self.KRL)
+        corrected.write(self.folder / "new.src")
+        self.assertNotEqual((self.folder / "new.src").read_bytes(), self.KRL)
 
 
 if __name__ == "__main__":
