@@ -480,9 +480,9 @@ def _seed(seed):
 
 
 def _sources(tables, name):
-    """One table, or a list of them; the rows of a result are a table, too."""
+    """One table, or a list of them; the rows of a result are a table, too, and keep every cell."""
     def table(one):
-        return one.to_dataframe() if isinstance(one, _Data) else one
+        return _tables.Written(one._core.csv()) if isinstance(one, _Data) else one
     return _tables.sources([table(one) for one in tables] if isinstance(tables, (list, tuple)) else table(tables), name)
 
 

@@ -62,7 +62,8 @@ class Diagnoses(FolderTest):
             "schema: sagitta/experiment/1\nrobot: %s\nmeasurements: [rows.csv]\nnoise: {sigma_mm: 0.02}\n"
             % (KR270 / "robot.yaml"))
         module_test.run("diagnose", self.folder / "experiment.yaml", "--out=%s" % self.folder, "--quiet")
-        diagnosis, theirs = sagitta.diagnose(sagitta.read(self.folder / "experiment.yaml")), self.folder / "estimate.json"
+        diagnosis = sagitta.diagnose(sagitta.read(self.folder / "experiment.yaml"))
+        theirs = self.folder / "estimate.json"
         self.assertGreater(json.loads(theirs.read_text())["model_error"]["rest_mm"], 0.05)
         ours, written = [sagitta.predict(known, frame) for known in (diagnosis, theirs)]
         np.testing.assert_array_equal(ours.covariance_m2, written.covariance_m2)
@@ -71,6 +72,52 @@ class Diagnoses(FolderTest):
         self.assertEqual(ours, written)
         changed = [sagitta.changed(known, theirs).to_dict() for known in (diagnosis, theirs)]
         self.assertEqual(*map(module_test.without_circumstances, changed))
+
+
+class OwnColumns(FolderTest):
+    TEXTS = ["01", "1", "1e5", "100000.0", "True", "", "+1", "0x1", "1.10", "1.1", "nan", "1_0", "=1+1",
+             "12345678901234567890"]
+
+    def test_texts_are_those_of_the_file(self):
+        frame = sagitta.read(KR270 / "experiment.yaml").to_dataframe()
+        texts = np.resize(np.array(self.TEXTS, dtype=object), len(frame))
+        frame.assign(group=texts).to_csv(self.folder / "rows.csv", index=False)
+        for rows in (self.folder / "rows.csv", frame.assign(group=texts)):
+            for _ in range(2):  # once more from the rows that were read, and from their frame
+                rows = sagitta.read(KR270 / "robot.yaml", rows)
+                read = rows.to_dataframe()["group"]
+                self.assertEqual(list(read.fillna("")), list(texts))
+
+    def test_numbers_are_numbers(self):
+        frame = sagitta.read(KR270 / "experiment.yaml").to_dataframe()
+        random = np.random.default_rng(3)
+        values = {"whole": np.arange(len(frame)) - 7, "tiny": random.standard_normal(len(frame)) * 1e-17,
+                  "large": random.standard_normal(len(frame)) * 1e200, "lost": np.where(frame.index % 5, 0.1, np.nan)}
+        read = sagitta.read(KR270 / "robot.yaml", frame.assign(**values)).to_dataframe()
+        for name, numbers in values.items():
+            self.assertEqual(read[name].dtype.kind, "i" if name == "whole" else "f")
+            np.testing.assert_array_equal(read[name], numbers)
+        residuals = sagitta.calibrate(sagitta.read(KR270 / "robot.yaml", frame, sigma_mm=0.1)).residuals_dataframe()
+        self.assertEqual({residuals[name].dtype.kind for name in ("leverage", "whitened_x", "x_mm")}, {"f"})
+
+    def test_what_is_held_out_is_that_of_the_file(self):
+        frame = sagitta.read(KR270 / "experiment.yaml").to_dataframe()
+        number = frame["config"].str[1:].astype(int) % 4
+        frame = frame.assign(group=number.map({0: "01", 1: "1", 2: "2", 3: "3"}))
+        frame.to_csv(self.folder / "rows.csv", index=False)
+        rows = sagitta.read(KR270 / "robot.yaml", self.folder / "rows.csv")
+        for table in (self.folder / "rows.csv", frame, rows, rows.to_dataframe()):
+            experiment = sagitta.read(KR270 / "robot.yaml", table, sigma_mm=0.1,
+                                      validation={"column": "group", "values": ["1"]})
+            self.assertEqual(sagitta.calibrate(experiment).validation["observations"], (number == 1).sum())
+
+    def test_rows_that_are_handed_on_have_their_numbers(self):
+        rows = sagitta.read(KR270 / "experiment.yaml")
+        two_links = {"schema": "sagitta/robot/1", "joints": [{"name": "A1", "type": "revolute"}],
+                     "kinematics": {"chain": [{"Rz": "A1"}, {"Tx_mm": 350}]}}
+        with self.assertRaises(sagitta.InputError) as raised:
+            sagitta.read(two_links, rows)
+        self.assertEqual(raised.exception.file, "measurements")
 
 
 class Programs(FolderTest):
