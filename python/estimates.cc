@@ -90,8 +90,9 @@ py::array LeverageOf(const py::object& self) {
   const auto& c = py::cast<const CalibratedExperiment&>(self).calibration;
   const Eigen::VectorXd& leverage = c.estimate.leverage;
   if (leverage.size() != c.problem.data().NumRows()) {
-    return PointsOf(c.problem.data(), leverage.transpose().replicate(3, 1), self)
-        .attr("__getitem__")(py::make_tuple(py::ellipsis(), 0));
+    const std::vector<double> of_rows = LeverageOfRows(c.problem.data(), c.estimate);
+    const Eigen::Map<const Eigen::RowVectorXd> row(of_rows.data(), leverage.size());
+    return PointsOf(c.problem.data(), row.replicate(3, 1), self).attr("__getitem__")(py::make_tuple(py::ellipsis(), 0));
   }
   py::array_t<double> view(leverage.size(), leverage.data(), self);
   view.attr("setflags")(py::arg("write") = false);
@@ -280,7 +281,10 @@ void BindPrograms(py::module_& module) {
            [](const CompensatedProgram& p) {
              return p.solved.empty() ? std::string() : CompensationToCsv(p.targets, p.solved);
            })
-      .def("write", [](const CompensatedProgram& p, const std::string& path) { OutputFile(path).Write(p.text); });
+      .def("write", [](const CompensatedProgram& p, const std::string& path) {
+        CheckProgramIsKept(p.program.path, path, "path");
+        OutputFile(path).Write(p.text);
+      });
   module.def("compensate_program", &CompensateProgramOf);
   py::class_<Changes>(module, "Changes").def("json", [](const Changes& c) { return DumpJson(ChangesToJson(c)); });
   module.def("changed", [](const KnownRobot& before, const KnownRobot& after) {

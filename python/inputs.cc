@@ -10,6 +10,7 @@
 #include "problems/io/files.h"
 #include "problems/io/measurement_file.h"
 #include "problems/io/measurement_writer.h"
+#include "problems/io/text_checks.h"
 #include "problems/range.h"
 
 namespace sagitta::python {
@@ -48,13 +49,28 @@ CsvTable TableFrom(const std::string& name, const py::dict& columns) {
   return CsvTableOf(name, std::move(header), cells);
 }
 
+namespace {
+
+// Of rows that the library wrote: their cells are what they were, and row 1 is the first.
+CsvTable TableFromText(const std::string& name, const std::string& text) {
+  const MeasurementFile file = ParseCsvTable(text, name).file;
+  std::vector<std::vector<std::string>> columns(file.header.size());
+  for (const MeasurementFile::Row row : file.rows) {
+    for (size_t c = 0; c < columns.size(); ++c) columns[c].emplace_back(row.cells[c]);
+  }
+  return CsvTableOf(name, file.header, columns);
+}
+
+}  // namespace
+
 CsvTable TableFrom(const py::object& source, std::vector<InputFile>* files) {
   CsvTable table;
   if (py::isinstance<py::str>(source)) {
     table = ReadCsvTable(py::cast<std::string>(source));
   } else {
-    const auto pair = py::cast<py::tuple>(source);
-    table = TableFrom(py::cast<std::string>(pair[0]), py::cast<py::dict>(pair[1]));
+    const auto [name, cells] = py::cast<std::pair<std::string, py::object>>(source);
+    table = py::isinstance<py::str>(cells) ? TableFromText(name, py::cast<std::string>(cells))
+                                           : TableFrom(name, py::cast<py::dict>(cells));
   }
   if (files != nullptr) files->push_back({table.file.path, table.file.sha256});
   return table;
@@ -192,6 +208,7 @@ void BindInputs(py::module_& module) {
            [](ExperimentInputs& i, std::vector<std::string> names) { i.experiment.estimate.fixed = names; });
   py::class_<Rows> rows(module, "Rows");
   BindData<py::class_<Rows>>(rows, [](const Rows& r) -> const Measurements& { return r.data; });
+  module.def("unguarded", &UnguardedCell);
   module.def("split_names", &SplitOutsideBrackets);
   module.def("read", &ReadFiles);
   module.def("assemble", &Assemble);

@@ -16,7 +16,7 @@ namespace sagitta::python {
 // One name -> a NumPy array of float64 (of any stride, read where it lies), or a list of texts. Row 1 is the first.
 CsvTable TableFrom(const std::string& name, const pybind11::dict& columns);
 
-// A path, or a pair (name, columns). `files`: what was read, for provenance.
+// A path, or a pair (name, columns) or (name, text of a file). `files`: what was read, for provenance.
 CsvTable TableFrom(const pybind11::object& source, std::vector<InputFile>* files);
 
 // Rows of a measurement table for this robot.

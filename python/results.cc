@@ -12,6 +12,7 @@
 #include "problems/io/cell_file.h"
 #include "problems/io/effect_names.h"
 #include "problems/io/files.h"
+#include "problems/io/measurement_file.h"
 #include "problems/io/output_files.h"
 #include "problems/range.h"
 #include "python/inputs.h"
@@ -32,6 +33,10 @@ struct DiagnosedExperiment {
   Provenance provenance;
 
   std::string ReportHtml() const { return DiagnosisToHtml(diagnosis, ExtendedCalibration(diagnosis), provenance); }
+  // Of the estimate.json of `sagitta diagnose`.
+  KnownRobot Known() const {
+    return ReadEstimateText(DumpJson(CalibrationToJson(ExtendedCalibration(diagnosis), provenance)), "diagnosis");
+  }
 };
 
 struct PlannedExperiment {
@@ -77,6 +82,13 @@ std::shared_ptr<DiagnosedExperiment> DiagnoseInputs(ExperimentInputs inputs, int
   }
   return std::make_shared<DiagnosedExperiment>(
       DiagnosedExperiment{std::move(diagnosis), inputs.experiment.significance, {command, "joint", inputs.files}});
+}
+
+// As plan.csv states them. Those that a plan was made of have the readings that are expected, of no measurement.
+Rows RowsOf(const PlannedExperiment& planned) {
+  MeasurementReadOptions options;
+  options.points_required = false;
+  return {ReadMeasurementsText(planned.robot, PlanToCsv(planned.robot.chain, planned.plan), "plan", options)};
 }
 
 std::shared_ptr<PlannedExperiment> PlanInputs(const ExperimentInputs& inputs, const py::dict& wishes,
@@ -134,17 +146,12 @@ void BindResults(py::module_& module) {
              if (!d.diagnosis.learnt) return std::nullopt;
              return RobotToYaml(RobotOf(d.diagnosis.learnt->model));
            })
-      .def("estimate_json",
-           [](const DiagnosedExperiment& d) {
-             return DumpJson(EstimateToJson(*d.diagnosis.final.problem, d.diagnosis.final.estimate, d.provenance));
-           })
       .def("known", [](const DiagnosedExperiment& d) {
-        return std::make_shared<KnownRobot>(ReadEstimateText(
-            DumpJson(EstimateToJson(*d.diagnosis.final.problem, d.diagnosis.final.estimate, d.provenance)),
-            "diagnosis"));
+        const OthersMayRun others_may_run;
+        return std::make_shared<KnownRobot>(d.Known());
       });
   py::class_<PlannedExperiment, std::shared_ptr<PlannedExperiment>>(module, "Plan")
-      .def_property_readonly("rows", [](const PlannedExperiment& p) { return Rows{p.plan.rows}; })
+      .def_property_readonly("rows", &RowsOf)
       .def("json", [](const PlannedExperiment& p) { return DumpJson(PlanToJson(p.plan)); })
       .def("report_html", &PlannedExperiment::ReportHtml)
       .def("csv", [](const PlannedExperiment& p) { return PlanToCsv(p.robot.chain, p.plan); });

@@ -2,7 +2,6 @@
 #include <gflags/gflags.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <iostream>
 #include <map>
 #include <optional>
@@ -93,11 +92,7 @@ int RunProgram(const CommandLine& line) {
   if (FLAGS_program_out.empty()) {
     throw InputError({"", 0, "--program_out"}, "where to write the corrected program is missing", "--program_out=FILE");
   }
-  std::error_code ignored;
-  if (std::filesystem::equivalent(FLAGS_program, FLAGS_program_out, ignored)) {
-    throw InputError({FLAGS_program_out, 0, "--program_out"}, "this would replace the program itself",
-                     "a corrected program that is corrected again is wrong: keep the original");
-  }
+  CheckProgramIsKept(FLAGS_program, FLAGS_program_out, "--program_out");
   const OutputFile program_out(FLAGS_program_out);
   std::optional<OutputFile> table_out;
   if (!FLAGS_out.empty()) table_out.emplace(FLAGS_out);

@@ -69,8 +69,8 @@ void FillRows(const FoundPlan& found, const std::vector<int>& order, PlanScene* 
   for (const int k : order) {
     const PlannedPose& pose = found.poses[k];
     const int c = pose.candidate >= 0 ? pose.candidate : rows->MoveTo(pose);
-    const std::string id = keep_ids ? data.configurations[c].id : "plan" + std::to_string(++number);
-    AppendConfiguration(data, c, shots[c], pose.q, id, &plan->rows);
+    const std::string id = keep_ids ? "" : "plan" + std::to_string(++number);
+    AppendConfiguration(data, c, shots[c], keep_ids ? Eigen::VectorXd() : pose.q, id, &plan->rows);
   }
 }
 

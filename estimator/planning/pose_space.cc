@@ -145,7 +145,8 @@ int AppendConfiguration(const Measurements& from, int configuration, const std::
                         const Eigen::VectorXd& q, const std::string& id, Measurements* to) {
   const int index = static_cast<int>(to->configurations.size());
   Configuration added = from.configurations[configuration];
-  if (q.size() > 0) {
+  const bool is_elsewhere = q.size() > 0;
+  if (is_elsewhere) {
     added.q = q;
     added.id = id;
   }
@@ -163,6 +164,7 @@ int AppendConfiguration(const Measurements& from, int configuration, const std::
       Observation row = from.observations[k];
       row.shot = own;
       row.excluded = false;
+      if (is_elsewhere) row.file = row.row = -1;
       row.marker = IndexOf(to->markers, from.markers[row.marker], "marker");
       copy_of[k] = static_cast<int>(to->observations.size());
       shot.observations.push_back(copy_of[k]);

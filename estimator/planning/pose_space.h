@@ -50,8 +50,8 @@ std::vector<std::vector<int>> ShotsByConfiguration(const Measurements& data);
 std::vector<std::vector<int>> ObservationsByConfiguration(const Measurements& data);
 
 // Appends a configuration of `from` with the listed shots, which are its own, and their observations; q and id in place
-// of its own where q is not empty. Stations and markers are found by name; throws InputError for one that `to` lacks.
-// Returns its index in `to`.
+// of its own where q is not empty: then its rows are of no file, because the cells of one say where it was measured.
+// Stations and markers are found by name; throws InputError for one that `to` lacks. Returns its index in `to`.
 int AppendConfiguration(const Measurements& from, int configuration, const std::vector<int>& shots,
                         const Eigen::VectorXd& q, const std::string& id, Measurements* to);
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "estimator/results/json_numbers.h"
 #include "estimator/statistics/distributions.h"
@@ -28,6 +30,18 @@ Json CertificateToJson(const Plan& plan) {
 
 bool AnyShot(const Measurements& data, bool (*is_so)(const Shot&)) {
   return std::any_of(data.shots.begin(), data.shots.end(), is_so);
+}
+
+// Of each shot; those of a configuration that no name distinguishes are numbered.
+std::vector<std::string> RepeatsOf(const Measurements& data) {
+  std::map<std::tuple<int, int, std::string, std::string, std::string>, int> alike;
+  std::vector<std::string> repeats;
+  for (const Shot& shot : data.shots) {
+    const int number = ++alike[{shot.configuration, shot.station, shot.load, shot.visit, shot.repeat}];
+    repeats.push_back(number == 1 ? shot.repeat
+                                  : shot.repeat + (shot.repeat.empty() ? "" : "-") + std::to_string(number));
+  }
+  return repeats;
 }
 
 }  // namespace
@@ -120,7 +134,13 @@ std::string PlanToCsv(const Chain& chain, const Plan& plan) {
   const bool has_sigma = std::any_of(data.observations.begin(), data.observations.end(),
                                      [](const Observation& row) { return row.sigma.maxCoeff() > 0.0; });
   const bool has_approach = AnyShot(data, [](const Shot& shot) { return !shot.approach.empty(); });
+  const bool has_visit = AnyShot(data, [](const Shot& shot) { return !shot.visit.empty(); });
+  const std::vector<std::string> repeats = RepeatsOf(data);
+  const bool has_repeat =
+      std::any_of(repeats.begin(), repeats.end(), [](const std::string& name) { return !name.empty(); });
   std::string csv = PlanColumns(chain);
+  if (has_visit) csv += ",visit";
+  if (has_repeat) csv += ",repeat";
   for (int j = 0; j < chain.num_joints() && has_approach; ++j) csv += ",approach" + std::to_string(j + 1);
   if (has_load) csv += ",load";
   if (has_wrench) csv += ",fx_N,fy_N,fz_N,mx_Nm,my_Nm,mz_Nm";
@@ -136,6 +156,8 @@ std::string PlanToCsv(const Chain& chain, const Plan& plan) {
     for (int j = 0; j < chain.num_joints(); ++j) {
       add(ToUnit(configuration.q[j], UnitNamed(chain.joints[j].type == JointType::kRevolute ? "deg" : "mm")));
     }
+    if (has_visit) csv += "," + CsvCell(shot.visit);
+    if (has_repeat) csv += "," + CsvCell(repeats[row.shot]);
     for (int j = 0; j < chain.num_joints() && has_approach; ++j) {
       const bool is_stated = !shot.approach.empty() && shot.approach[j] != kApproachNotStated;
       csv += "," + (is_stated ? std::to_string(shot.approach[j]) : std::string());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <numeric>
 #include <set>
 
@@ -307,6 +308,13 @@ void CheckProgramLoad(const KnownRobot& known, const std::string& load, const st
                    (weighed.empty() ? "" : "it says so of " + Enumerate(weighed) + "; ") + "state loads: {" + load +
                        ": {mass_kg: …}} in the experiment and calibrate again, or correct a table of targets with "
                        "columns fx_N, fy_N, fz_N");
+}
+
+void CheckProgramIsKept(const std::string& program, const std::string& out, const std::string& key) {
+  std::error_code ignored;
+  if (!std::filesystem::equivalent(program, out, ignored)) return;
+  throw InputError({out, 0, key}, "this would replace the program itself",
+                   "a corrected program that is corrected again is wrong: keep the original");
 }
 
 CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram program, const ProgramScene& stated,

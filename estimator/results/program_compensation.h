@@ -33,6 +33,9 @@ std::map<std::string, Pose<double>> FramesFromText(const std::string& text, cons
 // user gave it as. Throws InputError where the estimate does not say it.
 void CheckProgramLoad(const KnownRobot& known, const std::string& load, const std::string& key);
 
+// Throws InputError at `key`, which says where the corrected program is to go, where that is the program itself.
+void CheckProgramIsKept(const std::string& program, const std::string& out, const std::string& key);
+
 // A: "NAME=mass,x,y,z; …": kg and mm, the centre of mass in the controller's flange. Throws InputError.
 std::map<std::string, ProgramLoad> LoadsFromText(const std::string& text, const std::string& key);
 

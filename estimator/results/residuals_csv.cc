@@ -228,6 +228,16 @@ std::vector<AddedColumn> WhitenedColumns(const Measurements& data, const Eigen::
   return AxisColumns("whitened_", "", "", data, Whitened(data, predicted, scatter));
 }
 
+std::vector<double> LeverageOfRows(const Measurements& data, const Estimate& estimate) {
+  std::vector<double> leverage;
+  for (size_t i = 0; i < data.observations.size(); ++i) {
+    const int partner = data.observations[i].partner;
+    const double own = estimate.leverage[i];
+    leverage.push_back(partner < 0 ? own : 0.5 * (own + estimate.leverage[partner]));
+  }
+  return leverage;
+}
+
 std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate) {
   std::string csv;
   ResidualsToCsv(problem, estimate, [&csv](const std::string& piece) { csv += piece; });
@@ -243,14 +253,11 @@ void ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate,
   };
   append(ResidualColumns(data, estimate.predicted));
   append(WhitenedColumns(data, estimate.predicted, estimate.scatter));
-  AddedColumn leverage{"leverage", {}}, set{"set", {}};
-  for (size_t i = 0; i < data.observations.size(); ++i) {
-    const int partner = data.observations[i].partner;
-    const double own = estimate.leverage[i];
-    leverage.numbers.push_back(partner < 0 ? own : 0.5 * (own + estimate.leverage[partner]));
-    set.cells.push_back(data.IsValidation(data.observations[i]) ? "validation" : "calibration");
+  AddedColumn set{"set", {}};
+  for (const Observation& row : data.observations) {
+    set.cells.push_back(data.IsValidation(row) ? "validation" : "calibration");
   }
-  added.push_back(std::move(leverage));
+  added.push_back({"leverage", {}, LeverageOfRows(data, estimate)});
   added.push_back(std::move(set));
   if (estimate.noise_report.loss != LossKind::kNone) added.push_back(OutlierColumn(data, estimate.noise_report));
   RowsToCsv(data, added, write, num_threads);

@@ -41,6 +41,9 @@ std::vector<AddedColumn> ResidualColumns(const Measurements& data, const Eigen::
 std::vector<AddedColumn> WhitenedColumns(const Measurements& data, const Eigen::Matrix3Xd& predicted,
                                          const NoiseRoots& scatter);
 
+// One per observation: the mean over all axes of its row, of a pose those of both readings.
+std::vector<double> LeverageOfRows(const Measurements& data, const Estimate& estimate);
+
 std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate);
 void ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate, const TextSink& write,
                     int num_threads = 1);

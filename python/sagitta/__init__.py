@@ -158,12 +158,20 @@ class _WithJson:
         return self._json
 
 
-class Estimate(_WithJson):
-    """What calibrate returns; to_dict() is estimate.json."""
-
+class _WithKnown(_WithJson):
     def __init__(self, core):
         super().__init__(core)
         self._known = None
+
+    @property
+    def known(self):
+        if self._known is None:
+            self._known = Known(self._core.known())
+        return self._known
+
+
+class Estimate(_WithKnown):
+    """What calibrate returns; to_dict() is estimate.json."""
 
     status = _of_json("status")
 
@@ -225,12 +233,6 @@ class Estimate(_WithJson):
     leverage = _of_core("leverage", "One number per reading: the mean over its axes of the hat matrix's diagonal.",
                         read_only=True)
     robot_yaml = _of_core("robot_yaml", called=True)
-
-    @property
-    def known(self):
-        if self._known is None:
-            self._known = Known(self._core.known())
-        return self._known
 
     def predict(self, rows, *, force=False):
         return self.known.predict(rows, force=force)
@@ -338,7 +340,7 @@ class Program:
         return "<program: %d of %d points corrected>" % (sum(not why for _, _, why in points), len(points))
 
 
-class Diagnosis(_WithJson):
+class Diagnosis(_WithKnown):
     """What diagnose returns; to_dict() is diagnosis.json."""
 
     verdict = _of_json("verdict")
@@ -349,10 +351,6 @@ class Diagnosis(_WithJson):
         "learnt_robot_yaml",
         "The extended robot with smooth functions where something has no name; None: none stands out.", called=True)
     report_html = _of_core("report_html", "report.html: one page, nothing to fetch.", called=True)
-
-    @property
-    def known(self):
-        return Known(self._core.known())
 
     def to_dataframe(self):
         """One row per parameter of each effect that was found."""
@@ -482,9 +480,9 @@ def _seed(seed):
 
 
 def _sources(tables, name):
-    """One table, or a list of them; the rows of a result are a table, too."""
+    """One table, or a list of them; the rows of a result are a table, too, and keep every cell."""
     def table(one):
-        return one.to_dataframe() if isinstance(one, _Data) else one
+        return _tables.Written(one._core.csv()) if isinstance(one, _Data) else one
     return _tables.sources([table(one) for one in tables] if isinstance(tables, (list, tuple)) else table(tables), name)
 
 

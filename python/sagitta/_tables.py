@@ -1,8 +1,12 @@
 """Tables as users have them (files, pandas frames, mappings of columns) on their way to the C++ core, and back."""
+import decimal
 import io
 import os
+import re
 
 import numpy as np
+
+from sagitta import _core
 
 # Arrays of more than one column, in place of single columns: stem and unit -> names of the single ones.
 _AXES = ("x", "y", "z")
@@ -17,8 +21,9 @@ _WIDE = {
 }
 _ISOTROPIC = ("sigma", "sigma_r")  # one number per row is that of all three axes
 _NUMBERED = ("q", "tau", "approach")
-_TEXTS = {name: str for name in ("config", "marker", "station", "visit", "repeat", "load", "set", "target", "status",
-                                "words")}
+_TEXTS = ("config", "marker", "station", "visit", "repeat", "load", "set", "target", "status", "words")
+# What has one of them in its name holds numbers.
+_UNITS = ("um", "mm", "m", "mm2", "deg", "rad", "mrad", "urad", "mrad2", "N", "Nm", "kg", "s", "degC")
 
 
 def _single_columns(name, values, rows):
@@ -121,10 +126,19 @@ def _columns(name, array, rows):
     return [(single, _cells(column)) for single, column in _single_columns(name, array, rows)]
 
 
+class Written:
+    """The text of a table that the library has written."""
+
+    def __init__(self, text):
+        self.text = text
+
+
 def source(table, name):
-    """A path as text, anything with columns as (name, {column: values})."""
+    """A path as text, anything with columns as (name, {column: values}), what was written as (name, text)."""
     if isinstance(table, (str, os.PathLike)):
         return os.fspath(table)
+    if isinstance(table, Written):
+        return (name, table.text)
     if not hasattr(table, "keys"):
         raise _input_error("%s: a path, a pandas frame or a mapping of columns is expected, not %s"
                            % (name, type(table).__name__), name)
@@ -150,8 +164,34 @@ def sources(tables, name):
     return [source(tables, name)]
 
 
+# As the library writes numbers: no sign, zero or blank that a number would lose.
+_NUMBER = re.compile(r"-?(0|[1-9][0-9]*)(\.[0-9]*[1-9])?(e[+-][0-9]{2,3})?")
+
+
+def _is_number(text):
+    """Whether nothing of the text is lost where it is read as a number."""
+    return _NUMBER.fullmatch(text) is not None and decimal.Decimal(repr(float(text))) == decimal.Decimal(text)
+
+
+def _numbers_or_texts(column):
+    """A column of whose name nothing says what it holds: numbers where every cell is one, else the texts."""
+    cells = column.dropna()
+    if not all(_is_number(text) for text in cells.unique()):
+        return column
+    is_whole = len(cells) == len(column) and cells.str.fullmatch("-?[0-9]+").all()
+    return column.map(int if is_whole else float, na_action="ignore").astype("int64" if is_whole else "float64")
+
+
 def frame(csv):
-    """A pandas frame of a file that the library writes, to the last digit."""
+    """A pandas frame of a file that the library writes: numbers to the last digit, texts to the last letter."""
     import pandas
-    return pandas.read_csv(io.StringIO(csv), float_precision="round_trip", comment=None, dtype=_TEXTS,
-                           keep_default_na=False, na_values=[""])
+    header = pandas.read_csv(io.StringIO(csv), comment=None, dtype=str, nrows=0).columns
+    texts = [name for name in header if name in _TEXTS]
+    others = [name for name in header if name not in _TEXTS and _parted(name)[1][1:] not in _UNITS]
+    found = pandas.read_csv(io.StringIO(csv), float_precision="round_trip", comment=None,
+                            dtype=dict.fromkeys(texts + others, str), keep_default_na=False, na_values=[""])
+    for name in texts + others if "'" in csv else ():
+        found[name] = found[name].map(_core.unguarded, na_action="ignore")
+    for name in others:
+        found[name] = _numbers_or_texts(found[name])
+    return found

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <utility>
 
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/least_squares/linearization.h"
@@ -145,6 +146,29 @@ TEST(PlanningTest, BeatsRandomPosesAndComesBackFromItsOwnRows) {
   EXPECT_NEAR(PredictedOf(data, plan.rows), plan.position_rms, 1e-6 * plan.position_rms);
   for (std::uint64_t seed = 101; seed < 111; ++seed) {
     EXPECT_GT(PredictedOf(data, Measured(12, seed)), plan.position_rms) << seed;
+  }
+}
+
+// What writes rows copies the cells of their files.
+TEST(PlanningTest, NoRowOfAPlanHasTheCellsOfAnotherPose) {
+  Measurements data = Measured(18, 3);
+  MeasurementFile file;
+  file.header = {"config"};
+  for (Observation& row : data.observations) {
+    row.file = 0;
+    row.row = static_cast<int>(file.rows.size());
+    file.rows.push_back({row.row + 1, {data.ConfigurationOf(row).id}});
+  }
+  data.files = {file};
+  for (const Measurements* candidates : {static_cast<const Measurements*>(nullptr), &std::as_const(data)}) {
+    PlanRequest request = Request(12);
+    request.candidates = candidates;
+    const Plan plan = MakePlan(Arm(), data, Experiment(), request);
+    ASSERT_FALSE(plan.rows.observations.empty());
+    for (const Observation& row : plan.rows.observations) {
+      const std::string id = plan.rows.ConfigurationOf(row).id;
+      EXPECT_EQ(plan.rows.Cell(row, "config"), candidates == nullptr ? "" : id) << id;
+    }
   }
 }
 

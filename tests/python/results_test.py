@@ -1,0 +1,182 @@
+#!/usr/bin/env python3
+"""What results of import sagitta hold: each against the program, against numbers of NumPy, or against itself.
+
+usage: results_test.py PROGRAM      (with the module on PYTHONPATH)
+"""
+import json
+import os
+import sys
+import unittest
+
+import numpy as np
+import pandas
+
+import module_test
+import sagitta
+from module_test import KR270, FolderTest
+
+JOINTS = ["q%d_deg" % j for j in range(1, 7)]
+
+
+class Plans(unittest.TestCase):
+    def assert_rows_are_the_plan(self, plan):
+        stated, rows = plan.to_dataframe(), plan.rows.to_dataframe()
+        pandas.testing.assert_frame_equal(rows[stated.columns], stated)
+        self.assertEqual(plan.rows.configurations, list(stated["config"].unique()))
+        np.testing.assert_allclose(np.degrees(plan.rows.joint_values), stated.drop_duplicates("config")[JOINTS],
+                                   rtol=1e-14, atol=1e-12)
+        self.assertTrue(np.isnan(plan.rows.points_m).all())  # nothing is measured yet
+
+    def test_rows_are_those_of_the_plan(self):
+        experiment = sagitta.read(KR270 / "experiment.yaml")
+        estimate = sagitta.calibrate(experiment)
+        for options in ({"pool": 60}, {"pool": 60, "augment": True}, {"candidates": experiment}):
+            plan = sagitta.plan(experiment, poses=6, **options)
+            self.assert_rows_are_the_plan(plan)
+            again = sagitta.read(KR270 / "robot.yaml", plan.rows, points_required=False, sigma_mm=0.1)
+            self.assertEqual(again.configurations, plan.rows.configurations)
+            np.testing.assert_array_equal(sagitta.predict(estimate, plan.rows).points_m,
+                                          sagitta.predict(estimate, plan.to_dataframe()).points_m)
+            self.assertEqual(sagitta.simulate(again, estimate).configurations, plan.rows.configurations)
+            with self.assertRaises(sagitta.InputError):
+                sagitta.validate(estimate, plan.rows)
+
+    def test_poses_that_are_measured_more_than_once(self):
+        frame = sagitta.read(KR270 / "experiment.yaml").to_dataframe()
+        later = frame.assign(x_mm=frame["x_mm"] + 0.01)
+        for first, second in (({"visit": "a"}, {"visit": "b"}), ({"repeat": "1"}, {"repeat": "2"}), ({}, {})):
+            rows = pandas.concat([frame.assign(**first), later.assign(**second)])
+            plan = sagitta.plan(sagitta.read(KR270 / "robot.yaml", rows, sigma_mm=0.1), poses=6, pool=60)
+            self.assert_rows_are_the_plan(plan)
+            self.assertEqual(len(plan.rows), 6 * 6)
+
+
+class Diagnoses(FolderTest):
+    def test_predictions_are_those_of_the_programs_estimate(self):
+        """The readings have an encoder's wave that no model may have: rest and model error are there."""
+        frame = sagitta.read(KR270 / "experiment.yaml").to_dataframe()
+        for axis, phase in zip("xyz", (0.0, 0.7, 1.9)):
+            frame["%s_mm" % axis] += 0.3 * np.sin(5 * np.radians(frame["q1_deg"]) + phase)
+        frame.to_csv(self.folder / "rows.csv", index=False)
+        (self.folder / "experiment.yaml").write_text(
+            "schema: sagitta/experiment/1\nrobot: %s\nmeasurements: [rows.csv]\nnoise: {sigma_mm: 0.02}\n"
+            % (KR270 / "robot.yaml"))
+        module_test.run("diagnose", self.folder / "experiment.yaml", "--out=%s" % self.folder, "--quiet")
+        diagnosis = sagitta.diagnose(sagitta.read(self.folder / "experiment.yaml"))
+        theirs = self.folder / "estimate.json"
+        self.assertGreater(json.loads(theirs.read_text())["model_error"]["rest_mm"], 0.05)
+        ours, written = [sagitta.predict(known, frame) for known in (diagnosis, theirs)]
+        np.testing.assert_array_equal(ours.covariance_m2, written.covariance_m2)
+        self.assertEqual(len(ours.warnings), len(written.warnings))
+        ours, written = [sagitta.validate(known, frame).after for known in (diagnosis, theirs)]
+        self.assertEqual(ours, written)
+        changed = [sagitta.changed(known, theirs).to_dict() for known in (diagnosis, theirs)]
+        self.assertEqual(*map(module_test.without_circumstances, changed))
+
+
+def two_links(q, marker):
+    """Rotation and point (mm) of a marker on an arm of two joints: about z, then, 350 mm further, about y."""
+    (a, b), eye = q, np.eye(3)
+    about_z = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], eye[2]])
+    rotation = about_z @ np.array([[np.cos(b), 0, np.sin(b)], eye[1], [-np.sin(b), 0, np.cos(b)]])
+    return rotation, about_z @ (350, 0, 0) + rotation @ (np.array([1250, 0, 0]) + marker)
+
+
+def rotation_vector(rotation):
+    angle = np.arccos((np.trace(rotation) - 1) / 2)
+    return angle / (2 * np.sin(angle)) * np.array([rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0],
+                                                   rotation[1, 0] - rotation[0, 1]])
+
+
+class Leverage(unittest.TestCase):
+    def test_of_poses_and_points(self):
+        """Over all axes leverages add to the number of what was estimated: the trace of a projection."""
+        robot = {"schema": "sagitta/robot/1", "joints": [{"name": name, "type": "revolute"} for name in ("A1", "A2")],
+                 "kinematics": {"chain": [{"Rz": "A1"}, {"Tx_mm": 350, "error": "l"}, {"Ry": "A2"}, {"Tx_mm": 1250}]}}
+        random, rows = np.random.default_rng(1), []
+        for config, q in enumerate(random.uniform(-1.2, 1.2, (30, 2))):
+            for marker, place in (("P", (60, 20, 30)), ("M", (-30, 50, 0))):
+                rotation, point = two_links(q, np.array(place))
+                turned = 1e3 * rotation_vector(rotation) if marker == "P" else np.full(3, np.nan)
+                noise = random.standard_normal((2, 3))
+                rows.append([config, marker, *q, *point + 0.02 * noise[0], *turned + 0.05 * noise[1]])
+        rows = pandas.DataFrame(rows, columns=["config", "marker", "q1_rad", "q2_rad", "x_mm", "y_mm", "z_mm", "rx_mrad",
+                                               "ry_mrad", "rz_mrad"])
+        experiment = sagitta.read(robot, {**rows, "sigma_r_mrad": 0.05, "sigma_mm": 0.02})
+        estimate = sagitta.calibrate(experiment)
+        axes = np.where(rows["marker"] == "P", 6, 3)
+        self.assertAlmostEqual((axes * estimate.leverage).sum(), len(estimate.estimated), delta=1e-6)
+        np.testing.assert_allclose(estimate.leverage, estimate.residuals_dataframe()["leverage"], rtol=1e-12)
+
+
+class OwnColumns(FolderTest):
+    TEXTS = ["01", "1", "1e5", "100000.0", "True", "", "+1", "0x1", "1.10", "1.1", "nan", "1_0", "=1+1",
+             "12345678901234567890"]
+
+    def test_texts_are_those_of_the_file(self):
+        frame = sagitta.read(KR270 / "experiment.yaml").to_dataframe()
+        texts = np.resize(np.array(self.TEXTS, dtype=object), len(frame))
+        frame.assign(group=texts).to_csv(self.folder / "rows.csv", index=False)
+        for rows in (self.folder / "rows.csv", frame.assign(group=texts)):
+            for _ in range(2):  # once more from the rows that were read, and from their frame
+                rows = sagitta.read(KR270 / "robot.yaml", rows)
+                read = rows.to_dataframe()["group"]
+                self.assertEqual(list(read.fillna("")), list(texts))
+
+    def test_numbers_are_numbers(self):
+        frame = sagitta.read(KR270 / "experiment.yaml").to_dataframe()
+        random = np.random.default_rng(3)
+        values = {"whole": np.arange(len(frame)) - 7, "tiny": random.standard_normal(len(frame)) * 1e-17,
+                  "large": random.standard_normal(len(frame)) * 1e200, "lost": np.where(frame.index % 5, 0.1, np.nan)}
+        read = sagitta.read(KR270 / "robot.yaml", frame.assign(**values)).to_dataframe()
+        for name, numbers in values.items():
+            self.assertEqual(read[name].dtype.kind, "i" if name == "whole" else "f")
+            np.testing.assert_array_equal(read[name], numbers)
+        residuals = sagitta.calibrate(sagitta.read(KR270 / "robot.yaml", frame, sigma_mm=0.1)).residuals_dataframe()
+        self.assertEqual({residuals[name].dtype.kind for name in ("leverage", "whitened_x", "x_mm")}, {"f"})
+
+    def test_what_is_held_out_is_that_of_the_file(self):
+        frame = sagitta.read(KR270 / "experiment.yaml").to_dataframe()
+        number = frame["config"].str[1:].astype(int) % 4
+        frame = frame.assign(group=number.map({0: "01", 1: "1", 2: "2", 3: "3"}))
+        frame.to_csv(self.folder / "rows.csv", index=False)
+        rows = sagitta.read(KR270 / "robot.yaml", self.folder / "rows.csv")
+        for table in (self.folder / "rows.csv", frame, rows, rows.to_dataframe()):
+            experiment = sagitta.read(KR270 / "robot.yaml", table, sigma_mm=0.1,
+                                      validation={"column": "group", "values": ["1"]})
+            self.assertEqual(sagitta.calibrate(experiment).validation["observations"], (number == 1).sum())
+
+    def test_rows_that_are_handed_on_have_their_numbers(self):
+        rows = sagitta.read(KR270 / "experiment.yaml")
+        two_links = {"schema": "sagitta/robot/1", "joints": [{"name": "A1", "type": "revolute"}],
+                     "kinematics": {"chain": [{"Rz": "A1"}, {"Tx_mm": 350}]}}
+        with self.assertRaises(sagitta.InputError) as raised:
+            sagitta.read(two_links, rows)
+        self.assertEqual(raised.exception.file, "measurements")
+
+
+class Programs(FolderTest):
+    KRL = b"DEF P( )\r\nPTP {A1 5,A2 -90,A3 95,A4 0,A5 10,A6 -3.5}\r\nEND\r\n"
+
+    def corrected(self, name, text, estimate=None, **scene):
+        path = self.folder / name
+        path.write_bytes(text)
+        estimate = estimate or sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))
+        return sagitta.compensate_program(estimate, path, **scene)
+
+    def test_the_program_itself_is_kept(self):
+        corrected = self.corrected("p.src", self.KRL)
+        (self.folder / "link.src").symlink_to(self.folder / "p.src")
+        os.link(self.folder / "p.src", self.folder / "same.src")
+        for name in ("p.src", "link.src", "same.src"):
+            with self.assertRaises(sagitta.InputError) as raised:
+                corrected.write(self.folder / name)
+            self.assertEqual(raised.exception.key, "path")
+            self.assertEqual((self.folder / name).read_bytes(), self.KRL)
+        corrected.write(self.folder / "new.src")
+        self.assertNotEqual((self.folder / "new.src").read_bytes(), self.KRL)
+
+
+if __name__ == "__main__":
+    module_test.PROGRAM = sys.argv.pop(1)
+    unittest.main()
