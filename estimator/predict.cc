@@ -265,7 +265,8 @@ nlohmann::ordered_json ValidationToJson(const Validation& validation, const Prov
   json["validation"]["predicted_rms_mm"] = validation.predicted_rms > 0.0
                                                ? nlohmann::ordered_json(1e3 * validation.predicted_rms)
                                                : nlohmann::ordered_json(nullptr);
-  json["validation"]["prediction_p_value"] = validation.p_value;
+  json["validation"]["prediction_p_value"] =
+      validation.predicted_rms > 0.0 ? nlohmann::ordered_json(validation.p_value) : nlohmann::ordered_json(nullptr);
   json["validation"]["excess"] = validation.predicted_rms > 0.0
                                      ? nlohmann::ordered_json(validation.after.rms / validation.predicted_rms)
                                      : nlohmann::ordered_json(nullptr);

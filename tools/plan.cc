@@ -30,8 +30,10 @@ DEFINE_double(accuracy_mm, 0.0, "as few poses as reach this RMS position error a
 DEFINE_bool(augment, false, "the calibration rows of EXP are measured already; plan further ones");
 DEFINE_string(criterion, "I", "I, D, A, E, or an observability index O1 to O5");
 DEFINE_string(discriminate, "", "EFFECT[SETTINGS]/TARGET,…: poses that distinguish these effects");
-DEFINE_string(candidates, "",
-              "FILE.csv: rows (config, marker, q1_deg …) among whose configurations to choose, not the joint limits");
+DEFINE_string(
+    candidates, "",
+    "FILE.csv: rows (config, marker, q1_deg …; one for each marker, station and load) among whose configurations "
+    "to choose, not the joint limits");
 DEFINE_string(tests, "", "FILE.csv: the test poses; random: drawn in the joint limits");
 DEFINE_int32(pool, 500, "poses drawn in the joint limits as candidates");
 DEFINE_string(cell, "", "CELL.yaml: floor, boxes, bodies of the arm, lines of sight that poses must keep to");
@@ -160,7 +162,7 @@ Command PlanCommand() {
           R"(sagitta plan EXP --poses=N|--accuracy_mm=A [--augment] [--discriminate=EFFECT,EFFECT] --out=DIR
 
 EXP is an experiment file, or ROBOT.yaml MEAS.csv…; x, y, z of its rows may be absent. Its rows say how a pose is
-measured (stations, markers, loads) and where accuracy is wanted: the validation rows, else all, are the test poses.
+measured (stations, markers, loads; a listed candidate's own rows do) and where accuracy is wanted: the validation rows, else all, are the test poses.
 Written are plan.csv, a measurement file without x, y, z, report.html, the arm drawn in each pose, and plan.json with
 the criterion, how near the plan is to the best possible one of the candidates, the predicted accuracy, the expected
 sigma of every parameter and the accuracy over the number of poses.

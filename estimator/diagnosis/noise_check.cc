@@ -281,10 +281,8 @@ std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const Para
   if (outliers.empty()) return explained;
   const double n = static_cast<double>(problem.CalibrationObservations().size() + outliers.size());
   const double limit = ChiSquareQuantile(1.0 - significance / n, 3.0);
-  DirectedScatter scatter;  // as stated
-  if (!IsSigmaStated(problem)) {
-    scatter = ScatterOf(ResidualsByShot(problem, parameters, problem.CalibrationObservations()), false);
-  }
+  const DirectedScatter scatter =
+      ScatterOf(ResidualsByShot(problem, parameters, problem.CalibrationObservations()), IsSigmaStated(problem));
   for (const ShotResidual& shot : ResidualsByShot(problem, parameters, outliers)) {
     for (size_t i = 0; i < shot.observations.size(); ++i) {
       const Eigen::Vector3d residual = shot.residual.segment<3>(3 * i);

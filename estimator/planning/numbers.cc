@@ -157,7 +157,9 @@ PlanNumbers MakePlanNumbers(const PlanScene& scene, double model_error) {
   }
 
   Linearization beside = Linearize(problem, problem.parameters, {}, numbers.columns, {}, LatentTreatment::kIgnore);
-  const std::vector<int> of_measured = RowsOfConfigurations(observations, scene.measured);
+  std::vector<int> of_measured = RowsOfConfigurations(observations, scene.measured);
+  const auto is_lost = [&](int i) { return !problem.data().observations[i].IsRead(); };
+  of_measured.erase(std::remove_if(of_measured.begin(), of_measured.end(), is_lost), of_measured.end());
   if (!of_measured.empty()) {
     beside = Linearize(problem, problem.parameters, of_measured, numbers.columns, StatedNoise(problem, of_measured));
   }

@@ -1,5 +1,6 @@
 #include "estimator/planning/plan.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -17,15 +18,37 @@
 namespace sagitta {
 namespace {
 
+// Of each parameter, whether most of what it is uncertain by is along directions that the data know better than the
+// hold limits do, which are among the information A with covariance C: with L = diag(limit) in units of the parameters,
+// L^-1 C L^-1 = sum of 1 / (1 + m) v v', m what the data have over the limits along v.
+std::vector<bool> AreKnownByData(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& limits) {
+  const Eigen::MatrixXd by_limits =
+      limits.cwiseInverse().asDiagonal() * covariance * limits.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(by_limits);
+  std::vector<bool> known;
+  for (long i = 0; i < limits.size(); ++i) {
+    const Eigen::ArrayXd parts = eigen.eigenvectors().row(i).transpose().array().square() * eigen.eigenvalues().array();
+    const double open = (eigen.eigenvalues().array() < 0.5).select(0.0, parts).sum();
+    known.push_back(open <= 0.5 * parts.sum());
+  }
+  return known;
+}
+
 void FillPlannedParameters(const CalibrationProblem& problem, const PlanNumbers& numbers,
                            const Eigen::MatrixXd& covariance, Plan* plan) {
+  std::vector<long> own;
   for (size_t i = 0; i < numbers.columns.size(); ++i) {
-    if (numbers.registered[i] || numbers.of_field[i]) continue;
-    const Coordinate& coordinate = problem.parameters.coordinates()[numbers.columns[i]];
-    const double variance = covariance(i, i) * numbers.scale[i] * numbers.scale[i];
-    // The hold limit is among the information: what the data alone would say is 1 / (1/variance - 1/limit^2).
-    const double limit = coordinate.hold_limit * coordinate.hold_limit;
-    plan->parameters.push_back({coordinate.name, coordinate.quantity, std::sqrt(variance), variance < 0.5 * limit});
+    if (!numbers.registered[i] && !numbers.of_field[i]) own.push_back(static_cast<long>(i));
+  }
+  Eigen::VectorXd limits(own.size());
+  for (size_t k = 0; k < own.size(); ++k) {
+    limits[k] = problem.parameters.coordinates()[numbers.columns[own[k]]].hold_limit / numbers.scale[own[k]];
+  }
+  const std::vector<bool> known = AreKnownByData(covariance(own, own), limits);
+  for (size_t k = 0; k < own.size(); ++k) {
+    const Coordinate& coordinate = problem.parameters.coordinates()[numbers.columns[own[k]]];
+    const double sigma = std::sqrt(covariance(own[k], own[k])) * numbers.scale[own[k]];
+    plan->parameters.push_back({coordinate.name, coordinate.quantity, sigma, known[k]});
   }
 }
 
@@ -65,11 +88,13 @@ void FillRows(const FoundPlan& found, const std::vector<int>& order, PlanScene* 
   plan->rows.files = data.files;
   plan->rows.stations = data.stations;
   plan->rows.markers = data.markers;
-  int number = 0;
-  for (const int k : order) {
+  // Numbered on after poses of an earlier plan.
+  const std::vector<std::string> names = NamesThatAreFitted({}, data, "plan", static_cast<int>(order.size()));
+  for (size_t number = 0; number < order.size(); ++number) {
+    const int k = order[number];
     const PlannedPose& pose = found.poses[k];
     const int c = pose.candidate >= 0 ? pose.candidate : rows->MoveTo(pose);
-    const std::string id = keep_ids ? "" : "plan" + std::to_string(++number);
+    const std::string id = keep_ids ? "" : names[number];
     AppendConfiguration(data, c, shots[c], keep_ids ? Eigen::VectorXd() : pose.q, id, &plan->rows);
   }
 }

@@ -300,6 +300,43 @@ void AddTests(const Measurements& data, const PlanRequest& request, const Drawin
   }
 }
 
+// Configurations that are fitted and have a reading.
+std::vector<int> MeasuredOf(const Measurements& data, std::vector<std::string>* words) {
+  const std::vector<std::vector<int>> observations = ObservationsByConfiguration(data);
+  std::vector<int> measured;
+  size_t lost = 0;
+  for (size_t c = 0; c < data.configurations.size(); ++c) {
+    if (data.configurations[c].is_validation) continue;
+    const auto is_read = [&](int i) { return data.observations[i].IsRead(); };
+    const auto read = std::count_if(observations[c].begin(), observations[c].end(), is_read);
+    if (read > 0) measured.push_back(static_cast<int>(c));
+    lost += observations[c].size() - static_cast<size_t>(read);
+  }
+  if (measured.empty()) {
+    throw InputError({"", 0, "--augment"}, "no row has a reading: nothing is measured to plan in addition to",
+                     "leave --augment out, or give rows with x_mm, y_mm and z_mm");
+  }
+  if (lost > 0) words->push_back(RowsWithoutReading(lost));
+  return measured;
+}
+
+// What the rows show and no row of a list: its configurations are not measured so.
+std::vector<std::string> NotIn(const Measurements& list, const Measurements& data) {
+  const auto ways_of = [](const Measurements& rows) {
+    std::set<std::string> ways;
+    for (const Observation& row : rows.observations) {
+      const Shot& shot = rows.shots[row.shot];
+      ways.insert({"marker " + rows.markers[row.marker], "station " + rows.stations[shot.station],
+                   shot.load == kNoLoad ? "no load" : "load " + shot.load});
+    }
+    return ways;
+  };
+  const std::set<std::string> all = ways_of(data), listed = ways_of(list);
+  std::vector<std::string> missing;
+  std::set_difference(all.begin(), all.end(), listed.begin(), listed.end(), std::back_inserter(missing));
+  return missing;
+}
+
 // Base and markers, found with the rows and some poses in addition, so that there are more equations than unknowns.
 void FindPlaces(const Robot& robot, const Measurements& data, const Experiment& experiment, const PlanRequest& request,
                 const Drawing* drawing, PlanScene* scene) {
@@ -334,10 +371,10 @@ PlanScene MakePlanScene(const Robot& robot, const Measurements& data, const Expe
   }
   FindPlaces(robot, data, experiment, request, request.candidates == nullptr ? drawing.get() : nullptr, &scene);
   SceneRows rows(data);
-  for (size_t c = 0; c < data.configurations.size(); ++c) {
-    if (request.augment && !data.configurations[c].is_validation) scene.measured.push_back(static_cast<int>(c));
-  }
+  if (request.augment) scene.measured = MeasuredOf(data, &scene.words);
   if (request.candidates != nullptr) {
+    const std::vector<std::string> missing = NotIn(*request.candidates, data);
+    if (!missing.empty()) scene.words.push_back(CandidatesLack(missing));
     scene.candidates =
         rows.AddAll(*request.candidates, FeasibleOf(*request.candidates, *scene.feasible, &scene.infeasible));
   } else {

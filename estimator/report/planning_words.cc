@@ -99,6 +99,16 @@ std::string FewTestPosesDrawn(size_t poses) {
          " could be drawn that keep to the cell: the accuracy predicted holds there (state others: --tests=FILE).";
 }
 
+std::string RowsWithoutReading(size_t rows) {
+  return (rows == 1 ? std::string("One row has") : std::to_string(rows) + " rows have") + " no reading and " +
+         (rows == 1 ? "does" : "do") + " not count as measured.";
+}
+
+std::string CandidatesLack(const std::vector<std::string>& what) {
+  return "The candidates are measured as their own rows say, none of which has " + Enumerate(what) +
+         " of the experiment: give a row for each marker, station and load to plan with them.";
+}
+
 std::string BodiesAreNotStated() {
   return "collisions of the arm's body with itself and the cell (no capsules are stated)";
 }

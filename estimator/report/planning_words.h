@@ -24,6 +24,9 @@ std::string PatternsLeftOut(int left_out, int offered);
 // are_drawn: the accuracy is asked at drawn poses in place of these.
 std::string FewTestPoses(size_t poses, bool are_drawn);
 std::string FewTestPosesDrawn(size_t poses);
+std::string RowsWithoutReading(size_t rows);
+// what: "marker M2", "load V250", … that no row of the candidates has.
+std::string CandidatesLack(const std::vector<std::string>& what);
 
 // What is not checked of each pose: `what` follows.
 std::string BodiesAreNotStated();

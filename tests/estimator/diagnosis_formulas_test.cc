@@ -178,6 +178,22 @@ int ExperimentsWithOutliers(
   return experiments;
 }
 
+// What is off by 8 sigma across the line of sight is explained by no model that has it so, however far away it is.
+TEST(DiagnosisFormulas, AnOutlierIsNotExplainedByItsDistance) {
+  const DiagnosedModel fit = FitFully(Healthy(), JointOptions());
+  const std::vector<int> rows = fit.problem->CalibrationObservations();
+  const auto explained = [&](double sigmas) {
+    CalibrationProblem problem = *fit.problem;
+    Observation& row = problem.mutable_data()->observations[static_cast<size_t>(rows[31])];
+    const Vector3<double> point = fit.estimate.predicted.col(rows[31]);
+    EXPECT_GT(point.norm(), 2.0);  // m
+    row.point_in_station = point + sigmas * kSigma * point.cross(Vector3<double>::UnitZ()).normalized();
+    return ExplainedOutliers(problem, fit.estimate.parameters, {rows[31]}, 1e-3);
+  };
+  EXPECT_TRUE(explained(8.0).empty());
+  EXPECT_EQ(explained(2.0), std::vector<int>{rows[31]});
+}
+
 // A tracker that reads ranges well and angles badly, or the other way round, stated as one figure; an instrument that
 // reads one axis badly.
 TEST(DiagnosisFormulas, ScatterInSomeDirectionsMakesNoOutliers) {

@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <string>
 #include <utility>
 
 #include "estimator/calibration/joint_estimator.h"
@@ -184,6 +187,98 @@ TEST(PlanningTest, AugmentCountsWhatIsMeasured) {
   const std::vector<std::vector<int>> shots = ShotsByConfiguration(more.rows);
   for (int c = 0; c < 3; ++c) AppendConfiguration(more.rows, c, shots[c], {}, "", &all);
   EXPECT_NEAR(PredictedOf(data, all), more.position_rms, 1e-6 * more.position_rms);
+}
+
+// Rows that lost their reading are no measurement, nor configurations that have no other.
+TEST(PlanningTest, RowsWithoutAReadingAreNotMeasured) {
+  Measurements data = Measured(14, 3);
+  const Vector3<double> lost = Vector3<double>::Constant(std::nan(""));
+  for (size_t i = 0; i < data.observations.size(); ++i) {
+    if (i / 3 >= 9 || i == 4) data.observations[i].point_in_station = lost;
+  }
+  PlanRequest request = Request(9);
+  request.augment = true;
+  request.move = false;
+  const Measurements candidates = Measured(40, 5);
+  request.candidates = &candidates;
+  const Plan plan = MakePlan(Arm(), data, Experiment(), request);
+  EXPECT_EQ(plan.measured, 9);
+  EXPECT_TRUE(std::any_of(plan.words.begin(), plan.words.end(),
+                          [](const std::string& words) { return words.rfind("16 rows have no reading", 0) == 0; }));
+  for (Observation& row : data.observations) row.point_in_station = lost;
+  Experiment experiment;
+  for (const std::string& marker : data.markers) experiment.markers[marker].point = Vector3<double>(0.28, 0.05, 0.02);
+  try {
+    MakePlan(Arm(), data, experiment, request);
+    FAIL() << "nothing is measured";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("nothing is measured"), std::string::npos) << error.what();
+  }
+}
+
+// Poses of a plan that are measured have its names; the next plan's come after them.
+TEST(PlanningTest, PosesAreNumberedOnAfterThoseOfAnEarlierPlan) {
+  Measurements data = Measured(14, 3);
+  for (size_t c = 0; c < data.configurations.size(); ++c) data.configurations[c].id = "plan" + std::to_string(c + 1);
+  PlanRequest request = Request(3);
+  request.augment = true;
+  const Plan plan = MakePlan(Arm(), data, Experiment(), request);
+  ASSERT_EQ(plan.rows.configurations.size(), 3u);
+  for (size_t c = 0; c < 3; ++c) EXPECT_EQ(plan.rows.configurations[c].id, "plan" + std::to_string(15 + c));
+}
+
+// Where base and markers are along parallel axes no turn about them shows: four parameters share one direction, so that
+// each has a quarter of what is open there.
+TEST(PlanningTest, ADirectionThatSeveralParametersShareIsNotDetermined) {
+  Robot scara;
+  scara.name = "two parallel axes";
+  scara.chain.joints = {{"j1", JointType::kRevolute, -2.0, 2.0}, {"j2", JointType::kRevolute, -2.0, 2.0}};
+  const auto turn = [](int joint) {
+    ElementaryTransform motion;
+    motion.motion = Motion::kRotation;
+    motion.axis = Axis::kZ;
+    motion.joint = joint;
+    return motion;
+  };
+  ElementaryTransform link;
+  link.motion = Motion::kTranslation;
+  link.axis = Axis::kX;
+  link.nominal = 0.4;
+  link.error = "length";
+  scara.chain.transforms = {turn(0), link, turn(1)};
+  Measurements data;
+  data.stations = {"S1"};
+  data.markers = {"M1", "M2", "M3"};
+  data.files.resize(1);
+  for (int c = 0; c < 12; ++c) {
+    Configuration configuration;
+    configuration.id = std::to_string(c);
+    configuration.q = Eigen::Vector2d(std::sin(1.7 * c), std::cos(2.9 * c));
+    data.configurations.push_back(configuration);
+    Shot shot;
+    shot.configuration = c;
+    shot.station = 0;
+    test::AddShot(shot, 3, 2e-5, &data);
+    for (int m = 0; m < 3; ++m) {
+      const double angle = configuration.q.sum(), first = configuration.q[0];
+      const Vector3<double> marker(0.1 + 0.1 * m, 0.05 * m * m, 0.03 * m);
+      data.observations[static_cast<size_t>(3 * c + m)].point_in_station =
+          Vector3<double>(0.4 * std::cos(first), 0.4 * std::sin(first), 0.0) +
+          Eigen::AngleAxisd(angle, Vector3<double>::UnitZ()) * marker;
+    }
+  }
+  PlanRequest request = Request(10);
+  request.candidates = &data;
+  request.move = false;
+  const Plan plan = MakePlan(scara, data, Experiment(), request);
+  int along = 0;
+  for (const PlannedParameter& parameter : plan.parameters) {
+    const std::string& name = parameter.name;
+    const bool is_along = name == "base/S1/z" || (name.rfind("marker/", 0) == 0 && name.back() == 'z');
+    along += is_along ? 1 : 0;
+    EXPECT_EQ(parameter.identifiable, !is_along) << name << " " << parameter.sigma;
+  }
+  EXPECT_EQ(along, 4);
 }
 
 // Play of a joint that is always approached from one side is an offset of its encoder: the plan approaches from both.
