@@ -151,6 +151,7 @@ class Evidence {
   Trial BestView(const NoiseView& base, const NoisePart& part, const WeightedSet& set);
   // What may be other than in a view, given a set.
   std::vector<NoisePart> PartsFor(const NoiseView& view, const WeightedSet& set) const;
+  void AddGroups(const NoiseView& view, const WeightedSet& set, std::vector<NoisePart>* parts) const;
   // The most likely view with one part other than in `view` that is not searched yet.
   Trial BestChange(const NoiseView& view, const WeightedSet& set);
   // The view that is most likely with one of two sets, the best one and nothing; nothing where none is worth a

@@ -153,7 +153,6 @@ void Evidence::ClimbInViews(const std::function<void(const std::string&)>& progr
   }
 }
 
-// Groups that the view has, and the few that promise most.
 std::vector<NoisePart> Evidence::PartsFor(const NoiseView& view, const WeightedSet& set) const {
   std::vector<NoisePart> parts;
   const auto& joints = problem_.robot().chain.joints;
@@ -162,7 +161,12 @@ std::vector<NoisePart> Evidence::PartsFor(const NoiseView& view, const WeightedS
     parts.push_back({NoiseView::Kind::kVisit});
     if (columns_.HasRevisits()) parts.push_back({NoiseView::Kind::kPose});
   }
-  if (groups_.empty()) return parts;
+  if (!groups_.empty()) AddGroups(view, set, &parts);
+  return parts;
+}
+
+// Those that the view has, and the few that promise most.
+void Evidence::AddGroups(const NoiseView& view, const WeightedSet& set, std::vector<NoisePart>* parts) const {
   const FewExplanations few = WithTheirColumns(list_.math, set.members);
   const GroupScores scores = columns_.ScoreGroups(ScatterOf(view), few.columns, groups_);
   // A factor of all readings is no more than one of a group, and in the likelihood already.
@@ -175,7 +179,7 @@ std::vector<NoisePart> Evidence::PartsFor(const NoiseView& view, const WeightedS
     const auto own = std::find_if(view.groups.begin(), view.groups.end(),
                                   [&](const ViewedGroup& viewed) { return IsOf(viewed, groups_[g]); });
     if (own != view.groups.end()) {
-      AddChangesOf(own->scaled, groups_, &parts);
+      AddChangesOf(own->scaled, groups_, parts);
       continue;
     }
     const bool is_next_to_all = by_all + score.Gain(variance) > score.Gain(1.0);
@@ -185,8 +189,7 @@ std::vector<NoisePart> Evidence::PartsFor(const NoiseView& view, const WeightedS
     promising.push_back({gain, {NoiseView::Kind::kStated, groups_[g], score.Factor(is_next_to_all ? variance : 1.0)}});
   }
   std::stable_sort(promising.begin(), promising.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  for (size_t k = 0; k < std::min(kMostPromising, promising.size()); ++k) parts.push_back(promising[k].second);
-  return parts;
+  for (size_t k = 0; k < std::min(kMostPromising, promising.size()); ++k) parts->push_back(promising[k].second);
 }
 
 Evidence::Trial Evidence::BestChange(const NoiseView& view, const WeightedSet& set) {
