@@ -109,6 +109,45 @@ class Leverage(unittest.TestCase):
         np.testing.assert_allclose(estimate.leverage, estimate.residuals_dataframe()["leverage"], rtol=1e-12)
 
 
+def change(value):
+    """Everything in it is another thing afterwards."""
+    for key in list(value) if isinstance(value, dict) else range(len(value)):
+        if isinstance(value[key], (dict, list)):
+            change(value[key])
+        else:
+            value[key] = "changed"
+    value.clear()
+
+
+class Copies(unittest.TestCase):
+    def test_what_is_handed_out_is_a_copy(self):
+        experiment = sagitta.read(KR270 / "experiment.yaml", holdout=0.3)
+        estimate = sagitta.calibrate(experiment)
+        targets = {"target": ["a"], "q_deg": np.full((1, 6), 170.0)}
+        for result in (experiment, estimate, sagitta.inspect(experiment),
+                       sagitta.changed(estimate, estimate), sagitta.plan(experiment, poses=8, pool=60),
+                       estimate.validate(KR270 / "geometric.csv"), estimate.compensate(targets)):
+            names = [name for name in dir(type(result)) if isinstance(getattr(type(result), name), property)]
+            names = [name for name in names if isinstance(getattr(result, name), (dict, list)) and name[0] != "_"]
+            self.assertTrue(names, result)
+            for name in names:
+                before = repr(getattr(result, name))
+                change(getattr(result, name))
+                self.assertEqual(repr(getattr(result, name)), before, (result, name))
+            if hasattr(result, "to_dict"):
+                before = json.dumps(result.to_dict())
+                change(result.to_dict())
+                self.assertEqual(json.dumps(result.to_dict()), before)
+        self.assertEqual(len(estimate.to_dataframe()), len(estimate.parameters))
+
+    def test_a_plan_is_made_of_what_was_estimated(self):
+        experiment = sagitta.read(KR270 / "experiment.yaml")
+        estimate = sagitta.calibrate(experiment)
+        plan = sagitta.plan(experiment, poses=8, pool=60, move=False, model_error=estimate).to_dict()
+        estimate.to_dict()["model_error"]["factor"] = 5.0
+        self.assertEqual(sagitta.plan(experiment, poses=8, pool=60, move=False, model_error=estimate).to_dict(), plan)
+
+
 class OwnColumns(FolderTest):
     TEXTS = ["01", "1", "1e5", "100000.0", "True", "", "+1", "0x1", "1.10", "1.1", "nan", "1_0", "=1+1",
              "12345678901234567890"]
