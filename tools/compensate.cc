@@ -10,7 +10,6 @@
 #include "estimator/results/compensation_csv.h"
 #include "estimator/results/measured_joints.h"
 #include "estimator/results/program_compensation.h"
-#include "estimator/results/remembering_effects.h"
 #include "models/constants.h"
 #include "problems/input_error.h"
 #include "problems/interruption.h"
@@ -83,8 +82,8 @@ ProgramScene SceneFromFlags(const KnownRobot& known) {
 }
 
 void SayWhatTheWayDoes(const KnownRobot& known) {
-  const std::vector<std::string> effects = RememberingEffects(known);
-  if (!effects.empty()) std::cout << "Warning: " << TargetsAreAWay(effects) << "\n";
+  const std::string words = WhatTheWayDoes(known);
+  if (!words.empty()) std::cout << "Warning: " << words << "\n";
 }
 
 int RunProgram(const CommandLine& line) {

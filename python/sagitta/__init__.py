@@ -331,6 +331,7 @@ class Program:
 
     text = _of_core("text", "bytes: a program has no stated encoding.")
     summary = _of_core("summary")
+    warnings = _of_core("warnings", "Of effects that depend on the way to a point, and of model error.")
 
     @property
     def untouched(self):
@@ -424,7 +425,8 @@ class Compensation:
 
     status = _of_core("status")
     warnings = _of_core(
-        "warnings", "What `sagitta compensate` says of targets outside the measured joint ranges and of model error.")
+        "warnings", "What `sagitta compensate` says of effects that depend on the way to a target, of targets outside the "
+        "measured joint ranges and of model error.")
     joint_values = _of_core("joint_values", "To be commanded, rad and m, one row per target.", read_only=True)
 
     def to_dataframe(self):

@@ -10,6 +10,7 @@ import unittest
 
 import numpy as np
 import pandas
+import yaml
 
 import module_test
 import sagitta
@@ -100,8 +101,8 @@ class Leverage(unittest.TestCase):
                 turned = 1e3 * rotation_vector(rotation) if marker == "P" else np.full(3, np.nan)
                 noise = random.standard_normal((2, 3))
                 rows.append([config, marker, *q, *point + 0.02 * noise[0], *turned + 0.05 * noise[1]])
-        rows = pandas.DataFrame(rows, columns=["config", "marker", "q1_rad", "q2_rad", "x_mm", "y_mm", "z_mm", "rx_mrad",
-                                               "ry_mrad", "rz_mrad"])
+        rows = pandas.DataFrame(rows, columns=["config", "marker", "q1_rad", "q2_rad", "x_mm", "y_mm", "z_mm",
+                                               "rx_mrad", "ry_mrad", "rz_mrad"])
         experiment = sagitta.read(robot, {**rows, "sigma_r_mrad": 0.05, "sigma_mm": 0.02})
         estimate = sagitta.calibrate(experiment)
         axes = np.where(rows["marker"] == "P", 6, 3)
@@ -202,6 +203,26 @@ class Programs(FolderTest):
         path.write_bytes(text)
         estimate = estimate or sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))
         return sagitta.compensate_program(estimate, path, **scene)
+
+    def test_warnings_are_those_that_are_printed(self):
+        robot = yaml.safe_load((KR270 / "robot.yaml").read_text())
+        robot["effects"] = [{"effect": "hysteresis", "width_deg": 10, "joint": "A3", "amplitude_urad": 0}]
+        rows = sagitta.read(KR270 / "experiment.yaml").to_dataframe()
+        estimate = sagitta.calibrate(sagitta.read(robot, rows, sigma_mm=0.03))
+        estimate.write(self.folder)
+        known = sagitta.load(self.folder / "estimate.json")
+        program = self.corrected("p.src", self.KRL, known)
+        targets = self.folder / "targets.csv"
+        targets.write_text("target,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\na,10,-80,90,5,20,3\n")
+        for warnings, arguments in (
+                (known.compensate(targets).warnings, [targets, "--out=%s" % (self.folder / "c.csv")]),
+                (program.warnings, ["--program=%s" % (self.folder / "p.src"),
+                                    "--program_out=%s" % (self.folder / "new.src")])):
+            printed = module_test.run("compensate", self.folder / "estimate.json", *arguments).splitlines()
+            self.assertIn("depends on the way to a target", warnings[0])
+            self.assertEqual(["Warning: " + warnings[0]], [line for line in printed if line.startswith("Warning: ")])
+            self.assertEqual(warnings[1:], [line for line in printed if "Standard deviations carry" in line or
+                                            "No point is said to be" in line])
 
     def test_the_program_itself_is_kept(self):
         corrected = self.corrected("p.src", self.KRL)
