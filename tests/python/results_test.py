@@ -224,6 +224,22 @@ class Programs(FolderTest):
             self.assertEqual(warnings[1:], [line for line in printed if "Standard deviations carry" in line or
                                             "No point is said to be" in line])
 
+    def test_names_in_any_encoding(self):
+        joints = "CONST jointtarget %s:=[[10,-80,90,5,20,3],[9E9,9E9,9E9,9E9,9E9,9E9]];\r\n"
+        moves = "MoveAbsJ jH\xf6he,v100,fine,tool0;\r\nMoveL Offs(pGr\xfcn,0,0,10),v100,fine,tGrei\xdfer;\r\n"
+        module = "MODULE M\r\n" + joints % "jH\xf6he" + "PROC main()\r\n" + moves + "ENDPROC\r\nENDMODULE\r\n"
+        for encoding in ("latin-1", "utf-8"):
+            corrected = self.corrected("m.mod", module.encode(encoding))
+            self.assertEqual(list(corrected.to_dataframe()["target"]), ["jH\xf6he"])
+            self.assertIn("pGr\xfcn", corrected.summary)
+            self.assertTrue(any("pGr\xfcn" in point["name"] for point in corrected.untouched), corrected.untouched)
+            self.assertIn("1 of 2 points", repr(corrected))
+            self.assertIn(moves.encode(encoding), corrected.text)
+            pose = module.replace(moves, "MoveL [[500,117,432],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,fine,"
+                                         "tGrei\xdfer;\r\n")
+            with self.assertRaisesRegex(sagitta.InputError, "(?i)tgrei\xdfer"):
+                self.corrected("t.mod", pose.encode(encoding))
+
     def test_the_program_itself_is_kept(self):
         corrected = self.corrected("p.src", self.KRL)
         (self.folder / "link.src").symlink_to(self.folder / "p.src")
