@@ -8,7 +8,6 @@
 #include "estimator/results/measured_joints.h"
 #include "estimator/results/program_compensation.h"
 #include "estimator/results/residuals_csv.h"
-#include "models/constants.h"
 #include "problems/io/files.h"
 #include "problems/io/output_files.h"
 #include "problems/range.h"
@@ -255,18 +254,11 @@ CorrectedProgram CompensateProgramOf(const KnownRobot& known, const std::string&
                                      const std::string& load, const std::string& loads,
                                      const std::vector<double>& turn_joints, int threads) {
   const Chain& chain = known.robot.chain;
-  if (!start_deg.empty() && static_cast<int>(start_deg.size()) != chain.num_joints()) {
-    throw InputError({"", 0, "start_deg"}, std::to_string(chain.num_joints()) + " joint values are expected");
-  }
   CheckProgramLoad(known, load, "load");
   ProgramScene scene;
   scene.tools = FramesFromText(tools, "tools_mm_deg");
   scene.frames = FramesFromText(frames, "frames_mm_deg");
-  scene.start.resize(static_cast<Eigen::Index>(start_deg.size()));
-  for (size_t j = 0; j < start_deg.size(); ++j) {
-    const bool turns = chain.joints[j].type == JointType::kRevolute;
-    scene.start[static_cast<Eigen::Index>(j)] = start_deg[j] * (turns ? kDegree : 1e-3);
-  }
+  scene.start = StartFrom(start_deg, chain, "start_deg");
   scene.load = load;
   scene.loads = LoadsFromText(loads, "loads_kg_mm");
   scene.turn_joints = TurnJointsFrom(turn_joints, chain.num_joints(), "turn_joints");

@@ -240,6 +240,16 @@ class Programs(FolderTest):
             with self.assertRaisesRegex(sagitta.InputError, "(?i)tgrei\xdfer"):
                 self.corrected("t.mod", pose.encode(encoding))
 
+    def test_where_the_arm_starts_is_somewhere(self):
+        estimate = sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))
+        for wrong in (float("nan"), float("inf"), 1e300):
+            with self.assertRaises(sagitta.InputError) as raised:
+                self.corrected("p.src", self.KRL, estimate, start_deg=[0, wrong, 0, 0, 0, 0])
+            self.assertEqual(raised.exception.key, "start_deg")
+        with self.assertRaisesRegex(sagitta.InputError, "start_deg: 6 joint values"):
+            self.corrected("p.src", self.KRL, estimate, start_deg=[0, 0])
+        self.corrected("p.src", self.KRL, estimate, start_deg=[0, -90, 90, 0, 0, 0])
+
     def test_the_program_itself_is_kept(self):
         corrected = self.corrected("p.src", self.KRL)
         (self.folder / "link.src").symlink_to(self.folder / "p.src")
