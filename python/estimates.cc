@@ -8,7 +8,6 @@
 #include "estimator/results/measured_joints.h"
 #include "estimator/results/program_compensation.h"
 #include "estimator/results/residuals_csv.h"
-#include "models/constants.h"
 #include "problems/io/files.h"
 #include "problems/io/output_files.h"
 #include "problems/range.h"
@@ -46,6 +45,13 @@ std::vector<std::string> WithModelError(std::vector<std::string> warnings, const
   const std::string words = WhatFiguresCarry(known);
   if (!words.empty()) warnings.push_back(words);
   return warnings;
+}
+
+// The same of corrected targets, after the way to them.
+std::vector<std::string> WarningsOfTargets(std::vector<std::string> warnings, const KnownRobot& known) {
+  const std::string words = WhatTheWayDoes(known);
+  if (!words.empty()) warnings.insert(warnings.begin(), words);
+  return WithModelError(std::move(warnings), known);
 }
 
 struct PredictedRows {
@@ -206,7 +212,7 @@ CompensatedRows CompensateTargets(const KnownRobot& known, const py::object& sou
       py::none(), [&](const Say&) { return Compensate(input, rows.targets.rows, threads); });
   const size_t outside = AddOutsideMeasured(known, &rows.results);
   if (outside > 0) rows.warnings.push_back(TargetsOutsideMeasured(outside));
-  rows.warnings = WithModelError(std::move(rows.warnings), known);
+  rows.warnings = WarningsOfTargets(std::move(rows.warnings), known);
   return rows;
 }
 
@@ -239,37 +245,38 @@ void BindCompensation(py::module_& module) {
       .def("csv", [](const CompensatedRows& rows) { return CompensationToCsv(rows.targets, rows.results); });
 }
 
-CompensatedProgram CompensateProgramOf(const KnownRobot& known, const std::string& program, const std::string& tools,
-                                       const std::string& frames, const std::vector<double>& start_deg,
-                                       const std::string& load, const std::string& loads,
-                                       const std::vector<double>& turn_joints, int threads) {
+struct CorrectedProgram : CompensatedProgram {
+  std::vector<std::string> warnings;
+};
+
+CorrectedProgram CompensateProgramOf(const KnownRobot& known, const std::string& program, const std::string& tools,
+                                     const std::string& frames, const std::vector<double>& start_deg,
+                                     const std::string& load, const std::string& loads,
+                                     const std::vector<double>& turn_joints, int threads) {
   const Chain& chain = known.robot.chain;
-  if (!start_deg.empty() && static_cast<int>(start_deg.size()) != chain.num_joints()) {
-    throw InputError({"", 0, "start_deg"}, std::to_string(chain.num_joints()) + " joint values are expected");
-  }
   CheckProgramLoad(known, load, "load");
   ProgramScene scene;
   scene.tools = FramesFromText(tools, "tools_mm_deg");
   scene.frames = FramesFromText(frames, "frames_mm_deg");
-  scene.start.resize(static_cast<Eigen::Index>(start_deg.size()));
-  for (size_t j = 0; j < start_deg.size(); ++j) {
-    const bool turns = chain.joints[j].type == JointType::kRevolute;
-    scene.start[static_cast<Eigen::Index>(j)] = start_deg[j] * (turns ? kDegree : 1e-3);
-  }
+  scene.start = StartFrom(start_deg, chain, "start_deg");
   scene.load = load;
   scene.loads = LoadsFromText(loads, "loads_kg_mm");
   scene.turn_joints = TurnJointsFrom(turn_joints, chain.num_joints(), "turn_joints");
-  return ResultOf<CompensatedProgram>(py::none(), [&](const Say&) {
+  CorrectedProgram corrected;
+  static_cast<CompensatedProgram&>(corrected) = ResultOf<CompensatedProgram>(py::none(), [&](const Say&) {
     return CompensateProgram(known, ReadRobotProgram(program, chain.num_joints()), scene, threads);
   });
+  corrected.warnings = WarningsOfTargets({}, known);
+  return corrected;
 }
 
 void BindPrograms(py::module_& module) {
-  py::class_<CompensatedProgram>(module, "Program")
-      .def_property_readonly("text", [](const CompensatedProgram& p) { return py::bytes(p.text); })
-      .def_property_readonly("summary", [](const CompensatedProgram& p) { return SummaryOf(p); })
+  py::class_<CorrectedProgram>(module, "Program")
+      .def_property_readonly("text", [](const CorrectedProgram& p) { return py::bytes(p.text); })
+      .def_readonly("warnings", &CorrectedProgram::warnings)
+      .def_property_readonly("summary", [](const CorrectedProgram& p) { return SummaryOf(p); })
       .def_property_readonly("points",
-                             [](const CompensatedProgram& p) {
+                             [](const CorrectedProgram& p) {
                                py::list points;
                                for (const ProgramPointResult& result : p.results) {
                                  const ProgramPoint& point = p.program.points[static_cast<size_t>(result.point)];
@@ -278,10 +285,10 @@ void BindPrograms(py::module_& module) {
                                return points;
                              })
       .def("csv",
-           [](const CompensatedProgram& p) {
+           [](const CorrectedProgram& p) {
              return p.solved.empty() ? std::string() : CompensationToCsv(p.targets, p.solved);
            })
-      .def("write", [](const CompensatedProgram& p, const std::string& path) {
+      .def("write", [](const CorrectedProgram& p, const std::string& path) {
         CheckProgramIsKept(p.program.path, path, "path");
         OutputFile(path).Write(p.text);
       });

@@ -10,8 +10,6 @@
 #include "estimator/results/compensation_csv.h"
 #include "estimator/results/measured_joints.h"
 #include "estimator/results/program_compensation.h"
-#include "estimator/results/remembering_effects.h"
-#include "models/constants.h"
 #include "problems/input_error.h"
 #include "problems/interruption.h"
 #include "problems/io/output_files.h"
@@ -52,27 +50,14 @@ void Summarise(const std::vector<CompensatedTarget>& results, const std::string&
   std::cout << CompensationInWords(before, after, u95) << FlangeOfTheMarkers();
 }
 
-// start_deg: of the flag; may be empty.
-Eigen::VectorXd StartJoints(const Chain& chain, const std::string& start_deg) {
-  if (start_deg.empty()) return {};
-  const std::vector<double> numbers = NumbersOfFlag("start_deg", start_deg);
-  if (static_cast<int>(numbers.size()) != chain.num_joints()) {
-    throw InputError({"", 0, "--start_deg"}, std::to_string(chain.num_joints()) + " joint values are expected");
-  }
-  Eigen::VectorXd start(chain.num_joints());
-  for (int j = 0; j < start.size(); ++j) {
-    const bool turns = chain.joints[static_cast<size_t>(j)].type == JointType::kRevolute;
-    start[j] = numbers[static_cast<size_t>(j)] * (turns ? kDegree : 1e-3);
-  }
-  return start;
-}
-
 ProgramScene SceneFromFlags(const KnownRobot& known) {
   CheckProgramLoad(known, FLAGS_load, "--load");
   ProgramScene scene;
   scene.tools = FramesFromText(FLAGS_tools_mm_deg, "--tools_mm_deg");
   scene.frames = FramesFromText(FLAGS_frames_mm_deg, "--frames_mm_deg");
-  scene.start = StartJoints(known.robot.chain, FLAGS_start_deg);
+  if (!FLAGS_start_deg.empty()) {
+    scene.start = StartFrom(NumbersOfFlag("start_deg", FLAGS_start_deg), known.robot.chain, "--start_deg");
+  }
   scene.load = FLAGS_load;
   scene.loads = LoadsFromText(FLAGS_loads_kg_mm, "--loads_kg_mm");
   if (!FLAGS_turn_joints.empty()) {
@@ -83,8 +68,8 @@ ProgramScene SceneFromFlags(const KnownRobot& known) {
 }
 
 void SayWhatTheWayDoes(const KnownRobot& known) {
-  const std::vector<std::string> effects = RememberingEffects(known);
-  if (!effects.empty()) std::cout << "Warning: " << TargetsAreAWay(effects) << "\n";
+  const std::string words = WhatTheWayDoes(known);
+  if (!words.empty()) std::cout << "Warning: " << words << "\n";
 }
 
 int RunProgram(const CommandLine& line) {

@@ -1,6 +1,8 @@
 #include "estimator/report/results_words.h"
 
+#include "estimator/report/compensation_words.h"
 #include "estimator/results/estimate_json.h"
+#include "estimator/results/remembering_effects.h"
 #include "models/constants.h"
 #include "problems/io/programs/robot_program.h"
 #include "problems/text.h"
@@ -18,6 +20,11 @@ constexpr double kManyClusters = 60.0;
 std::string Named(const std::string& name) { return name.empty() ? "none" : name; }
 
 }  // namespace
+
+std::string WhatTheWayDoes(const KnownRobot& known) {
+  const std::vector<std::string> effects = RememberingEffects(known);
+  return effects.empty() ? "" : TargetsAreAWay(effects);
+}
 
 std::string WhatFiguresCarry(const KnownRobot& known) {
   std::string words;

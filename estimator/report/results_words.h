@@ -14,6 +14,9 @@ struct ProgramLoad;
 // found from few configurations. "": neither.
 std::string WhatFiguresCarry(const KnownRobot& known);
 
+// Of corrected targets: the effects that depend on the way to one. "": none acts.
+std::string WhatTheWayDoes(const KnownRobot& known);
+
 // Poses outside the joint ranges of the calibration; joints: "j1 by 100 deg".
 std::string PosesOutsideMeasured(size_t outside, size_t poses, const std::vector<std::string>& joints);
 std::string TargetOutsideMeasured(const std::vector<std::string>& joints);

@@ -42,6 +42,9 @@ std::map<std::string, ProgramLoad> LoadsFromText(const std::string& text, const 
 // Three joints counted from 1, as the user gives them, or none. Throws InputError.
 std::vector<int> TurnJointsFrom(const std::vector<double>& numbers, int joints, const std::string& key);
 
+// Where the arm is when the program starts: deg, of joints that slide mm; none: not stated. Throws InputError.
+Eigen::VectorXd StartFrom(const std::vector<double>& numbers, const Chain& chain, const std::string& key);
+
 struct ProgramPointResult {
   int point = -1;
   std::string untouched;                      // why; "": it is corrected

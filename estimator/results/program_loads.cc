@@ -1,10 +1,12 @@
 #include "estimator/results/program_loads.h"
 
 #include "estimator/report/results_words.h"
+#include "models/constants.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/trimmed.h"
 #include "problems/io/units.h"
+#include "problems/range.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -133,6 +135,20 @@ std::map<std::string, ProgramLoad> LoadsFromText(const std::string& text, const 
     if (!loads.emplace(name, load).second) throw InputError({"", 0, key}, "'" + name + "' is given twice");
   }
   return loads;
+}
+
+Eigen::VectorXd StartFrom(const std::vector<double>& numbers, const Chain& chain, const std::string& key) {
+  if (!numbers.empty() && static_cast<int>(numbers.size()) != chain.num_joints()) {
+    throw InputError({"", 0, key}, std::to_string(chain.num_joints()) + " joint values are expected");
+  }
+  Eigen::VectorXd start(static_cast<Eigen::Index>(numbers.size()));
+  for (size_t j = 0; j < numbers.size(); ++j) {
+    const bool turns = chain.joints[j].type == JointType::kRevolute;
+    const double value = numbers[j] * (turns ? kDegree : kMillimetre);
+    CheckIn(turns ? allowed::kAngle : allowed::kCoordinate, value, key);
+    start[static_cast<Eigen::Index>(j)] = value;
+  }
+  return start;
 }
 
 std::vector<int> TurnJointsFrom(const std::vector<double>& numbers, int joints, const std::string& key) {

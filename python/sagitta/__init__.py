@@ -9,6 +9,7 @@ Arrays are in SI (m, rad) and say so in their names; they have one row per readi
 per configuration (of corrected targets one per target). Frames and dictionaries are the files and the JSON of
 docs/FORMATS.md, units in every name, with the numbers of the program to the last digit.
 """
+import copy as _copy
 import difflib as _difflib
 import json as _json
 import operator as _operator
@@ -79,9 +80,14 @@ def _of_core(name, doc=None, read_only=False, called=False):
     return property(value, doc=doc)
 
 
-def _of_json(key, doc=None):
-    """A property that is a key of the result file."""
-    return property(lambda self: self.to_dict()[key], doc=doc)
+def _of_json(*keys, doc=None):
+    """A property that stands under these keys of the result file; a copy, as to_dict() is."""
+    def value(self):
+        found = self._dict
+        for key in keys:
+            found = found[key]
+        return _copy.deepcopy(found)
+    return property(value, doc=doc)
 
 
 class _Data:
@@ -150,12 +156,23 @@ class Known:
 class _WithJson:
     def __init__(self, core):
         self._core = core
-        self._json = None
+        self._json = self._parsed = None
+
+    @property
+    def _text(self):
+        if self._json is None:
+            self._json = self._core.json()
+        return self._json
+
+    @property
+    def _dict(self):
+        """For reading alone: what users get is a copy."""
+        if self._parsed is None:
+            self._parsed = self.to_dict()
+        return self._parsed
 
     def to_dict(self):
-        if self._json is None:
-            self._json = _json.loads(self._core.json())
-        return self._json
+        return _json.loads(self._text)
 
 
 class _WithKnown(_WithJson):
@@ -175,46 +192,38 @@ class Estimate(_WithKnown):
 
     status = _of_json("status")
 
-    @property
-    def verdict(self):
-        return self.to_dict()["verdict"]["words"]
-
-    @property
-    def trusted(self):
-        return self.to_dict()["verdict"]["trusted"]
-
+    verdict = _of_json("verdict", "words")
+    trusted = _of_json("verdict", "trusted")
     fit = _of_json("fit")
 
     @property
     def validation(self):
         """The errors on rows that were held out, as in estimate.json; None where nothing is held out."""
-        held_out = self.to_dict()["validation"]
-        return held_out if held_out["observations"] > 0 else None
+        held_out = self._dict["validation"]
+        return _copy.deepcopy(held_out) if held_out["observations"] > 0 else None
 
     cross_validation = _of_json(
-        "cross_validation", "The errors on the calibration rows, each predicted by a fit without its configuration.")
+        "cross_validation", doc="The errors on the calibration rows, each predicted by a fit without its configuration.")
     warnings = _of_json("warnings")
 
     @property
     def parameters(self):
-        return {row["name"]: Parameter(row) for row in self.to_dict()["parameters"]}
+        return {row["name"]: Parameter(row) for row in self._dict["parameters"]}
 
     def __getitem__(self, name):
-        for row in self.to_dict()["parameters"]:
+        for row in self._dict["parameters"]:
             if row["name"] == name:
                 return Parameter(row)
-        near = _difflib.get_close_matches(str(name), [row["name"] for row in self.to_dict()["parameters"]], 3, 0.5)
+        near = _difflib.get_close_matches(str(name), [row["name"] for row in self._dict["parameters"]], 3, 0.5)
         raise KeyError("%s: no parameter%s" % (name, "; did you mean %s?" % " or ".join(near) if near else ""))
 
-    @property
-    def estimated(self):
-        """The names of what was estimated, in the order of correlation and covariance_si."""
-        return self.to_dict()["correlation"]["names"]
+    estimated = _of_json("correlation", "names",
+                         doc="The names of what was estimated, in the order of correlation and covariance_si.")
 
     @property
     def correlation(self):
         """Of the parameters `estimated`, by the noise alone."""
-        return _read_only(_np.array(self.to_dict()["correlation"]["matrix"], dtype=_np.float64))
+        return _read_only(_np.array(self._dict["correlation"]["matrix"], dtype=_np.float64))
 
     covariance_si = _of_core("covariance_si", "Of the parameters `estimated`, in SI, by the noise alone: sigma and ci95 "
                              "of a parameter hold model error as well.")
@@ -246,7 +255,7 @@ class Estimate(_WithKnown):
     def to_dataframe(self):
         """One row per parameter, in the units of its column `unit`; unconditional: where it is wider than sigma."""
         import pandas
-        rows = self.to_dict()["parameters"]
+        rows = self._dict["parameters"]
         frame = pandas.DataFrame(rows).set_index("name")
         wide = [_unconditional(row) for row in rows]
         frame["unconditional"] = _np.array([sigma for sigma, _ in wide], dtype=_np.float64)
@@ -284,7 +293,7 @@ class Inspection(_WithJson):
     def to_dataframe(self):
         """One row per unknown: expected standard deviation, whether it can be determined."""
         import pandas
-        return pandas.DataFrame(self.to_dict()["parameters"]).set_index("name")
+        return pandas.DataFrame(self._dict["parameters"]).set_index("name")
 
     def write(self, folder):
         """inspect.json and report.html."""
@@ -322,6 +331,7 @@ class Program:
 
     text = _of_core("text", "bytes: a program has no stated encoding.")
     summary = _of_core("summary")
+    warnings = _of_core("warnings", "Of effects that depend on the way to a point, and of model error.")
 
     @property
     def untouched(self):
@@ -392,16 +402,13 @@ class Validation(_WithJson):
     def __init__(self, known, rows, force=False):
         super().__init__(_core.validate(known, _rows(rows), force))
 
-    @property
-    def before(self):
-        return self.to_dict()["validation"]["before"]
-
+    before = _of_json("validation", "before")
     after = _of_json("validation")
 
     @property
     def warnings(self):
         """Those of validation.json, and the model error that the figures carry."""
-        return self._core.with_model_error(self.to_dict()["warnings"])
+        return self._core.with_model_error(self._dict["warnings"])
 
     report_html = _of_core("report_html", "report.html: one page, nothing to fetch.", called=True)
     predicted_m = _of_core("predicted_m", read_only=True)
@@ -418,7 +425,8 @@ class Compensation:
 
     status = _of_core("status")
     warnings = _of_core(
-        "warnings", "What `sagitta compensate` says of targets outside the measured joint ranges and of model error.")
+        "warnings", "What `sagitta compensate` says of effects that depend on the way to a target, of targets outside the "
+        "measured joint ranges and of model error.")
     joint_values = _of_core("joint_values", "To be commanded, rad and m, one row per target.", read_only=True)
 
     def to_dataframe(self):
@@ -652,7 +660,7 @@ def _estimate_text(estimate):
     if estimate is None:
         return "", ""
     if isinstance(estimate, Estimate):
-        return _json.dumps(estimate.to_dict()), "model_error"
+        return estimate._text, "model_error"
     path = _os.fspath(estimate)
     return _core.text_of(path), path
 

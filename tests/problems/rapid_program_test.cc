@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "problems/io/text_checks.h"
 #include "tests/problems/robot_program_test_support.h"
 
 namespace sagitta::rapid_program_test {
@@ -187,6 +188,33 @@ TEST_F(RapidProgramTest, MotionsWithoutABlankAndJointsThatAreUnused) {
   EXPECT_THAT(PointNamed(program, "j1").untouched, HasSubstr("some of the joints"));
   EXPECT_EQ(program.calls_elsewhere.count("GRIPPERCLOSE"), 1U);
   EXPECT_EQ(program.calls_elsewhere.size(), 1U);
+}
+
+// Letters of RAPID are those of ISO 8859-1; a file is in it or in UTF-8.
+TEST_F(RapidProgramTest, NamesHaveLettersBeyondAscii) {
+  const auto declared = [](const std::string& name, const std::string& first) {
+    return "CONST jointtarget " + name + ":=[[" + first + ",-80,90,5,20,3],[9E9,9E9,9E9,9E9,9E9,9E9]];\n";
+  };
+  const std::string utf8[] = {"jH\u00F6he", "jH\u00E4he", "pGr\u00FCn"};
+  const std::string latin[] = {"jH\xF6he", "jH\xE4he", "pGr\xFCn"};
+  for (const auto* names : {utf8, latin}) {
+    const std::string long_offset = "Offs(" + names[2] + ",1000000000,1000000000,1000000" + names[2] + ",0)";
+    const RobotProgram program = Main("! " + names[2] + "\nMoveAbsJ " + names[0] + ",v100,fine,tool0;\nMoveAbsJ " +
+                                          names[1] + ",v100,fine,tool0;\nMoveL " + names[2] +
+                                          ",v100,fine,tool0;\nMoveL " + long_offset + ",v100,fine,tool0;\n",
+                                      declared(names[0], "10") + declared(names[1], "20"));
+    for (int i = 0; i < 2; ++i) {
+      const ProgramPoint point = PointNamed(program, utf8[i]);
+      EXPECT_EQ(point.untouched, "");
+      ASSERT_EQ(point.numbers.size(), 6U);
+      EXPECT_EQ(point.numbers[0].value, 10.0 * (i + 1));
+      EXPECT_EQ(program.text.substr(point.numbers[0].begin, 2), i == 0 ? "10" : "20");
+    }
+    EXPECT_EQ(PointNamed(program, utf8[2]).untouched, kPointElsewhere);
+    for (const ProgramMotion& motion : program.motions) EXPECT_EQ(ValidUtf8(motion.name), motion.name);
+    for (const ProgramPoint& point : program.points) EXPECT_EQ(ValidUtf8(point.name), point.name);
+    EXPECT_EQ(program.motions.size(), 4U);
+  }
 }
 
 }  // namespace

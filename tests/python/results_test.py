@@ -10,6 +10,7 @@ import unittest
 
 import numpy as np
 import pandas
+import yaml
 
 import module_test
 import sagitta
@@ -100,13 +101,52 @@ class Leverage(unittest.TestCase):
                 turned = 1e3 * rotation_vector(rotation) if marker == "P" else np.full(3, np.nan)
                 noise = random.standard_normal((2, 3))
                 rows.append([config, marker, *q, *point + 0.02 * noise[0], *turned + 0.05 * noise[1]])
-        rows = pandas.DataFrame(rows, columns=["config", "marker", "q1_rad", "q2_rad", "x_mm", "y_mm", "z_mm", "rx_mrad",
-                                               "ry_mrad", "rz_mrad"])
+        rows = pandas.DataFrame(rows, columns=["config", "marker", "q1_rad", "q2_rad", "x_mm", "y_mm", "z_mm",
+                                               "rx_mrad", "ry_mrad", "rz_mrad"])
         experiment = sagitta.read(robot, {**rows, "sigma_r_mrad": 0.05, "sigma_mm": 0.02})
         estimate = sagitta.calibrate(experiment)
         axes = np.where(rows["marker"] == "P", 6, 3)
         self.assertAlmostEqual((axes * estimate.leverage).sum(), len(estimate.estimated), delta=1e-6)
         np.testing.assert_allclose(estimate.leverage, estimate.residuals_dataframe()["leverage"], rtol=1e-12)
+
+
+def change(value):
+    """Everything in it is another thing afterwards."""
+    for key in list(value) if isinstance(value, dict) else range(len(value)):
+        if isinstance(value[key], (dict, list)):
+            change(value[key])
+        else:
+            value[key] = "changed"
+    value.clear()
+
+
+class Copies(unittest.TestCase):
+    def test_what_is_handed_out_is_a_copy(self):
+        experiment = sagitta.read(KR270 / "experiment.yaml", holdout=0.3)
+        estimate = sagitta.calibrate(experiment)
+        targets = {"target": ["a"], "q_deg": np.full((1, 6), 170.0)}
+        for result in (experiment, estimate, sagitta.inspect(experiment),
+                       sagitta.changed(estimate, estimate), sagitta.plan(experiment, poses=8, pool=60),
+                       estimate.validate(KR270 / "geometric.csv"), estimate.compensate(targets)):
+            names = [name for name in dir(type(result)) if isinstance(getattr(type(result), name), property)]
+            names = [name for name in names if isinstance(getattr(result, name), (dict, list)) and name[0] != "_"]
+            self.assertTrue(names, result)
+            for name in names:
+                before = repr(getattr(result, name))
+                change(getattr(result, name))
+                self.assertEqual(repr(getattr(result, name)), before, (result, name))
+            if hasattr(result, "to_dict"):
+                before = json.dumps(result.to_dict())
+                change(result.to_dict())
+                self.assertEqual(json.dumps(result.to_dict()), before)
+        self.assertEqual(len(estimate.to_dataframe()), len(estimate.parameters))
+
+    def test_a_plan_is_made_of_what_was_estimated(self):
+        experiment = sagitta.read(KR270 / "experiment.yaml")
+        estimate = sagitta.calibrate(experiment)
+        plan = sagitta.plan(experiment, poses=8, pool=60, move=False, model_error=estimate).to_dict()
+        estimate.to_dict()["model_error"]["factor"] = 5.0
+        self.assertEqual(sagitta.plan(experiment, poses=8, pool=60, move=False, model_error=estimate).to_dict(), plan)
 
 
 class OwnColumns(FolderTest):
@@ -163,6 +203,52 @@ class Programs(FolderTest):
         path.write_bytes(text)
         estimate = estimate or sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))
         return sagitta.compensate_program(estimate, path, **scene)
+
+    def test_warnings_are_those_that_are_printed(self):
+        robot = yaml.safe_load((KR270 / "robot.yaml").read_text())
+        robot["effects"] = [{"effect": "hysteresis", "width_deg": 10, "joint": "A3", "amplitude_urad": 0}]
+        rows = sagitta.read(KR270 / "experiment.yaml").to_dataframe()
+        estimate = sagitta.calibrate(sagitta.read(robot, rows, sigma_mm=0.03))
+        estimate.write(self.folder)
+        known = sagitta.load(self.folder / "estimate.json")
+        program = self.corrected("p.src", self.KRL, known)
+        targets = self.folder / "targets.csv"
+        targets.write_text("target,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\na,10,-80,90,5,20,3\n")
+        for warnings, arguments in (
+                (known.compensate(targets).warnings, [targets, "--out=%s" % (self.folder / "c.csv")]),
+                (program.warnings, ["--program=%s" % (self.folder / "p.src"),
+                                    "--program_out=%s" % (self.folder / "new.src")])):
+            printed = module_test.run("compensate", self.folder / "estimate.json", *arguments).splitlines()
+            self.assertIn("depends on the way to a target", warnings[0])
+            self.assertEqual(["Warning: " + warnings[0]], [line for line in printed if line.startswith("Warning: ")])
+            self.assertEqual(warnings[1:], [line for line in printed if "Standard deviations carry" in line or
+                                            "No point is said to be" in line])
+
+    def test_names_in_any_encoding(self):
+        joints = "CONST jointtarget %s:=[[10,-80,90,5,20,3],[9E9,9E9,9E9,9E9,9E9,9E9]];\r\n"
+        moves = "MoveAbsJ jH\xf6he,v100,fine,tool0;\r\nMoveL Offs(pGr\xfcn,0,0,10),v100,fine,tGrei\xdfer;\r\n"
+        module = "MODULE M\r\n" + joints % "jH\xf6he" + "PROC main()\r\n" + moves + "ENDPROC\r\nENDMODULE\r\n"
+        for encoding in ("latin-1", "utf-8"):
+            corrected = self.corrected("m.mod", module.encode(encoding))
+            self.assertEqual(list(corrected.to_dataframe()["target"]), ["jH\xf6he"])
+            self.assertIn("pGr\xfcn", corrected.summary)
+            self.assertTrue(any("pGr\xfcn" in point["name"] for point in corrected.untouched), corrected.untouched)
+            self.assertIn("1 of 2 points", repr(corrected))
+            self.assertIn(moves.encode(encoding), corrected.text)
+            pose = module.replace(moves, "MoveL [[500,117,432],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,fine,"
+                                         "tGrei\xdfer;\r\n")
+            with self.assertRaisesRegex(sagitta.InputError, "(?i)tgrei\xdfer"):
+                self.corrected("t.mod", pose.encode(encoding))
+
+    def test_where_the_arm_starts_is_somewhere(self):
+        estimate = sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))
+        for wrong in (float("nan"), float("inf"), 1e300):
+            with self.assertRaises(sagitta.InputError) as raised:
+                self.corrected("p.src", self.KRL, estimate, start_deg=[0, wrong, 0, 0, 0, 0])
+            self.assertEqual(raised.exception.key, "start_deg")
+        with self.assertRaisesRegex(sagitta.InputError, "start_deg: 6 joint values"):
+            self.corrected("p.src", self.KRL, estimate, start_deg=[0, 0])
+        self.corrected("p.src", self.KRL, estimate, start_deg=[0, -90, 90, 0, 0, 0])
 
     def test_the_program_itself_is_kept(self):
         corrected = self.corrected("p.src", self.KRL)

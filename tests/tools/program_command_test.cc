@@ -63,6 +63,7 @@ TEST_F(ProgramCommandTest, WhatIsNotStatedIsAskedForAndNothingIsWritten) {
       {program, out, Path("e/estimate.json")},
       {program, out, "--tools_mm_deg=flange=1,2,3"},
       {program, out, "--start_deg=1,2"},
+      {program, out, "--start_deg=0,1e300,0,0,0,0"},
       {"--program=" + Path("absent.src"), out},
       {Path("e/estimate.json"), "--program_out=" + Path("new/p.src"), "--out=" + Path("x.csv")}};
   for (const std::vector<std::string>& flags : refused) EXPECT_EQ(Compensate(flags).status, 2) << flags.back();

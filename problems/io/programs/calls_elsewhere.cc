@@ -16,13 +16,15 @@ struct CallsOf {
 
 const CallsOf& Calls(ProgramDialect dialect) {
   static const CallsOf krl = {
-      MakePattern("(?:\\n|\\bDO) ?([A-Z_]\\w*) ?\\("), MakePattern("\\bDEF(?:FCT \\w+(?:\\[[^\\]]{0,20}\\])?)? (\\w+)"),
-      MakePattern("^(?:BAS|IF|WHILE|UNTIL|SWITCH|WAIT|RETURN|CASE|FOR|IR_STOPM|C(?:OPEN|CLOSE|READ|WRITE|IOCTL)|SREAD|"
-                  "SWRITE|PULSE|LOOP|REPEAT|MSG\\w*|SIGNAL|PTP|LIN|CIRC|SPTP|SLIN|SCIRC|SPL)$")};
+      MakeCodePattern("(?:\\n|\\bDO) ?([A-Z_]\\w*) ?\\("),
+      MakeCodePattern("\\bDEF(?:FCT \\w+(?:\\[[^\\]]{0,20}\\])?)? (\\w+)"),
+      MakeCodePattern(
+          "^(?:BAS|IF|WHILE|UNTIL|SWITCH|WAIT|RETURN|CASE|FOR|IR_STOPM|C(?:OPEN|CLOSE|READ|WRITE|IOCTL)|SREAD|"
+          "SWRITE|PULSE|LOOP|REPEAT|MSG\\w*|SIGNAL|PTP|LIN|CIRC|SPTP|SLIN|SCIRC|SPL)$")};
   static const CallsOf rapid = {
-      MakePattern("(?:;|[^,=+*/\\\\(\\[{-]\\n|\\b(?:THEN|ELSE|DO|:)) ?\\n?([A-Z_]\\w*) ?\\n?(?=;|\\\\|[ \\n]\\w)"),
-      MakePattern("\\b(?:PROC|TRAP|FUNC \\w+) (\\w+)"),
-      MakePattern(
+      MakeCodePattern("(?:;|[^,=+*/\\\\(\\[{-]\\n|\\b(?:THEN|ELSE|DO|:)) ?\\n?([A-Z_]\\w*) ?\\n?(?=;|\\\\|[ \\n]\\w)"),
+      MakeCodePattern("\\b(?:PROC|TRAP|FUNC \\w+) (\\w+)"),
+      MakeCodePattern(
           "^(?:(?:LOCAL|TASK|VAR|PERS|CONST|ALIAS|RECORD|ENDRECORD|MODULE|ENDMODULE|PROC|FUNC|TRAP|END\\w*|IF|THEN|"
           "ELSE|"
           "ELSEIF|FOR|WHILE|TEST|CASE|DEFAULT|DO|GOTO|RETURN|RAISE|RETRY|TRYNEXT|EXIT|EXITCYCLE|BREAK|STOP|STOPMOVE|"
@@ -32,13 +34,15 @@ const CallsOf& Calls(ProgramDialect dialect) {
           "UI|WAIT|SET|PULSE|INVERT|CLK|ERR|SOCKET|WRITE|READ|IDELETE|IWATCH|ISLEEP|IENABLE|IDISABLE|ISIGNAL|ITIMER|"
           "IPERS|IERROR|PATH|MOTION|SOFT|WORLD|WZ|RESTOPATH|STOREPATH|CLEARPATH|LOAD|UNLOAD|CORR|PACK|UNPACK)\\w*)$")};
   static const CallsOf ur = {
-      MakePattern("(?:\\n|;|:|\\brun\\b) ?\\n?([A-Za-z_]\\w*) ?\\("), MakePattern("\\b(?:def|thread|sec) (\\w+)"),
-      MakePattern("^(?:if|elif|while|return|and|or|not|assert|sleep|sync|popup|halt|textmsg|global|local|join|kill|run|"
-                  "(?:move|optimove|servo|speed|stop|set_|get_|is_|socket_|rtde_|modbus_|write_|read_|force_|end_|"
-                  "freedrive|enter_|exit_|zero_|conveyor|encoder|tool_|reset_|step|path_|teach_|track_|stop_|"
-                  "position_|request_|screw|varmsg|str_|to_|rpc)\\w*)$")};
-  static const CallsOf fanuc = {MakePattern("\\b(?:CALL|RUN) ([A-Z_]\\w*)"), MakePattern("/PROG (\\w+)"),
-                                MakePattern("^$")};
+      MakeCodePattern("(?:\\n|;|:|\\brun\\b) ?\\n?([A-Za-z_]\\w*) ?\\("),
+      MakeCodePattern("\\b(?:def|thread|sec) (\\w+)"),
+      MakeCodePattern(
+          "^(?:if|elif|while|return|and|or|not|assert|sleep|sync|popup|halt|textmsg|global|local|join|kill|run|"
+          "(?:move|optimove|servo|speed|stop|set_|get_|is_|socket_|rtde_|modbus_|write_|read_|force_|end_|"
+          "freedrive|enter_|exit_|zero_|conveyor|encoder|tool_|reset_|step|path_|teach_|track_|stop_|"
+          "position_|request_|screw|varmsg|str_|to_|rpc)\\w*)$")};
+  static const CallsOf fanuc = {MakeCodePattern("\\b(?:CALL|RUN) ([A-Z_]\\w*)"), MakeCodePattern("/PROG (\\w+)"),
+                                MakeCodePattern("^$")};
   switch (dialect) {
     case ProgramDialect::kKrl:
       return krl;

@@ -58,7 +58,7 @@ bool FanucReader::NumberOf(const std::string& name, size_t begin, size_t end, Te
 }
 
 std::string FanucReader::FrameNumber(const std::string& name, const char* zero, size_t begin, size_t end) const {
-  const std::regex field = MakePattern("\\b" + name + "\\s*:\\s*(\\d+)");
+  const std::regex field = MakeCodePattern("\\b" + name + "\\s*:\\s*(\\d+)");
   std::smatch match;
   const std::string text = code_.substr(begin, end - begin);
   if (!SearchPattern(text, &match, field)) return "";
@@ -68,7 +68,7 @@ std::string FanucReader::FrameNumber(const std::string& name, const char* zero, 
 // F or N: wrist flipped (joint 5 above 0) or not; U or D: elbow up, as at the zero pose, or down; T or B: wrist in
 // front of joint 1 or behind it; turns of joints.
 void FanucReader::ReadConfiguration(size_t begin, size_t end, ProgramPoint* point) const {
-  static const std::regex field = MakePattern(
+  static const std::regex field = MakeCodePattern(
       "CONFIG\\s*:\\s*'\\s*([NF])?\\s*,?\\s*(?:[LR]\\s*,?\\s*)?([UD])?\\s*,?\\s*([TB])?\\s*,\\s*(-?\\d+)\\s*,\\s*(-?"
       "\\d+)\\s*,\\s*(-?\\d+)\\s*'");
   const std::string text = code_.substr(begin, end - begin);
@@ -102,12 +102,12 @@ void FanucReader::ReadExternalAxes(size_t begin, size_t end, ProgramPoint* point
 // Labels, IF in every form, FOR. The ELSE of a SELECT, "ELSE,JMP LBL[1]", is none.
 ProgramFlow FlowOfFanuc(const std::string& code) {
   static const std::regex words =
-      MakePattern("\\b(LBL(?=\\[[^\\]]{1,40}\\] ?[;\\n])|IF|ELSE(?! ?,)|ENDIF|FOR|ENDFOR)\\b()");
+      MakeCodePattern("\\b(LBL(?=\\[[^\\]]{1,40}\\] ?[;\\n])|IF|ELSE(?! ?,)|ENDIF|FOR|ENDFOR)\\b()");
   static const std::map<std::string, FlowKind> kinds = {{"LBL", FlowKind::kJoin},  {"IF", FlowKind::kBranch},
                                                         {"ELSE", FlowKind::kElse}, {"ENDIF", FlowKind::kBranchEnd},
                                                         {"FOR", FlowKind::kLoop},  {"ENDFOR", FlowKind::kLoopEnd}};
   return ProgramFlow(code, WithEndsOfShortBranches(code, FlowEventsOf(code, words, kinds)),
-                     {{MakePattern("\\bPAYLOAD\\s*\\["), false}});
+                     {{MakeCodePattern("\\bPAYLOAD\\s*\\["), false}});
 }
 
 // "PAYLOAD[2]", "PAYLOAD[R[3]]", "P[4]", "P[GP1:4]", "PR[5]", with what a comment adds
@@ -115,7 +115,7 @@ const char kPlace[] = "\\s*\\[\\s*(?:GP1\\s*:\\s*)?(\\d+|[A-Z]+\\s*\\[[^\\]]{0,9
 
 // The first motion to each point, and what hangs on the flange then.
 void FanucReader::ReadMotions(size_t end) {
-  static const std::regex step = MakePattern(std::string("\\b(PAYLOAD|P)") + kPlace);
+  static const std::regex step = MakeCodePattern(std::string("\\b(PAYLOAD|P)") + kPlace);
   const auto stop = code_.begin() + static_cast<std::ptrdiff_t>(end);
   ProgramFlow flow = FlowOfFanuc(code_.substr(0, end));
   std::set<size_t> used;
@@ -153,12 +153,13 @@ int FanucReader::PointOf(const std::string& name, TextRange place) {
 // "3:L P[2] 100mm/sec FINE ;", "4:C P[3] : P[4] 100mm/sec FINE ;": J, L, A and S go to one point, C to two. INC says
 // that the numbers of the point are an increment.
 void FanucReader::ReadCommands(size_t end) {
-  static const std::regex command = MakePattern("(?:^|\\n)[ \\t]*\\d*[ \\t]*:[ \\t]*([JLCAS])[ \\t]+(?=PR?[ \\t]*\\[)");
-  static const std::regex target = MakePattern(std::string("\\b(PR?)") + kPlace + "[^\\]]{0,99}\\]");
-  static const std::regex incremental = MakePattern("\\bINC\\b");
-  static const std::regex remote = MakePattern("\\bRTCP\\b");
+  static const std::regex command =
+      MakeCodePattern("(?:^|\\n)[ \\t]*\\d*[ \\t]*:[ \\t]*([JLCAS])[ \\t]+(?=PR?[ \\t]*\\[)");
+  static const std::regex target = MakeCodePattern(std::string("\\b(PR?)") + kPlace + "[^\\]]{0,99}\\]");
+  static const std::regex incremental = MakeCodePattern("\\bINC\\b");
+  static const std::regex remote = MakeCodePattern("\\bRTCP\\b");
   static const std::regex displaced =
-      MakePattern("\\b(?:TOOL_OFFSET|OFFSET|VOFFSET|COORD)\\b|\\bOFFSET\\s*,|\\bVR\\s*\\[");
+      MakeCodePattern("\\b(?:TOOL_OFFSET|OFFSET|VOFFSET|COORD)\\b|\\bOFFSET\\s*,|\\bVR\\s*\\[");
   const auto stop = code_.begin() + static_cast<std::ptrdiff_t>(end);
   for (const std::smatch& match : AllMatches(code_.begin(), stop, command)) {
     const size_t begin = static_cast<size_t>(match.position(0) + match.length(0));
@@ -220,11 +221,11 @@ void FanucReader::ReadPosition(const std::string& name, size_t open, size_t end)
 
 void FanucReader::Read() {
   program_.notation = PoseNotation::kWprDegrees;
-  static const std::regex positions = MakePattern("(?:^|\\n)[ \\t]*(/POS)\\b");  // not one in a remark
+  static const std::regex positions = MakeCodePattern("(?:^|\\n)[ \\t]*(/POS)\\b");  // not one in a remark
   std::smatch section_match;
   if (!SearchPattern(code_, &section_match, positions)) return;
   const size_t section = static_cast<size_t>(section_match.position(1));
-  static const std::regex head = MakePattern("\\bP\\s*\\[\\s*(\\d+)[^\\]]{0,99}\\]\\s*(\\{)");
+  static const std::regex head = MakeCodePattern("\\bP\\s*\\[\\s*(\\d+)[^\\]]{0,99}\\]\\s*(\\{)");
   for (const std::smatch& match : AllMatches(code_.begin() + static_cast<std::ptrdiff_t>(section), code_.end(), head)) {
     const size_t open = section + static_cast<size_t>(match.position(2));
     const size_t end = code_.find('}', open);

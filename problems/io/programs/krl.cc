@@ -164,7 +164,7 @@ void KrlReader::UseScene(bool is_first, ProgramPoint* point) {
 
 // XP1.Z = 4, XP1 = XP2
 bool KrlReader::ReadChange(const std::string& line, size_t begin) {
-  static const std::regex change = MakePattern("^\\s*(\\w+)\\s*((?:\\.\\s*\\w+\\s*)*)=\\s*(?=\\S)");
+  static const std::regex change = MakeCodePattern("^\\s*(\\w+)\\s*((?:\\.\\s*\\w+\\s*)*)=\\s*(?=\\S)");
   std::smatch match;
   if (!SearchPattern(line, &match, change)) return false;
   const bool is_literal = match.length(2) == 0 && code_[begin + static_cast<size_t>(match.length(0))] == '{';
@@ -298,7 +298,7 @@ void KrlReader::ReadPointDeclaration(const std::string& type, const std::string&
 // A FRAME, or what has no type in its line, is a target only where a motion goes to it, and what a base, a tool or a
 // geometric operator (:) is computed of is none.
 void KrlReader::CheckFrames() {
-  static const std::regex operand = MakePattern("(?:\\$(?:BASE|TOOL)\\s*=|:)\\s*$");
+  static const std::regex operand = MakeCodePattern("(?:\\$(?:BASE|TOOL)\\s*=|:)\\s*$");
   used_.resize(program_.points.size(), false);
   for (const auto& [name, index] : named_) {
     ProgramPoint& point = program_.points[index];
@@ -316,11 +316,11 @@ void KrlReader::CheckFrames() {
 
 void KrlReader::ReadLine(size_t begin, size_t end) {
   const std::string line = code_.substr(begin, end - begin);
-  static const std::regex declaration = MakePattern(
+  static const std::regex declaration = MakeCodePattern(
       "^\\s*(?:DECL\\s+)?(?:GLOBAL\\s+)?(?:CONST\\s+)?(?:(E6POS|POS|FRAME|E6AXIS|AXIS|FDAT)\\s+)?([A-Z_$][\\w$]*(?:\\["
       "[^\\]]*\\])?)\\s*=\\s*\\{");
-  static const std::regex motion = MakePattern("^\\s*(S?(?:PTP|LIN|CIRC)(?:_REL)?|SPL)(?:\\s+(?=\\S)|(?=\\{))"),
-                          spline = MakePattern("^\\s*(?:PTP_|END)?SPLINE\\b");
+  static const std::regex motion = MakeCodePattern("^\\s*(S?(?:PTP|LIN|CIRC)(?:_REL)?|SPL)(?:\\s+(?=\\S)|(?=\\{))"),
+                          spline = MakeCodePattern("^\\s*(?:PTP_|END)?SPLINE\\b");
   std::smatch match;
   if (SearchPattern(line, &match, motion)) {
     ReadMotion(match[1], begin + static_cast<size_t>(match.position(0) + match.length(0)), end);

@@ -8,7 +8,7 @@ namespace {
 
 // The first routine of a file is its program.
 std::vector<FlowEvent> KrlEvents(const std::string& code) {
-  static const std::regex words = MakePattern(
+  static const std::regex words = MakeCodePattern(
       "(?:^|\\n)[ \\t]*(?:GLOBAL[ "
       "\\t]+)?(DEFFCT|DEF|ENDFCT|END|IF|ELSE|ENDIF|SWITCH|CASE|DEFAULT|ENDSWITCH|LOOP|ENDLOOP|"
       "FOR|ENDFOR|WHILE|ENDWHILE|REPEAT|UNTIL|EXIT|RETURN)\\b(?:[ \\t]+(?:\\w+[ \\t]+)?(\\w+)[ \\t]*(?=\\())?");
@@ -31,12 +31,12 @@ std::vector<FlowEvent> KrlEvents(const std::string& code) {
     break;
   }
   // INTERRUPT DECL 3 WHEN ... DO STOPPED(), TRIGGER WHEN ... DO GRIP()
-  static const std::regex at_any_time = MakePattern("\\b(?:INTERRUPT|TRIGGER)\\b[^\\n]*\\bDO[ \\t]+(\\w+)");
+  static const std::regex at_any_time = MakeCodePattern("\\b(?:INTERRUPT|TRIGGER)\\b[^\\n]*\\bDO[ \\t]+(\\w+)");
   for (const std::smatch& match : AllMatches(code.begin(), code.end(), at_any_time)) {
     for (FlowEvent& event : events) event.is_interrupt |= event.kind == FlowKind::kRoutine && event.name == match[1];
   }
   if (code.find("GOTO") == std::string::npos) return events;
-  static const std::regex label = MakePattern("(?:^|\\n)[ \\t]*(\\w+)[ \\t]*:[ \\t\\r]*(?=\\n)");
+  static const std::regex label = MakeCodePattern("(?:^|\\n)[ \\t]*(\\w+)[ \\t]*:[ \\t\\r]*(?=\\n)");
   for (const std::smatch& match : AllMatches(code.begin(), code.end(), label)) {
     events.push_back({static_cast<size_t>(match.position(1)), FlowKind::kJoin, "", 0, false, false});
   }
@@ -48,17 +48,17 @@ std::vector<FlowVariable> KrlVariables(bool is_held) {
   // Every inline form states an FDAT and hands it to BAS.
   static const std::string part = "(?:[ \\t]*\\.[ \\t]*\\w+)*[ \\t]*=(?!=)", by_data = "|\\bFDAT_ACT[ \\t]*=",
                            bas = "|\\bBAS[ \\t]*\\([ \\t]*#(?:FRAMES|PTP_PARAMS|CP_PARAMS|";
-  return {{MakePattern("\\$TOOL" + part + by_data + bas + "TOOL)"), false},
-          {MakePattern("\\$BASE" + part + by_data + bas + "BASE)"), false},
-          {MakePattern("\\$LOAD" + part + by_data + bas + "TOOL)"), false},
-          {MakePattern("\\$IPO_MODE" + part + (is_held ? by_data : "")), false},
-          {MakePattern("(?:^|\\n)[ \\t]*(?:S?(?:PTP|LIN|CIRC)(?:_REL)?|SPL)\\b"), false}};
+  return {{MakeCodePattern("\\$TOOL" + part + by_data + bas + "TOOL)"), false},
+          {MakeCodePattern("\\$BASE" + part + by_data + bas + "BASE)"), false},
+          {MakeCodePattern("\\$LOAD" + part + by_data + bas + "TOOL)"), false},
+          {MakeCodePattern("\\$IPO_MODE" + part + (is_held ? by_data : "")), false},
+          {MakeCodePattern("(?:^|\\n)[ \\t]*(?:S?(?:PTP|LIN|CIRC)(?:_REL)?|SPL)\\b"), false}};
 }
 
 }  // namespace
 
 std::optional<int> KrlBitsAt(const std::string& code, TextRange range) {
-  static const std::regex written = MakePattern("^'\\s*([BH])\\s*([0-9A-F]{1,8})\\s*'$");
+  static const std::regex written = MakeCodePattern("^'\\s*([BH])\\s*([0-9A-F]{1,8})\\s*'$");
   TextNumber number;
   if (NumberAt(code, range, &number) && number.value == static_cast<int>(number.value)) {
     return static_cast<int>(number.value);

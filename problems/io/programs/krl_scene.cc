@@ -73,7 +73,7 @@ std::optional<ProgramLoad> KrlScene::LoadAt(size_t open) const {
 
 // FDAT of XP1 is FP1; it may stand above its point or below.
 void KrlScene::ReadAllFrameData() {
-  static const std::regex data = MakePattern("\\bFDAT\\s+(F[\\w$]*)\\s*=\\s*(\\{)");
+  static const std::regex data = MakeCodePattern("\\bFDAT\\s+(F[\\w$]*)\\s*=\\s*(\\{)");
   for (const std::smatch& match : AllMatches(code_.begin(), code_.end(), data)) {
     frame_data_[match[1]] = FrameDataAt(static_cast<size_t>(match.position(2)));
   }
@@ -102,7 +102,7 @@ const KrlScene::FrameData* KrlScene::FindFrameData(const std::string& name) cons
 }
 
 void KrlScene::FindFirstAction() {
-  static const std::regex action = MakePattern(
+  static const std::regex action = MakeCodePattern(
       "(?:^|\\n) ?(?:(?:IF|SWITCH|LOOP|FOR|WHILE|REPEAT|GOTO|END|S?PTP|S?LIN|S?CIRC|SPLINE|PTP_SPLINE)\\b|"
       "\\$(?:TOOL|BASE|LOAD)\\b|BAS ?\\( ?#(?!INITMOV)|(?!BAS\\b)\\w+ ?\\(|\\w+ ?: ?\\n)");
   std::smatch match;
@@ -115,8 +115,8 @@ bool KrlScene::HoldsFromStart(size_t at) const { return at <= first_action_ || (
 
 // A name, or one of a table by its number: NAME, BASE_DATA[2].
 bool KrlScene::IsNamed(const std::string& value) const {
-  static const std::regex named = MakePattern("^(?:\\$WORLD|\\$ROBROOT|[A-Z_]\\w*(?:\\[\\d+\\])?)$");
-  static const std::regex assigned = MakePattern("^(?: ?\\. ?\\w+)* ?=(?!=)");
+  static const std::regex named = MakeCodePattern("^(?:\\$WORLD|\\$ROBROOT|[A-Z_]\\w*(?:\\[\\d+\\])?)$");
+  static const std::regex assigned = MakeCodePattern("^(?: ?\\. ?\\w+)* ?=(?!=)");
   if (!MatchPattern(value, named)) return false;
   if (value.back() == ']' || value[0] == '$') return true;
   for (const size_t at : PlacesOf(code_, value)) {
@@ -193,8 +193,8 @@ void KrlScene::SetFrameData(const std::string& name) {
 
 // SLIN XP1 WITH $VEL.CP = 0.2, $BASE = BASE_DATA[2]: for this one motion; SPLINE WITH ...: for the block.
 void KrlScene::ReadWith(const std::string& line, size_t begin) {
-  static const std::regex with = MakePattern("[\\s}\\])E]WITH\\s+(?=\\$)"),
-                          set = MakePattern("^\\$(TOOL|BASE|LOAD|IPO_MODE)\\s*=\\s*");
+  static const std::regex with = MakeCodePattern("[\\s}\\])E]WITH\\s+(?=\\$)"),
+                          set = MakeCodePattern("^\\$(TOOL|BASE|LOAD|IPO_MODE)\\s*=\\s*");
   std::smatch match;
   if (!SearchPattern(line, &match, with)) return;
   const size_t from = begin + static_cast<size_t>(match.position(0) + match.length(0));
@@ -208,9 +208,10 @@ void KrlScene::ReadWith(const std::string& line, size_t begin) {
 
 // TOOL_DATA[1] = {...}, LOAD_DATA[1] = {...}, DECL LOAD GRIPPER = {...}
 bool KrlScene::ReadData(const std::string& line, size_t begin) {
-  static const std::regex data = MakePattern("^\\s*\\$?(TOOL|BASE|LOAD)_DATA\\s*\\[\\s*(\\d+)\\s*\\]\\s*=\\s*(\\{)");
+  static const std::regex data =
+      MakeCodePattern("^\\s*\\$?(TOOL|BASE|LOAD)_DATA\\s*\\[\\s*(\\d+)\\s*\\]\\s*=\\s*(\\{)");
   static const std::regex named =
-      MakePattern("^\\s*(?:DECL\\s+)?(?:GLOBAL\\s+)?(?:CONST\\s+)?(LOAD)\\s+(\\w+)\\s*=\\s*(\\{)");
+      MakeCodePattern("^\\s*(?:DECL\\s+)?(?:GLOBAL\\s+)?(?:CONST\\s+)?(LOAD)\\s+(\\w+)\\s*=\\s*(\\{)");
   std::smatch match;
   const bool is_data = SearchPattern(line, &match, data);
   if (!is_data && !SearchPattern(line, &match, named)) return false;
@@ -234,7 +235,7 @@ void KrlScene::Change(const std::string& kind, const std::string& name) {
 
 // LOAD_DATA[1].M = 5, TOOL_DATA[2] = X, BASE_DATA[I] = {...}, GRIPPER.CM.X = 10, $TOOL.Z = 3.
 bool KrlScene::ReadChange(const std::string& line) {
-  static const std::regex change = MakePattern(
+  static const std::regex change = MakeCodePattern(
       "^\\s*(?:\\$(TOOL|BASE|LOAD)|\\$?(TOOL|BASE|LOAD)_DATA\\s*\\[([^\\]]*)\\]|(\\w+))\\s*((?:\\.\\s*\\w+\\s*)*)"
       "=\\s*(?=\\S)");
   std::smatch match;
@@ -256,10 +257,10 @@ bool KrlScene::ReadChange(const std::string& line) {
 }
 
 bool KrlScene::ReadLine(const std::string& line, size_t begin) {
-  static const std::regex set = MakePattern("^\\s*\\$(TOOL|BASE|LOAD|IPO_MODE)\\s*=\\s*(\\S.*?)\\s*$");
+  static const std::regex set = MakeCodePattern("^\\s*\\$(TOOL|BASE|LOAD|IPO_MODE)\\s*=\\s*(\\S.*?)\\s*$");
   static const std::regex bas =
-      MakePattern("\\bBAS\\s*\\(\\s*#(TOOL|BASE|INITMOV|FRAMES|PTP_PARAMS|CP_PARAMS)\\s*(?:,\\s*([^)]*?)\\s*)?\\)");
-  static const std::regex data = MakePattern("^\\s*FDAT_ACT\\s*=\\s*(.*?)\\s*$");
+      MakeCodePattern("\\bBAS\\s*\\(\\s*#(TOOL|BASE|INITMOV|FRAMES|PTP_PARAMS|CP_PARAMS)\\s*(?:,\\s*([^)]*?)\\s*)?\\)");
+  static const std::regex data = MakeCodePattern("^\\s*FDAT_ACT\\s*=\\s*(.*?)\\s*$");
   std::smatch match;
   if (SearchPattern(line, &match, set)) {
     Set(match[1], match[2], begin + static_cast<size_t>(match.position(2)));

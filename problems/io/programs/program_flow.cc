@@ -43,7 +43,7 @@ std::vector<FlowEvent> FlowEventsOf(const std::string& code, const std::regex& p
 }
 
 std::vector<FlowEvent> WithEndsOfShortBranches(const std::string& code, const std::vector<FlowEvent>& events) {
-  static const std::regex then = MakePattern("\\bTHEN\\b");
+  static const std::regex then = MakeCodePattern("\\bTHEN\\b");
   std::vector<FlowEvent> with_ends;
   for (const FlowEvent& event : events) {
     with_ends.push_back(event);

@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "problems/input_error.h"
+#include "problems/io/pattern.h"
+#include "problems/io/text_checks.h"
 #include "problems/io/units.h"
 
 namespace sagitta {
@@ -37,18 +39,46 @@ std::string WithoutComments(const std::string& text, const std::string& comment,
   return code;
 }
 
+std::string Utf8OfLatin1(char c) {
+  const auto byte = static_cast<unsigned char>(c);
+  if (byte < 0x80) return std::string(1, c);
+  return {static_cast<char>(0xC0 | (byte >> 6)), static_cast<char>(0x80 | (byte & 0x3F))};
+}
+
 }  // namespace
+
+std::string InUtf8(const std::string& text) {
+  if (LineOfInvalidUtf8(text) == 0) return text;
+  std::string utf8;
+  for (const char c : text) utf8 += Utf8OfLatin1(c);
+  return utf8;
+}
+
+std::regex MakeCodePattern(const std::string& expression) {
+  const std::string letters = "\\w\\x80-\\xff";
+  std::string wide;
+  bool in_class = false;
+  for (size_t i = 0; i < expression.size(); ++i) {
+    const size_t length = expression[i] == '\\' ? 2 : 1;
+    const std::string part = expression.substr(i, length);
+    if (part == "[" || part == "]") in_class = part == "[";
+    wide += part != "\\w" ? part : in_class ? letters : "[" + letters + "]";
+    i += length - 1;
+  }
+  return MakePattern(wide);
+}
 
 ProgramCode::ProgramCode(const RobotProgram& program, const std::string& comment, char quote, size_t longest_line) {
   const std::string code = WithoutComments(program.text, comment, quote);
+  const bool is_utf8 = LineOfInvalidUtf8(program.text) == 0;
   lines_ = {0};
   bool was_blank = false;
   for (size_t i = 0; i < code.size(); ++i) {
     if (code[i] == '\n') lines_.push_back(i + 1);
     const bool is_blank = IsBlank(code[i]);
     if (!is_blank || !was_blank) {
-      text_ += is_blank ? ' ' : code[i];
-      place_.push_back(i);
+      text_ += is_blank ? " " : is_utf8 ? std::string(1, code[i]) : Utf8OfLatin1(code[i]);
+      place_.resize(text_.size(), i);
     }
     if (code[i] == '\n') text_.back() = '\n';
     was_blank = is_blank;
@@ -113,7 +143,7 @@ std::vector<size_t> PlacesOf(const std::string& code, const std::string& name) {
 
 bool NameStandsIn(const RobotProgram& program, const std::string& name) {
   const bool has_case = program.dialect == ProgramDialect::kUrScript;
-  const std::string text = has_case ? program.text : UpperCase(program.text),
+  const std::string whole = InUtf8(program.text), text = has_case ? whole : UpperCase(whole),
                     folded = has_case ? name : UpperCase(name);
   if (!PlacesOf(text, folded).empty()) return true;
   const size_t data = folded.find("_DATA["), end = folded.find(']');
@@ -215,7 +245,10 @@ std::string Quoted(std::string_view code, TextRange range) {
     const bool is_blank = IsBlank(code[i]);
     if (!is_blank || (!text.empty() && text.back() != ' ')) text += is_blank ? ' ' : code[i];
   }
-  return text.size() > kLongest ? text.substr(0, kLongest) + "…" : text;
+  if (text.size() <= kLongest) return text;
+  size_t end = kLongest;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // inside a letter
+  return text.substr(0, end) + "…";
 }
 
 std::string ExternalAxisInWords(const std::string& axis, std::string_view code, const TextNumber& value) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cctype>
+#include <regex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,9 +11,10 @@
 
 namespace sagitta {
 
-// A program as its reader sees it: without comments and quoted strings, and with one blank for every run of blanks, one
-// \n where the run holds the end of a line. std::regex goes a call deeper for every byte that a pattern loops over:
-// what a pattern can loop over is short here, and a word or a line that is not is an InputError.
+// A program as its reader sees it, in UTF-8 whatever the file is in: without comments and quoted strings, and with one
+// blank for every run of blanks, one \n where the run holds the end of a line. std::regex goes a call deeper for every
+// byte that a pattern loops over: what a pattern can loop over is short here, and a word or a line that is not is an
+// InputError.
 class ProgramCode {
  public:
   // `comment`: what starts one. `longest_line`: bytes.
@@ -32,6 +34,12 @@ class ProgramCode {
   std::vector<size_t> lines_;  // where they begin in the file
 };
 
+// Bytes beyond ASCII of a text that is not UTF-8 are letters of ISO 8859-1, as controllers write them.
+std::string InUtf8(const std::string& text);
+
+// As MakePattern, for code: letters of names may be beyond ASCII (\w).
+std::regex MakeCodePattern(const std::string& expression);
+
 std::string UpperCase(std::string text);
 std::string Unspaced(std::string text);
 
@@ -41,7 +49,10 @@ std::vector<size_t> PlacesOf(const std::string& code, const std::string& name);
 // Whether the program names a tool, base or load so: "BASE_DATA[1]" also as BAS(#BASE,1) and BASE_NO 1.
 bool NameStandsIn(const RobotProgram& program, const std::string& name);
 
-inline bool IsWordCharacter(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '$'; }
+inline bool IsWordCharacter(char c) {
+  const auto byte = static_cast<unsigned char>(c);
+  return byte >= 0x80 || std::isalnum(byte) != 0 || c == '_' || c == '$';
+}
 
 // What stands before the sign of an assignment at `sign`: "VAR num n", "gun.tload.mass", "p1[2]".
 struct Assigned {

@@ -74,8 +74,8 @@ class RapidReader {
 };
 
 void RapidReader::ReadRoutines() {
-  static const std::regex head = MakePattern("\\b(PROC|FUNC|TRAP)\\s+(?:\\w+\\s+)?(\\w+)\\s*(\\()?");
-  static const std::regex parameter = MakePattern("(\\w+)\\s*(?:\\{[^}]{0,20}\\})?\\s*(?:,|\\||$)");
+  static const std::regex head = MakeCodePattern("\\b(PROC|FUNC|TRAP)\\s+(?:\\w+\\s+)?(\\w+)\\s*(\\()?");
+  static const std::regex parameter = MakeCodePattern("(\\w+)\\s*(?:\\{[^}]{0,20}\\})?\\s*(?:,|\\||$)");
   for (const std::smatch& match : AllMatches(upper_.begin(), upper_.end(), head)) {
     const size_t begin = static_cast<size_t>(match.position(0));
     const size_t end = std::min(upper_.find("END" + match[1].str(), begin), upper_.size());
@@ -154,7 +154,7 @@ void RapidReader::AddTarget(const std::string& name, size_t open, bool is_joints
 }
 
 void RapidReader::ReadDeclarations() {
-  static const std::regex declaration = MakePattern(
+  static const std::regex declaration = MakeCodePattern(
       "\\b(ROBTARGET|JOINTTARGET|TOOLDATA|WOBJDATA|LOADDATA)\\s+(\\w+)\\s*(\\{[^}]{0,99}\\})?\\s*:=\\s*(\\[)");
   for (const std::smatch& match : AllMatches(upper_.begin(), upper_.end(), declaration)) {
     const size_t open = static_cast<size_t>(match.position(4));
@@ -245,10 +245,10 @@ void RapidReader::Use(int index_of_point, const Manner& manner) {
 // Speed, zone, tool, \WObj and \TLoad; behind the tool of MoveLDO stand a signal and its value, of MoveLSync a name.
 RapidReader::Manner RapidReader::MannerOf(const std::smatch& match, TextRange arguments,
                                           const std::vector<TextRange>& positional) {
-  static const std::regex object = MakePattern("\\\\\\s*WOBJ\\b");
-  static const std::regex object_name = MakePattern("\\\\\\s*WOBJ\\s*:=\\s*(\\w+)\\s*(?=\\\\|,|$)");
-  static const std::regex tool_name = MakePattern("^(\\w+)\\s*(?=\\\\|$)");
-  static const std::regex total = MakePattern("\\\\\\s*TLOAD\\s*:=\\s*(\\w+)");
+  static const std::regex object = MakeCodePattern("\\\\\\s*WOBJ\\b");
+  static const std::regex object_name = MakeCodePattern("\\\\\\s*WOBJ\\s*:=\\s*(\\w+)\\s*(?=\\\\|,|$)");
+  static const std::regex tool_name = MakeCodePattern("^(\\w+)\\s*(?=\\\\|$)");
+  static const std::regex total = MakeCodePattern("\\\\\\s*TLOAD\\s*:=\\s*(\\w+)");
   const std::string text = upper_.substr(arguments.first, arguments.second - arguments.first);
   Manner manner;
   manner.at = arguments.first;
@@ -313,8 +313,8 @@ void RapidReader::ReadUnknownInstructions() {
 }
 
 void RapidReader::ReadOtherUse(size_t index, size_t at, size_t name_end) {
-  static const std::regex option = MakePattern("\\\\\\s*\\w+\\s*:="), returned = MakePattern("\\bRETURN\\s+$"),
-                          offset = MakePattern("\\b(?:OFFS|RELTOOL)\\s*\\(\\s*$");
+  static const std::regex option = MakeCodePattern("\\\\\\s*\\w+\\s*:="), returned = MakeCodePattern("\\bRETURN\\s+$"),
+                          offset = MakeCodePattern("\\b(?:OFFS|RELTOOL)\\s*\\(\\s*$");
   const size_t next = upper_.find_first_not_of(" \t\r\n", name_end);
   if (next == std::string::npos || std::string_view(",;\\").find(upper_[next]) == std::string_view::npos) return;
   const size_t begin = upper_.find_last_of(';', at) + 1;  // npos + 1 is 0
@@ -340,8 +340,8 @@ void RapidReader::ReadOtherUse(size_t index, size_t at, size_t name_end) {
 
 // p10, [[...]], Offs(p10, ...), RelTool(p10, ...), and what is computed: p{3}, CRobT().
 void RapidReader::ReadTarget(const std::string& command, TextRange part, bool is_joints) {
-  static const std::regex offset = MakePattern("^(?:OFFS|RELTOOL)\\s*\\(\\s*(\\w+)\\s*,");
-  static const std::regex name_alone = MakePattern("^(\\w+)\\s*(?=\\\\|$)");  // \NoEOffs, \ID may follow
+  static const std::regex offset = MakeCodePattern("^(?:OFFS|RELTOOL)\\s*\\(\\s*(\\w+)\\s*,");
+  static const std::regex name_alone = MakeCodePattern("^(\\w+)\\s*(?=\\\\|$)");  // \NoEOffs, \ID may follow
   ProgramMotion motion = MotionTo(command, source_, part);
   const std::string text = upper_.substr(part.first, part.second - part.first);
   const std::string in_motion = UpperCase(command) + " of line " + std::to_string(motion.line);
@@ -369,15 +369,15 @@ void RapidReader::ReadTarget(const std::string& command, TextRange part, bool is
 }
 
 void RapidReader::ReadInstructions() {
-  static const std::regex instruction = MakePattern(
+  static const std::regex instruction = MakeCodePattern(
       "\\b(?:((?:MOVE|TRIGG|(SEARCH)|ARC|SPOT|DISP)(ABSJ|[JLC])(?:([DAG]O)|(SYNC)|IOS|START|END)?\\d?)(?=[\\s\\\\\\[])"
       "|(GRIPLOAD)\\b|(PDISP|EOFFS)(ON|SET|OFF)\\b|(CONF[JL])\\b\\s*(?:\\\\\\s*(ON|OFF)\\b)?)");
-  static const std::regex declared = MakePattern("\\b(?:PROC|TRAP|FUNC\\s+\\w+)\\s+$");
+  static const std::regex declared = MakeCodePattern("\\b(?:PROC|TRAP|FUNC\\s+\\w+)\\s+$");
   for (const std::smatch& match : AllMatches(upper_.begin(), upper_.end(), instruction)) {
     const size_t at = static_cast<size_t>(match.position(0));
     flow_.MoveTo(at);
     if (match[6].matched) {
-      static const std::regex name = MakePattern("^\\s(\\w+)\\s?$");
+      static const std::regex name = MakeCodePattern("^\\s(\\w+)\\s?$");
       const size_t begin = at + static_cast<size_t>(match.length(0));
       const std::string load = upper_.substr(begin, std::min(upper_.find(';', begin), begin + 99) - begin);
       std::smatch word;

@@ -6,7 +6,7 @@ namespace sagitta {
 namespace {
 
 std::vector<FlowEvent> RapidEvents(const std::string& code) {
-  static const std::regex words = MakePattern(
+  static const std::regex words = MakeCodePattern(
       "\\b(PROC|FUNC|TRAP|ENDPROC|ENDFUNC|ENDTRAP|IF|ELSEIF|ELSE|ENDIF|TEST|CASE|DEFAULT|ENDTEST|FOR|ENDFOR|WHILE|"
       "ENDWHILE|ERROR|UNDO|BACKWARD|RETURN)\\b(?:[ \\t]+(?:\\w+[ \\t]+)?(\\w+)[ \\t]*(?=\\())?");
   static const std::map<std::string, FlowKind> kinds = {
@@ -20,7 +20,7 @@ std::vector<FlowEvent> RapidEvents(const std::string& code) {
       {"RETURN", FlowKind::kLeave}};
   std::vector<FlowEvent> events = WithEndsOfShortBranches(code, FlowEventsOf(code, words, kinds));
   if (code.find("GOTO") != std::string::npos) {
-    static const std::regex label = MakePattern("[;\\n][ \\t]*(\\w+)[ \\t]*:(?!=)");
+    static const std::regex label = MakeCodePattern("[;\\n][ \\t]*(\\w+)[ \\t]*:(?!=)");
     for (const std::smatch& match : AllMatches(code.begin(), code.end(), label)) {
       events.push_back({static_cast<size_t>(match.position(1)), FlowKind::kJoin, "", 0, false, false});
     }
@@ -34,12 +34,12 @@ std::vector<FlowEvent> RapidEvents(const std::string& code) {
 
 std::vector<FlowVariable> RapidVariables() {
   static const std::vector<FlowVariable> variables = {
-      {MakePattern("\\bGRIPLOAD\\b"), false},
-      {MakePattern("\\bPDISP(?:ON|SET|OFF)\\b"), true},
-      {MakePattern("\\bEOFFS(?:ON|SET|OFF)\\b"), true},
-      {MakePattern("\\bCONFJ\\b\\s*(?:\\\\\\s*(?:ON|OFF)\\b)?"), true},
-      {MakePattern("\\bCONFL\\b\\s*(?:\\\\\\s*(?:ON|OFF)\\b)?"), true},
-      {MakePattern("\\b(?:MOVE|TRIGG|SEARCH|ARC|SPOT|DISP)(?:ABSJ|[JLC])"), false}};
+      {MakeCodePattern("\\bGRIPLOAD\\b"), false},
+      {MakeCodePattern("\\bPDISP(?:ON|SET|OFF)\\b"), true},
+      {MakeCodePattern("\\bEOFFS(?:ON|SET|OFF)\\b"), true},
+      {MakeCodePattern("\\bCONFJ\\b\\s*(?:\\\\\\s*(?:ON|OFF)\\b)?"), true},
+      {MakeCodePattern("\\bCONFL\\b\\s*(?:\\\\\\s*(?:ON|OFF)\\b)?"), true},
+      {MakeCodePattern("\\b(?:MOVE|TRIGG|SEARCH|ARC|SPOT|DISP)(?:ABSJ|[JLC])"), false}};
   return variables;
 }
 

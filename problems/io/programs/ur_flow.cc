@@ -7,8 +7,8 @@ namespace {
 
 // The last routine that stands in no other is the program: the others have to be known before they are called.
 std::vector<FlowEvent> UrEvents(const std::string& code) {
-  static const std::regex words =
-      MakePattern("\\b(def|thread|sec|if|elif|else|while|for|end|break|continue|return)\\b(?:\\s+(\\w+)\\s*(?=\\())?");
+  static const std::regex words = MakeCodePattern(
+      "\\b(def|thread|sec|if|elif|else|while|for|end|break|continue|return)\\b(?:\\s+(\\w+)\\s*(?=\\())?");
   static const std::map<std::string, FlowKind> kinds = {
       {"def", FlowKind::kRoutine}, {"thread", FlowKind::kRoutine}, {"sec", FlowKind::kRoutine},
       {"if", FlowKind::kBranch},   {"elif", FlowKind::kMiddle},    {"else", FlowKind::kElse},
@@ -31,9 +31,9 @@ std::vector<FlowEvent> UrEvents(const std::string& code) {
 
 ProgramFlow FlowOfUrScript(const std::string& code) {
   static const std::vector<FlowVariable> variables = {
-      {MakePattern("\\bset_tcp\\s*\\("), false},
-      {MakePattern("\\bset_(?:target_)?payload(?:_mass|_cog)?\\s*\\("), false},
-      {MakePattern("\\b(?:(?:optimove|move)[jlpc]|servo[jc])\\s*\\("), false}};
+      {MakeCodePattern("\\bset_tcp\\s*\\("), false},
+      {MakeCodePattern("\\bset_(?:target_)?payload(?:_mass|_cog)?\\s*\\("), false},
+      {MakeCodePattern("\\b(?:(?:optimove|move)[jlpc]|servo[jc])\\s*\\("), false}};
   return ProgramFlow(code, UrEvents(code), variables);
 }
 

@@ -107,7 +107,7 @@ int UrReader::AddLiteral(const std::string& name, size_t at) {
 // does not hold these numbers everywhere.
 void UrReader::ReadAssignments() {
   static const std::regex assignment =
-      MakePattern("(?:^|\\n)[ \\t]*(?:global[ \\t]+|local[ \\t]+)?([A-Za-z_]\\w*)[ \\t]*=[ \\t]*(p?\\[)");
+      MakeCodePattern("(?:^|\\n)[ \\t]*(?:global[ \\t]+|local[ \\t]+)?([A-Za-z_]\\w*)[ \\t]*=[ \\t]*(p?\\[)");
   for (const std::smatch& match : AllMatches(code_.begin(), code_.end(), assignment)) {
     const int index = AddLiteral(match[1], static_cast<size_t>(match.position(2)));
     if (index < 0) continue;
@@ -126,7 +126,7 @@ void UrReader::RefuseChanged() {
     if (code_[i] == '=' && depth == 0 && !is_comparison) ++assigned_[AssignedBefore(code_, i).name];
   }
   // def go(p1): the name is another one in there.
-  static const std::regex routine = MakePattern("\\bdef \\w+ ?(\\()");
+  static const std::regex routine = MakeCodePattern("\\bdef \\w+ ?(\\()");
   std::set<std::string> parameters;
   for (const std::smatch& match : AllMatches(code_.begin(), code_.end(), routine)) {
     const size_t open = static_cast<size_t>(match.position(1)), end = EndOfBracket(code_, open);
@@ -258,7 +258,7 @@ void UrReader::MarkStart(TextRange argument) {
 
 // The numbers of a list of joints, by its name or as it stands there. None, and known: where the arm is.
 std::vector<double> UrReader::NearOf(TextRange argument, bool* is_known) const {
-  static const std::regex here = MakePattern("^get_(actual|target)_joint_positions\\s*\\(\\s*\\)$");
+  static const std::regex here = MakeCodePattern("^get_(actual|target)_joint_positions\\s*\\(\\s*\\)$");
   const std::string text = TextOf(argument);
   std::smatch match;
   std::vector<double> values;
@@ -275,7 +275,7 @@ std::vector<double> UrReader::NearOf(TextRange argument, bool* is_known) const {
 
 // get_inverse_kin(x=p[...], qnear=..., tcp=p[...]) goes to x.
 void UrReader::ReadArgument(const std::string& motion, TextRange argument) {
-  static const std::regex inverse = MakePattern("^get_inverse_kin\\s*\\(");
+  static const std::regex inverse = MakeCodePattern("^get_inverse_kin\\s*\\(");
   argument = WithoutKeyword(argument);
   const std::string text = TextOf(argument);
   std::smatch kinematics;
@@ -325,7 +325,7 @@ std::string UrReader::KeywordOf(TextRange argument) const {
 }
 
 void UrReader::ReadCalls() {
-  static const std::regex call = MakePattern(
+  static const std::regex call = MakeCodePattern(
       "\\b(movej|movel|movep|movec|optimovej|optimovel|servoj|servoc|set_tcp|set_payload|set_payload_mass|set_payload_"
       "cog|set_target_"
       "payload)"
