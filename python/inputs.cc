@@ -19,6 +19,14 @@ namespace py = pybind11;
 
 namespace {
 
+std::string TextOf(const py::handle& text, const InputError::Where& where) {
+  try {
+    return py::cast<std::string>(text);
+  } catch (const py::cast_error&) {
+    throw InputError(where, "the text has letters that UTF-8 does not have (lone surrogates)");
+  }
+}
+
 // Numbers by the shortest text that reads back to the same double: nothing is lost on the way through cells.
 std::vector<std::string> CellsOf(const std::string& table, const std::string& name, const py::handle& column) {
   std::vector<std::string> cells;
@@ -30,7 +38,8 @@ std::vector<std::string> CellsOf(const std::string& table, const std::string& na
     for (py::ssize_t i = 0; i < at.shape(0); ++i) cells.push_back(std::isnan(at(i)) ? "" : FormatNumber(at(i)));
     return cells;
   }
-  for (const py::handle& cell : column) cells.push_back(py::cast<std::string>(cell));
+  for (const py::handle& cell : column)
+    cells.push_back(TextOf(cell, {table, static_cast<int>(cells.size()) + 1, name}));
   return cells;
 }
 
@@ -40,7 +49,7 @@ CsvTable TableFrom(const std::string& name, const py::dict& columns) {
   std::vector<std::string> header;
   std::vector<std::vector<std::string>> cells;
   for (const auto& [key, column] : columns) {
-    header.push_back(py::cast<std::string>(key));
+    header.push_back(TextOf(key, {name, 0, ""}));
     cells.push_back(CellsOf(name, header.back(), column));
     if (cells.back().size() == cells.front().size()) continue;
     throw InputError({name, 0, header.back()}, "the column has " + std::to_string(cells.back().size()) + " values, '" +
@@ -202,7 +211,12 @@ void BindInputs(py::module_& module) {
              i.experiment.validation.seed = seed;
            })
       .def("set_validation_seed",
-           [](ExperimentInputs& i, unsigned long long seed) { i.experiment.validation.seed = seed; })
+           [](ExperimentInputs& i, unsigned long long seed) {
+             if (i.experiment.validation.kind != ValidationSpec::Kind::kFraction || i.experiment.validation.by_time) {
+               throw InputError({"", 0, "seed"}, "no rows are held out at random", "holdout=0.3 holds some out");
+             }
+             i.experiment.validation.seed = seed;
+           })
       .def("set_free", [](ExperimentInputs& i, std::vector<std::string> names) { i.experiment.estimate.free = names; })
       .def("set_fixed",
            [](ExperimentInputs& i, std::vector<std::string> names) { i.experiment.estimate.fixed = names; });

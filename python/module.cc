@@ -2,6 +2,8 @@
 #include <glog/logging.h>
 #include <pybind11/pybind11.h>
 
+#include "problems/io/pattern.h"
+#include "problems/io/text_checks.h"
 #include "python/inputs.h"
 #include "python/interruptible.h"
 
@@ -9,6 +11,15 @@ namespace sagitta::python {
 namespace {
 
 namespace py = pybind11;
+
+// Arguments have the names of the program's flags.
+std::string WithoutHyphens(const std::string& text) {
+  static const std::regex flag = MakePattern(
+      "(^|[ (])--(sigma_mm|holdout|seed|free|fixed|method|threads|poses|accuracy_mm|augment|criterion|discriminate|"
+      "candidates|tests|pool|cell|model_error|truth|load|tools_mm_deg|frames_mm_deg|start_deg|loads_kg_mm|turn_joints)"
+      "\\b");
+  return ReplacePattern(text, flag, "$1$2");
+}
 
 // Raises an exception of the package with attributes.
 void Raise(const char* type, const std::string& what,
@@ -22,11 +33,13 @@ void Translate(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
   } catch (const InputError& error) {
-    Raise("InputError", error.what(),
-          {{"file", py::str(error.where().file)},
+    const std::string file = error.where().file;
+    const std::string words = WithoutHyphens(std::string(error.what()).substr(file.size()));
+    Raise("InputError", ValidUtf8(file + words),
+          {{"file", py::str(ValidUtf8(file))},
            {"line", py::int_(error.where().line)},
-           {"key", py::str(error.where().key)},
-           {"hint", py::str(error.hint())}});
+           {"key", py::str(ValidUtf8(WithoutHyphens(error.where().key)))},
+           {"hint", py::str(ValidUtf8(WithoutHyphens(error.hint())))}});
   } catch (const NumericalFailure& error) {
     Raise("NumericalError", error.what(), {{"status", py::str(error.status)}});
   } catch (const Interruption&) {

@@ -203,12 +203,22 @@ class Estimate(_WithKnown):
         return _copy.deepcopy(held_out) if held_out["observations"] > 0 else None
 
     cross_validation = _of_json(
-        "cross_validation", doc="The errors on the calibration rows, each predicted by a fit without its configuration.")
+        "cross_validation",
+        doc="The errors on the calibration rows, each predicted by a fit without its configuration.")
     warnings = _of_json("warnings")
 
     @property
     def parameters(self):
         return {row["name"]: Parameter(row) for row in self._dict["parameters"]}
+
+    def __contains__(self, name):
+        return any(row["name"] == name for row in self._dict["parameters"])
+
+    def __iter__(self):
+        return iter([row["name"] for row in self._dict["parameters"]])
+
+    def __len__(self):
+        return len(self._dict["parameters"])
 
     def __getitem__(self, name):
         for row in self._dict["parameters"]:
@@ -277,7 +287,7 @@ class Estimate(_WithKnown):
 
     def write(self, folder):
         """estimate.json, robot.calibrated.yaml, residuals.csv and report.html, all or none."""
-        self._core.write(_os.fspath(folder))
+        self._core.write(_tables.path_text(folder, "folder"))
 
     def __repr__(self):
         return "<estimate: %s, %d parameters, fit %.3g mm RMS>" % (self.status, len(self.estimated), self.fit["rms_mm"])
@@ -297,7 +307,7 @@ class Inspection(_WithJson):
 
     def write(self, folder):
         """inspect.json and report.html."""
-        self._core.write(_os.fspath(folder))
+        self._core.write(_tables.path_text(folder, "folder"))
 
     def __repr__(self):
         return "<inspection: %d serious, %d findings>" % (self.serious, len(self.findings))
@@ -343,7 +353,7 @@ class Program:
         return _tables.frame(self._core.csv() or "target\n")
 
     def write(self, path):
-        self._core.write(_os.fspath(path))
+        self._core.write(_tables.path_text(path, "path"))
 
     def __repr__(self):
         points = self._core.points
@@ -383,7 +393,7 @@ class Prediction:
     """Points of rows, with how certain they are."""
 
     def __init__(self, known, rows, force=False):
-        self._core = _core.predict(known, _rows(rows), force)
+        self._core = _core.predict(known, _rows(rows), _flag(force, "force"))
 
     points_m = _of_core("points_m", read_only=True)
     covariance_m2 = _of_core(
@@ -400,7 +410,7 @@ class Validation(_WithJson):
     """Before and after on rows that were not calibrated; to_dict() is validation.json."""
 
     def __init__(self, known, rows, force=False):
-        super().__init__(_core.validate(known, _rows(rows), force))
+        super().__init__(_core.validate(known, _rows(rows), _flag(force, "force")))
 
     before = _of_json("validation", "before")
     after = _of_json("validation")
@@ -425,8 +435,8 @@ class Compensation:
 
     status = _of_core("status")
     warnings = _of_core(
-        "warnings", "What `sagitta compensate` says of effects that depend on the way to a target, of targets outside the "
-        "measured joint ranges and of model error.")
+        "warnings", "What `sagitta compensate` says of effects that depend on the way to a target, of targets outside "
+        "the measured joint ranges and of model error.")
     joint_values = _of_core("joint_values", "To be commanded, rad and m, one row per target.", read_only=True)
 
     def to_dataframe(self):
@@ -483,6 +493,38 @@ def _whole(number, name, least=-2**31, most=2**31 - 1):
     return whole
 
 
+def _number(number, name):
+    try:
+        return float(number)
+    except (TypeError, ValueError):
+        raise TypeError("%s: a number is expected, not %r" % (name, number)) from None
+
+
+def _numbers(numbers, name):
+    try:
+        return [_number(number, name) for number in numbers]
+    except TypeError:
+        raise TypeError("%s: numbers are expected, not %r" % (name, numbers)) from None
+
+
+def _flag(flag, name):
+    if isinstance(flag, (bool, _np.bool_)) or (isinstance(flag, int) and flag in (0, 1)):
+        return bool(flag)
+    raise TypeError("%s: True or False is expected, not %r" % (name, flag))
+
+
+def _word(word, name):
+    if not isinstance(word, str):
+        raise TypeError("%s: a text is expected, not %r" % (name, word))
+    return word
+
+
+def _heard(progress):
+    if progress is not None and not callable(progress):
+        raise TypeError("progress: a function that is called with a text is expected, not %r" % (progress,))
+    return progress
+
+
 def _seed(seed):
     return _whole(seed, "seed", 0, 2**64 - 1)
 
@@ -499,10 +541,10 @@ def _rows(rows):
 
 
 def _path_or_text(robot, name):
-    """(path or text, whether it is text)"""
+    """(path or text, whether it is text: of several lines, or of JSON or XML)"""
     if isinstance(robot, (str, _os.PathLike)):
-        text = _os.fspath(robot)
-        return text, "\n" in text
+        text = _tables.path_text(robot, name)
+        return text, "\n" in text or text.lstrip()[:1] in ("{", "<")
     if not hasattr(robot, "keys"):
         raise TypeError("%s: a path, its text or a dictionary of its keys is expected, not %s"
                         % (name, type(robot).__name__))
@@ -535,26 +577,26 @@ def read(robot_or_experiment, *measurements, sigma_mm=None, holdout=None, seed=N
     calibrate`; they replace what file or rows say. seed: of the rows that are held out. points_required=False: rows may
     lack x, y, z, as for simulate and plan. Raises InputError.
     """
+    required = _flag(points_required, "points_required")
     if not measurements:
-        if not isinstance(robot_or_experiment, (str, _os.PathLike)):
-            _path_or_text(robot_or_experiment, "robot")
+        path, is_text = _path_or_text(robot_or_experiment, "robot")
+        if is_text:
             raise _tables._input_error("the measurements are missing", "measurements",
                                        "read(ROBOT, MEASUREMENTS), or the path of an experiment file")
         if settings:
             raise _tables._input_error("an experiment file states its own '%s'" % next(iter(settings)),
                                        next(iter(settings)), "change it there, or give a robot and measurements")
-        core = _core.read([_os.fspath(robot_or_experiment)], sigma_mm is None, points_required)
+        core = _core.read([path], sigma_mm is None, required)
     else:
         text, is_text = _path_or_text(robot_or_experiment, "robot")
         tables = []
         for i, table in enumerate(measurements):
             tables += _sources(table, "measurements" if len(measurements) == 1 else "measurements[%d]" % i)
-        core = _core.assemble(text, is_text, tables, _json.dumps(_plain(settings, "")), sigma_mm is None,
-                              points_required)
+        core = _core.assemble(text, is_text, tables, _json.dumps(_plain(settings, "")), sigma_mm is None, required)
     if sigma_mm is not None:
-        core.set_sigma(float(sigma_mm))
+        core.set_sigma(_number(sigma_mm, "sigma_mm"))
     if holdout is not None:
-        core.set_holdout(float(holdout), 1 if seed is None else _seed(seed))
+        core.set_holdout(_number(holdout, "holdout"), 1 if seed is None else _seed(seed))
     elif seed is not None:
         core.set_validation_seed(_seed(seed))
     for names, key, replace in ((free, "free", core.set_free), (fixed, "fixed", core.set_fixed)):
@@ -566,7 +608,7 @@ def read(robot_or_experiment, *measurements, sigma_mm=None, holdout=None, seed=N
 
 def load(path):
     """The robot of an estimate.json."""
-    return Known(_core.load(_os.fspath(path)))
+    return Known(_core.load(_tables.path_text(path, "path")))
 
 
 def calibrate(experiment, *, method="joint", threads=1, seed=1, force=False, progress=None):
@@ -577,18 +619,19 @@ def calibrate(experiment, *, method="joint", threads=1, seed=1, force=False, pro
     Raises InputError, and NumericalError where there is no estimate.
     """
     inputs = _experiment(experiment)
-    return Estimate(_core.calibrate(inputs, method, _whole(threads, "threads"), _seed(seed), force, "sagitta.calibrate",
-                                    progress))
+    return Estimate(_core.calibrate(inputs, _word(method, "method"), _whole(threads, "threads"), _seed(seed),
+                                    _flag(force, "force"), "sagitta.calibrate", _heard(progress)))
 
 
 def diagnose(experiment, *, threads=1, force=False, progress=None):
     """Finds, names and adds the effect that the model lacks."""
-    return Diagnosis(_core.diagnose(_experiment(experiment), _whole(threads, "threads"), force, "sagitta.diagnose", progress))
+    return Diagnosis(_core.diagnose(_experiment(experiment), _whole(threads, "threads"), _flag(force, "force"),
+                                    "sagitta.diagnose", _heard(progress)))
 
 
 def inspect(experiment, *, progress=None):
     """What a data set can determine, and what is wrong with it, without an estimate."""
-    return Inspection(_core.inspect(_experiment(experiment), "sagitta.inspect", progress))
+    return Inspection(_core.inspect(_experiment(experiment), "sagitta.inspect", _heard(progress)))
 
 
 def _known(estimate):
@@ -624,11 +667,16 @@ def changed(old, new):
     return Changed(_core.changed(_known(old)._core, _known(new)._core))
 
 
-def _frames(frames):
-    """{"world": "same", "TOOL_DATA[1]": (x, y, z, roll, pitch, yaw)} as the program reads it."""
+def _frames(frames, name):
+    """{"world": "same", "TOOL_DATA[1]": (x, y, z, roll, pitch, yaw)} as the program reads it, or its text."""
+    if frames is None or isinstance(frames, str):
+        return frames or ""
+    if not hasattr(frames, "items"):
+        raise TypeError("%s: a dictionary of names is expected, not %r" % (name, frames))
     parts = []
-    for name, pose in frames.items():
-        parts.append("%s=%s" % (name, pose if isinstance(pose, str) else ",".join(repr(float(n)) for n in pose)))
+    for key, pose in frames.items():
+        numbers = pose if isinstance(pose, str) else ",".join(map(repr, _numbers(pose, name)))
+        parts.append("%s=%s" % (key, numbers))
     return ";".join(parts)
 
 
@@ -639,10 +687,10 @@ def compensate_program(estimate, program, *, tools_mm_deg=None, frames_mm_deg=No
     load: one of the estimate or "none", for all points; "": what the program states. loads_kg_mm: mass and centre of
     mass in the controller's flange of loads that it only names. turn_joints: what FANUC's turn numbers count.
     """
-    return Program(_core.compensate_program(_known(estimate)._core, _os.fspath(program), _frames(tools_mm_deg or {}),
-                                            _frames(frames_mm_deg or {}), [float(q) for q in start_deg], load,
-                                            _frames(loads_kg_mm or {}), [float(j) for j in turn_joints],
-                                            _whole(threads, "threads")))
+    return Program(_core.compensate_program(
+        _known(estimate)._core, _tables.path_text(program, "program"), _frames(tools_mm_deg, "tools_mm_deg"),
+        _frames(frames_mm_deg, "frames_mm_deg"), _numbers(start_deg, "start_deg"), _word(load, "load"),
+        _frames(loads_kg_mm, "loads_kg_mm"), _numbers(turn_joints, "turn_joints"), _whole(threads, "threads")))
 
 
 def simulate(experiment, truth=None, *, sigma_mm=None, seed=1):
@@ -652,7 +700,8 @@ def simulate(experiment, truth=None, *, sigma_mm=None, seed=1):
     """
     inputs = _experiment(experiment)
     known = _core.truth_of(inputs) if truth is None else _core.with_loads_of(_known(truth)._core, inputs)
-    return Rows(_core.simulate(known, inputs, sigma_mm, _seed(seed)))
+    sigma = None if sigma_mm is None else _number(sigma_mm, "sigma_mm")
+    return Rows(_core.simulate(known, inputs, sigma, _seed(seed)))
 
 
 def _estimate_text(estimate):
@@ -661,7 +710,10 @@ def _estimate_text(estimate):
         return "", ""
     if isinstance(estimate, Estimate):
         return estimate._text, "model_error"
-    path = _os.fspath(estimate)
+    if not isinstance(estimate, (str, _os.PathLike)):
+        raise TypeError("model_error: an estimate is expected, as sagitta.calibrate(...) gives it, or the path of an "
+                        "estimate.json, not %s" % type(estimate).__name__)
+    path = _tables.path_text(estimate, "model_error")
     return _core.text_of(path), path
 
 
@@ -679,16 +731,18 @@ def plan(experiment, *, poses=None, accuracy_mm=None, augment=False, criterion="
     random_tests = isinstance(tests, str) and tests == "random"
     wishes = {
         "poses": None if poses is None else _whole(poses, "poses"),
-        "accuracy_mm": None if accuracy_mm is None else float(accuracy_mm), "augment": augment,
-        "criterion": criterion, "discriminate": ",".join(_names(discriminate, "discriminate")),
+        "accuracy_mm": None if accuracy_mm is None else _number(accuracy_mm, "accuracy_mm"),
+        "augment": _flag(augment, "augment"), "criterion": _word(criterion, "criterion"),
+        "discriminate": ",".join(_names(discriminate, "discriminate")),
         "pool": _whole(pool, "pool"),
         "seed": _seed(seed), "random_tests": random_tests,
         "candidates": [] if candidates is None else _sources(candidates, "candidates"),
         "tests": [] if tests is None or random_tests else _sources(tests, "tests"),
-        "cell": ("", False) if cell is None else _path_or_text(cell, "cell"), "move": move,
+        "cell": ("", False) if cell is None else _path_or_text(cell, "cell"),
+        "move": _flag(move, "move"),
         "model_error": _estimate_text(model_error),
     }
-    return Plan(_core.plan(inputs, wishes, "sagitta.plan", progress))
+    return Plan(_core.plan(inputs, wishes, "sagitta.plan", _heard(progress)))
 
 
 __all__ = ["Changed", "Compensation", "Diagnosis", "Estimate", "Experiment", "InputError", "Inspection", "Known",

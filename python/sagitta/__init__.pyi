@@ -1,5 +1,5 @@
 import os
-from typing import Any, Callable, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Iterable, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +12,7 @@ _Table = Union[_Path, pandas.DataFrame, Mapping[str, Any]]
 _Rows = Union[_Table, "_Data"]
 _Tables = Union[_Rows, Sequence[_Rows]]
 _Floats = npt.NDArray[np.float64]
+_Named = Union[str, Mapping[str, Union[str, Sequence[float]]]]
 _Progress = Optional[Callable[[str], object]]
 
 class InputError(ValueError):
@@ -95,6 +96,9 @@ class Estimate(_WithJson):
     def warnings(self) -> List[str]: ...
     @property
     def parameters(self) -> dict[str, Parameter]: ...
+    def __contains__(self, name: object) -> bool: ...
+    def __iter__(self) -> Iterator[str]: ...
+    def __len__(self) -> int: ...
     def __getitem__(self, name: str) -> Parameter: ...
     @property
     def estimated(self) -> List[str]: ...
@@ -246,11 +250,11 @@ def compensate_program(
     estimate: Union[Estimate, Known, _Path],
     program: _Path,
     *,
-    tools_mm_deg: Optional[Mapping[str, Union[str, Sequence[float]]]] = None,
-    frames_mm_deg: Optional[Mapping[str, Union[str, Sequence[float]]]] = None,
+    tools_mm_deg: Optional[_Named] = None,
+    frames_mm_deg: Optional[_Named] = None,
     start_deg: Sequence[float] = (),
     load: str = "",
-    loads_kg_mm: Optional[Mapping[str, Union[str, Sequence[float]]]] = None,
+    loads_kg_mm: Optional[_Named] = None,
     turn_joints: Sequence[int] = (),
     threads: int = 1,
 ) -> Program: ...

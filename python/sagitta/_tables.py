@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 
-from sagitta import _core
+from sagitta._core import unguarded as _unguarded
 
 # Arrays of more than one column, in place of single columns: stem and unit -> names of the single ones.
 _AXES = ("x", "y", "z")
@@ -60,6 +60,17 @@ def _input_error(what, key, hint=""):
     return error
 
 
+def path_text(path, name):
+    """A path as the library has it: in UTF-8."""
+    text = os.fsdecode(os.fspath(path))
+    try:
+        text.encode("utf-8")
+    except UnicodeEncodeError:
+        raise _input_error("%s: the path %r is not in UTF-8" % (name, text), name,
+                           "rename the file or its folder") from None
+    return text
+
+
 def _is_missing(value):
     # What compares with itself as neither true nor false (pandas.NA) comes first.
     return value is None or value is np.ma.masked or str(value) == "<NA>" or value != value
@@ -71,6 +82,10 @@ def _text(value):
     if isinstance(value, (float, np.floating)):
         return repr(float(value))
     return value.decode("utf-8") if isinstance(value, bytes) else str(value)
+
+
+def _no_text(name, error):
+    return _input_error("'%s': %r is no text in UTF-8" % (name, error.object), name)
 
 
 def _unmasked(values):
@@ -87,6 +102,8 @@ def _array(name, values):
     """What a table holds under a name, as an array: no dimension where one value is that of all rows."""
     try:
         array = values.to_numpy() if hasattr(values, "to_numpy") else np.asanyarray(values)
+    except UnicodeDecodeError as error:  # bytes among texts
+        raise _no_text(name, error) from None
     except ValueError as error:  # a list of lists that are not equally long
         raise _input_error("'%s' is no array: %s" % (name, error), name) from error
     if array.dtype.kind == "c":
@@ -105,12 +122,15 @@ def _array(name, values):
 _LARGEST_EXACT = 2**53  # of the integers that float64 holds, all of them
 
 
-def _cells(column):
+def _cells(name, column):
     """A column as float64, or as a list of texts: words, and integers of which float64 would lose digits"""
     is_long = column.dtype.kind in "iu" and ((column > _LARGEST_EXACT) | (column < -_LARGEST_EXACT)).any()
     if column.dtype.kind in "fiu" and not is_long:
         return np.asarray(column, dtype=np.float64)
-    return [_text(value) for value in column]
+    try:
+        return [_text(value) for value in column]
+    except UnicodeDecodeError as error:
+        raise _no_text(name, error) from None
 
 
 def _columns(name, array, rows):
@@ -119,11 +139,11 @@ def _columns(name, array, rows):
         array = np.full(rows, array, dtype=array.dtype)
     stem, unit = _parted(name)
     if stem in _ISOTROPIC and unit and (array.ndim == 1 or array.shape[1] == 1):
-        cells = _cells(array.reshape(len(array)))
+        cells = _cells(name, array.reshape(len(array)))
         return [(axis + unit, cells) for axis in _WIDE[stem]]
     if array.ndim == 1:
-        return [(name, _cells(array))]
-    return [(single, _cells(column)) for single, column in _single_columns(name, array, rows)]
+        return [(name, _cells(name, array))]
+    return [(single, _cells(single, column)) for single, column in _single_columns(name, array, rows)]
 
 
 class Written:
@@ -136,7 +156,7 @@ class Written:
 def source(table, name):
     """A path as text, anything with columns as (name, {column: values}), what was written as (name, text)."""
     if isinstance(table, (str, os.PathLike)):
-        return os.fspath(table)
+        return path_text(table, name)
     if isinstance(table, Written):
         return (name, table.text)
     if not hasattr(table, "keys"):
@@ -191,7 +211,7 @@ def frame(csv):
     found = pandas.read_csv(io.StringIO(csv), float_precision="round_trip", comment=None,
                             dtype=dict.fromkeys(texts + others, str), keep_default_na=False, na_values=[""])
     for name in texts + others if "'" in csv else ():
-        found[name] = found[name].map(_core.unguarded, na_action="ignore")
+        found[name] = found[name].map(_unguarded, na_action="ignore")
     for name in others:
         found[name] = _numbers_or_texts(found[name])
     return found

@@ -130,7 +130,7 @@ class Copies(unittest.TestCase):
                        estimate.validate(KR270 / "geometric.csv"), estimate.compensate(targets)):
             names = [name for name in dir(type(result)) if isinstance(getattr(type(result), name), property)]
             names = [name for name in names if isinstance(getattr(result, name), (dict, list)) and name[0] != "_"]
-            self.assertTrue(names, result)
+            self.assertTrue(names or isinstance(result, sagitta.Plan), result)
             for name in names:
                 before = repr(getattr(result, name))
                 change(getattr(result, name))
@@ -261,6 +261,118 @@ class Programs(FolderTest):
             self.assertEqual((self.folder / name).read_bytes(), self.KRL)
         corrected.write(self.folder / "new.src")
         self.assertNotEqual((self.folder / "new.src").read_bytes(), self.KRL)
+
+
+class Arguments(FolderTest):
+    def setUp(self):
+        super().setUp()
+        self.experiment = sagitta.read(KR270 / "experiment.yaml")
+
+    def caught(self, error, words, call, *arguments, **options):
+        with self.assertRaisesRegex(error, words) as raised:
+            call(*arguments, **options)
+        return raised.exception
+
+    def test_paths_that_are_not_utf8(self):
+        folder = os.fsencode(self.folder) + b"/d\xe4"
+        os.mkdir(folder)
+        (self.folder / "p.src").write_bytes(Programs.KRL)
+        for name in ("robot.yaml", "geometric.csv", "experiment.yaml"):
+            with open(folder + b"/" + name.encode(), "wb") as file:
+                file.write((KR270 / name).read_bytes())
+        folder = os.fsdecode(folder)
+        estimate = sagitta.calibrate(self.experiment)
+        estimate.write(self.folder)
+        program = sagitta.compensate_program(estimate, self.folder / "p.src")
+        for key, call in (("robot", lambda: sagitta.read(folder + "/experiment.yaml")),
+                          ("robot", lambda: sagitta.read(folder + "/robot.yaml", KR270 / "geometric.csv")),
+                          ("measurements", lambda: sagitta.read(KR270 / "robot.yaml", folder + "/geometric.csv")),
+                          ("rows", lambda: estimate.predict(folder + "/geometric.csv")),
+                          ("targets", lambda: estimate.compensate(folder + "/t.csv")),
+                          ("path", lambda: sagitta.load(folder + "/estimate.json")),
+                          ("folder", lambda: estimate.write(folder)),
+                          ("path", lambda: program.write(folder + "/p.src")),
+                          ("program", lambda: sagitta.compensate_program(estimate, folder + "/p.src")),
+                          ("model_error",
+                           lambda: sagitta.plan(self.experiment, poses=8, model_error=folder + "/e.json"))):
+            self.assertEqual(self.caught(sagitta.InputError, "not in UTF-8", call).key, key)
+        (self.folder / "experiment.yaml").write_bytes(b"schema: sagitta/experiment/1\nrobot: d\xe4/robot.yaml\n")
+        self.caught(sagitta.InputError, "", sagitta.read, self.folder / "experiment.yaml")
+
+    def test_texts_that_are_not_utf8(self):
+        columns = module_test.columns_of(KR270 / "geometric.csv")
+        markers = columns["marker"]
+        for wrong in ("P\udce4", b"P\xe4"):
+            error = self.caught(sagitta.InputError, "UTF-8", sagitta.read, KR270 / "robot.yaml",
+                                {**columns, "marker": markers[:3] + [wrong] + markers[4:]})
+            self.assertEqual(error.key, "marker")
+            self.assertIn(error.line, (4, 0))
+        self.caught(sagitta.InputError, "UTF-8", sagitta.read, KR270 / "robot.yaml", {**columns, "\udce4": markers})
+
+    def test_arguments_are_named(self):
+        estimate = sagitta.calibrate(self.experiment)
+        program = self.folder / "p.src"
+        program.write_bytes(Programs.KRL)
+        read = lambda **options: sagitta.read(KR270 / "experiment.yaml", **options)
+        plan = lambda **options: sagitta.plan(self.experiment, poses=8, pool=60, **options)
+        calibrate = lambda **options: sagitta.calibrate(self.experiment, **options)
+        correct = lambda **options: sagitta.compensate_program(estimate, program, **options)
+        for call, options in ((plan, {"criterion": None}), (plan, {"augment": "no"}), (plan, {"move": "no"}),
+                              (plan, {"model_error": estimate.known}), (plan, {"progress": 1}),
+                              (calibrate, {"method": None}), (calibrate, {"force": "no"}), (calibrate, {"progress": 1}),
+                              (read, {"holdout": "x"}), (read, {"sigma_mm": "x"}), (read, {"points_required": "no"}),
+                              (correct, {"tools_mm_deg": 3}), (correct, {"frames_mm_deg": {"world": 3}}),
+                              (correct, {"load": None}), (correct, {"start_deg": 3}),
+                              (correct, {"start_deg": ["x"] * 6}), (correct, {"turn_joints": [None]})):
+            self.caught(TypeError, "^%s: " % next(iter(options)), call, **options)
+        self.caught(TypeError, "^accuracy_mm: ", sagitta.plan, self.experiment, accuracy_mm="x")
+        self.caught(TypeError, "^sigma_mm: ", sagitta.simulate, self.experiment, estimate, sigma_mm="x")
+        self.assertEqual(calibrate(force=np.True_).status, "converged")
+        self.assertEqual(correct(tools_mm_deg="flange=same").text, correct(tools_mm_deg={"flange": "same"}).text)
+
+    def test_messages_have_the_names_of_python(self):
+        program = self.folder / "p.src"
+        program.write_bytes(b"LIN {X 1500,Y 0,Z 1500,A 0,B 90,C 0}\n")
+        estimate = sagitta.calibrate(self.experiment)
+        fixed, free = [lambda flag=flag: sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml", **{flag: ["nope"]}))
+                       for flag in ("fixed", "free")]
+        for key, call in (("fixed", fixed), ("free", free),
+                          ("poses", lambda: sagitta.plan(self.experiment, poses=3, pool=60)),
+                          ("tools_mm_deg", lambda: sagitta.compensate_program(estimate, program))):
+            error = self.caught(sagitta.InputError, "%s: " % key, call)
+            self.assertEqual(error.key, key)
+            self.assertNotIn("--", str(error))
+        error = self.caught(sagitta.InputError, "no parameter|not", sagitta.calibrate, sagitta.read(
+            KR270 / "experiment.yaml", fixed=["--fixed"]))
+        self.assertIn("'--fixed'", str(error))  # a name of the user's own
+
+    def test_names_of_an_estimate(self):
+        estimate = sagitta.calibrate(self.experiment)
+        self.assertEqual(list(estimate), list(estimate.parameters))
+        self.assertEqual(len(estimate), len(estimate.parameters))
+        self.assertIn("geometry/p_x1", estimate)
+        self.assertNotIn("geometry/p_x9", estimate)
+        self.assertNotIn(0, estimate)
+
+    def test_texts_of_one_line(self):
+        robot = {"schema": "sagitta/robot/1", "name": "one link", "joints": [{"name": "A1", "type": "revolute"}],
+                 "kinematics": {"chain": [{"Rz": "A1"}, {"Tx_mm": 350}]}}
+        rows = {"config": ["c"], "marker": ["m"], "q1_deg": [10.0], "x_mm": [1.0], "y_mm": [2.0], "z_mm": [3.0]}
+        self.assertEqual(sagitta.read(json.dumps(robot), rows).robot_name, "one link")
+        urdf = ("<robot name='of URDF'><link name='a'/><link name='b'/><joint name='A1' type='continuous'>"
+                "<parent link='a'/><child link='b'/><axis xyz='0 0 1'/></joint></robot>")
+        self.assertEqual(sagitta.read(urdf, rows).robot_name, "of URDF")
+        self.caught(sagitta.InputError, "measurements are missing", sagitta.read, json.dumps(robot))
+
+    def test_a_seed_of_nothing(self):
+        rows = self.experiment.to_dataframe().assign(set="calibration")
+        for call in (lambda: sagitta.read(KR270 / "experiment.yaml", seed=5),
+                     lambda: sagitta.read(KR270 / "robot.yaml", rows, seed=5),
+                     lambda: sagitta.read(KR270 / "robot.yaml", rows, seed=5,
+                                          validation={"column": "config", "values": ["C01"]})):
+            error = self.caught(sagitta.InputError, "^seed: no rows are held out at random", call)
+            self.assertEqual((error.key, error.hint[:7]), ("seed", "holdout"))
+        self.assertEqual(len(sagitta.read(KR270 / "experiment.yaml", seed=5, holdout=0.3)), len(self.experiment))
 
 
 if __name__ == "__main__":
