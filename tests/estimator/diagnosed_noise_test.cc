@@ -12,30 +12,13 @@
 #include "estimator/report/diagnosis_words.h"
 #include "estimator/results/prediction_noise.h"
 #include "estimator/sagitta.h"
-#include "tests/support/moved_kr270.h"
+#include "tests/support/hidden_kr270.h"
 
 namespace sagitta::diagnosed_noise_test {
 namespace {
 
-using test::Kr270Truth;
-
-constexpr double kSigma = 2e-5;  // m
-
-// 50 configurations from one station, 15 of them held out; `move` changes where the joints really are.
-template <typename Move>
-CalibrationProblem Moved(std::uint64_t seed, const Move& move) {
-  const Measurements data = test::MeasuredAfter(test::CampaignOf(50, 1, kSigma, seed), 100 + seed, move);
-  Experiment experiment;
-  experiment.validation.kind = ValidationSpec::Kind::kFraction;
-  experiment.validation.fraction = 0.3;
-  return MakeCalibrationProblem(test::Kr270Robot(), data, experiment);
-}
-
-// Joint 3 off by `deviation(q3)`.
-template <typename Deviation>
-CalibrationProblem Hidden(std::uint64_t seed, const Deviation& deviation) {
-  return Moved(seed, [&](Eigen::VectorXd* q) { (*q)[2] += deviation((*q)[2]); });
-}
+using test::Hidden;
+using test::Moved;
 
 TEST(Diagnosis, WrongStatedNoiseIsAFindingAndNoEffect) {
   CalibrationProblem problem = Hidden(3, [](double) { return 0.0; });
