@@ -262,14 +262,12 @@ nlohmann::ordered_json ValidationToJson(const Validation& validation, const Prov
   json["validation"] = {{"observations", validation.after.observations}};
   json["validation"].update(SizeToJson(validation.after));
   json["validation"]["before"] = SizeToJson(validation.before);
-  json["validation"]["predicted_rms_mm"] = validation.predicted_rms > 0.0
-                                               ? nlohmann::ordered_json(1e3 * validation.predicted_rms)
-                                               : nlohmann::ordered_json(nullptr);
-  json["validation"]["prediction_p_value"] =
-      validation.predicted_rms > 0.0 ? nlohmann::ordered_json(validation.p_value) : nlohmann::ordered_json(nullptr);
-  json["validation"]["excess"] = validation.predicted_rms > 0.0
-                                     ? nlohmann::ordered_json(validation.after.rms / validation.predicted_rms)
-                                     : nlohmann::ordered_json(nullptr);
+  const auto predicted = [&](double figure) {
+    return validation.predicted_rms > 0.0 ? nlohmann::ordered_json(figure) : nlohmann::ordered_json(nullptr);
+  };
+  json["validation"]["predicted_rms_mm"] = predicted(1e3 * validation.predicted_rms);
+  json["validation"]["prediction_p_value"] = predicted(validation.p_value);
+  json["validation"]["excess"] = predicted(validation.after.rms / validation.predicted_rms);
   json["validation"]["refuted"] = !validation.refutation.empty();
   std::vector<std::string> warnings = validation.warnings;
   if (!validation.refutation.empty()) warnings.insert(warnings.begin(), validation.refutation);

@@ -84,12 +84,16 @@ std::optional<ReadingGroup> FindGroup(const std::string& kind, const std::string
 
 std::vector<ReadingGroup> GroupsOfReadings(const CalibrationProblem& problem) {
   const std::vector<int> rows = problem.CalibrationObservations();
+  const std::vector<ReadingGroup> all = AllGroups(problem.data());
+  std::vector<long> own(all.size(), 0);
+  for (const int i : rows) {
+    const ReadingWithRoot reading = ReadingOf(problem, i);
+    for (size_t g = 0; g < all.size(); ++g) own[g] += DirectionsOf(reading, all[g]).cols();
+  }
   std::vector<ReadingGroup> groups;
-  for (const ReadingGroup& group : AllGroups(problem.data())) {
-    long own = 0;
-    for (const int i : rows) own += DirectionsOf(ReadingOf(problem, i), group).cols();
-    const long others = 3 * static_cast<long>(rows.size()) - own;
-    if (std::min(own, others) >= kFewestCoordinates) groups.push_back(group);
+  for (size_t g = 0; g < all.size(); ++g) {
+    const long others = 3 * static_cast<long>(rows.size()) - own[g];
+    if (std::min(own[g], others) >= kFewestCoordinates) groups.push_back(all[g]);
   }
   return groups;
 }

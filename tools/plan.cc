@@ -162,10 +162,10 @@ Command PlanCommand() {
           R"(sagitta plan EXP --poses=N|--accuracy_mm=A [--augment] [--discriminate=EFFECT,EFFECT] --out=DIR
 
 EXP is an experiment file, or ROBOT.yaml MEAS.csv…; x, y, z of its rows may be absent. Its rows say how a pose is
-measured (stations, markers, loads; a listed candidate's own rows do) and where accuracy is wanted: the validation rows, else all, are the test poses.
-Written are plan.csv, a measurement file without x, y, z, report.html, the arm drawn in each pose, and plan.json with
-the criterion, how near the plan is to the best possible one of the candidates, the predicted accuracy, the expected
-sigma of every parameter and the accuracy over the number of poses.
+measured (stations, markers, loads; of a listed candidate its own rows do) and where accuracy is wanted: the validation
+rows, else all, are the test poses. Written are plan.csv, a measurement file without x, y, z, report.html, the arm drawn
+in each pose, and plan.json with the criterion, how near the plan is to the best possible one of the candidates, the
+predicted accuracy, the expected sigma of every parameter and the accuracy over the number of poses.
 
 The criterion I is the mean squared position error at the test poses after compensation; D, A, E and O1 to O5 are
 explained in docs/PLAN.md. --discriminate names effects as results do, joint_harmonic[order=1]/A3. Poses are within the

@@ -28,9 +28,6 @@ constexpr int kMostViews = 4;
 constexpr int kMostChanges = 8;       // of a view before it is searched
 constexpr size_t kMostPromising = 2;  // groups that each change tries
 constexpr double kSameSize = 0.1;     // of the logarithm
-// A part of the noise is another than stated only where the interval of 95 % for it, by the likelihood ratio, does not
-// hold what is stated: half the quantile of chi-square with one degree of freedom.
-constexpr double kLeastGain = 1.92;
 
 struct LogRange {
   double low, high;

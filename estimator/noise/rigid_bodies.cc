@@ -12,9 +12,6 @@
 namespace sagitta {
 namespace {
 
-// A factor of 1 outside the interval of 95 % by the likelihood ratio: half the quantile of chi-square with one degree
-// of freedom.
-constexpr double kLeastGain = 1.92;
 constexpr double kWidest = 64.0;  // factors are tried by octaves
 constexpr double kNothing = 1e-9;
 
@@ -119,10 +116,12 @@ std::vector<ReadingGroup> GroupsOfOwnNoise(const CalibrationProblem& problem, co
     const Eigen::VectorXd left = free.transpose() * shot.residual;
     square += left.squaredNorm();
     dof += static_cast<double>(left.size());
+    std::vector<ReadingWithRoot> readings;
+    for (const int i : shot.observations) readings.push_back(ReadingOf(problem, i));
     for (size_t g = 0; g < groups.size(); ++g) {
       Eigen::MatrixXd own = Eigen::MatrixXd::Zero(left.size(), left.size());  // N'W W'N
-      for (size_t i = 0; i < shot.observations.size(); ++i) {
-        const Directions along = DirectionsOf(ReadingOf(problem, shot.observations[i]), groups[g]);
+      for (size_t i = 0; i < readings.size(); ++i) {
+        const Directions along = DirectionsOf(readings[i], groups[g]);
         const Eigen::MatrixXd seen = along.transpose() * free.middleRows<3>(static_cast<long>(3 * i));
         own += seen.transpose() * seen;
       }

@@ -11,6 +11,10 @@
 
 namespace sagitta {
 
+// A factor on noise is another than 1 only where the interval of 95 % for it, by the likelihood ratio, does not hold 1:
+// half the quantile of chi-square with one degree of freedom.
+constexpr double kLeastGain = 1.92;
+
 // Residuals of the points of one shot on one body, whitened.
 struct ShotResidual {
   std::vector<int> observations;

@@ -52,6 +52,21 @@ class PredictNoiseTest : public ProgramTest {
 
 const char* const kPlain = "noise: {sigma_mm: 0.03}\nrepeatability_urad: 20\n";
 
+TEST_F(PredictNoiseTest, WhereNoNoiseIsKnownNothingIsExpectedOfTheErrors) {
+  Predict(kPlain, kPlain);
+  EXPECT_TRUE(ReadJson("v/validation.json")["validation"]["prediction_p_value"].is_number());
+  json estimate = ReadJson("out/estimate.json");
+  estimate["prediction_noise"]["sigma_mm"] = nullptr;
+  estimate["prediction_noise"].erase("sigma_axis_mm");
+  const std::string unknown = Write("unknown.json", estimate.dump());
+  ASSERT_EQ(Run({"validate", unknown, Path("m.csv"), "--out=" + Path("v")}).status, 0);
+  const json validation = ReadJson("v/validation.json")["validation"];
+  EXPECT_TRUE(validation["rms_mm"].is_number());
+  for (const char* key : {"predicted_rms_mm", "prediction_p_value", "excess"}) {
+    EXPECT_TRUE(validation[key].is_null()) << key;
+  }
+}
+
 TEST_F(PredictNoiseTest, EveryNoiseModelSaysWhatOneMeasurementShows) {
   for (const char* keys :
        {"noise: {sigma_mm: 0.03}\nrepeatability_urad: 20\n", "noise: {from: repeats}\n",
