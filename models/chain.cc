@@ -1,5 +1,7 @@
 #include "models/chain.h"
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 
 namespace sagitta {
@@ -10,12 +12,21 @@ std::vector<std::string> JointNames(const std::vector<Joint>& joints) {
   return names;
 }
 
+bool Joint::Allows(double value) const {
+  constexpr double kRounding = 1e-9;  // rad or m
+  return !IsHeld() || std::abs(value - *min) <= kRounding;
+}
+
 Chain::Chain() = default;
 Chain::Chain(const Chain&) = default;
 Chain::Chain(Chain&&) noexcept = default;
 Chain& Chain::operator=(const Chain&) = default;
 Chain& Chain::operator=(Chain&&) noexcept = default;
 Chain::~Chain() = default;
+
+int Chain::num_driven() const {
+  return static_cast<int>(std::count_if(joints.begin(), joints.end(), [](const Joint& j) { return !j.IsHeld(); }));
+}
 
 int Chain::FindJoint(const std::string& name) const {
   for (int j = 0; j < num_joints(); ++j) {

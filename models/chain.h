@@ -27,6 +27,12 @@ struct Joint {
   JointType type = JointType::kRevolute;
   std::optional<double> min;  // rad or m
   std::optional<double> max;  // rad or m
+
+  // Limits that are equal: it has this value only, as a joint that is locked, or that moves with another and not by
+  // itself (URDF's <mimic>).
+  bool IsHeld() const { return min && max && *min == *max; }
+  // False: it is held, and not there.
+  bool Allows(double value) const;
 };
 
 // In their order.
@@ -73,6 +79,8 @@ struct Chain {
 
   int num_joints() const { return static_cast<int>(joints.size()); }
   int num_transforms() const { return static_cast<int>(transforms.size()); }
+  // Joints that can move by themselves.
+  int num_driven() const;
 
   // Index of the joint or transform so named, -1 if there is none.
   int FindJoint(const std::string& name) const;

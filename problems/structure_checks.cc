@@ -1,8 +1,11 @@
 #include "problems/structure_checks.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "models/constants.h"
 #include "models/effects/effect.h"
 #include "problems/limits.h"
 #include "problems/robot_structure.h"
@@ -24,6 +27,21 @@ void CheckConfigurations(const Measurements& data, int joints) {
     const std::string item = "configuration " + configuration.id;
     CheckOnePerJoint(configuration.q.size(), joints, item, "joint values");
     CheckAreNumbers(configuration.q, item, "a joint value");
+  }
+}
+
+// A joint that is held has its one value in every row; another would be counted in addition to what it mimics.
+void CheckHeldJoints(const Chain& chain, const Measurements& data, const Shot& shot) {
+  const Eigen::VectorXd& q = data.configurations[shot.configuration].q;
+  for (int j = 0; j < chain.num_joints(); ++j) {
+    const Joint& joint = chain.joints[j];
+    if (joint.Allows(q[j])) continue;
+    const bool turns = joint.type == JointType::kRevolute;
+    const double per_si = turns ? 180.0 / kPi : 1e3;
+    throw InputError(data.WhereOf(shot, "q" + std::to_string(j + 1)),
+                     fmt::format("joint '{}' does not move by itself: its value is {:g}, not {:g} {}", joint.name,
+                                 *joint.min * per_si, q[j] * per_si, turns ? "deg" : "mm"),
+                     "what a joint with <mimic> moves with another is not in its own column");
   }
 }
 
@@ -110,6 +128,7 @@ void CheckStructure(const Robot& robot, const Measurements& data, MarkerlessRows
   CheckConfigurations(data, robot.num_joints());
   for (size_t i = 0; i < data.observations.size(); ++i) CheckObservation(data, i, markerless);
   for (size_t s = 0; s < data.shots.size(); ++s) CheckShot(data, s, robot.num_joints());
+  for (const Shot& shot : data.shots) CheckHeldJoints(robot.chain, data, shot);
   CheckListed(data);
 }
 

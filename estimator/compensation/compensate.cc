@@ -174,8 +174,8 @@ std::string Compensator::Words(const Target& target, const CompensatedTarget& re
   const double position = s.left_position, rotation = s.left_rotation;
   switch (s.status) {
     case TargetStatus::kOk:
-      if (input_.nominal.num_joints() < 6 && s.left_rotation > kOnTarget) {
-        return OrientationLeft(input_.nominal.num_joints(), rotation);
+      if (input_.nominal.num_driven() < 6 && s.left_rotation > kOnTarget) {
+        return OrientationLeft(input_.nominal.num_driven(), rotation);
       }
       return s.at_limit.empty() ? "" : LimitMadeUpFor(JointNames(s.at_limit));
     case TargetStatus::kSingular:

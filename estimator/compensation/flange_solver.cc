@@ -35,7 +35,8 @@ class Newton {
       : arm_(arm), target_(target), reference_(reference), moves_(chain.num_joints(), true) {
     const double reach = CharacteristicLength(chain);
     weight_.head<3>().setConstant(1.0 / reach);
-    weight_.tail<3>().setConstant(chain.num_joints() < 6 ? kAngleWeight : 1.0);
+    weight_.tail<3>().setConstant(chain.num_driven() < 6 ? kAngleWeight : 1.0);
+    for (int j = 0; j < chain.num_joints(); ++j) moves_[j] = !chain.joints[j].IsHeld();
   }
 
   void Hold(int joint) { moves_[joint] = false; }
@@ -101,6 +102,9 @@ class Newton {
       home -= direction.dot(home) * direction;
     }
     if (std::count(moves_.begin(), moves_.end(), true) > 6) step += home;
+    for (size_t j = 0; j < moves_.size(); ++j) {
+      if (!moves_[j]) step[j] = 0.0;  // but for rounding it is
+    }
     const double longest = step.lpNorm<Eigen::Infinity>();
     return longest > kLongestStep ? Eigen::VectorXd(kLongestStep / longest * step) : step;
   }
@@ -157,7 +161,7 @@ bool IsBeyondReach(const Chain& chain, const Vector3<double>& target) {
 }
 
 TargetStatus JudgeSolution(const Chain& chain, const FlangeSolution& solution) {
-  const bool orientation_counts = chain.num_joints() >= 6;
+  const bool orientation_counts = chain.num_driven() >= 6;
   const bool there =
       solution.left_position <= kOnTarget && (!orientation_counts || solution.left_rotation <= kOnTarget);
   if (!there && !solution.at_limit.empty()) return TargetStatus::kLimit;
@@ -237,12 +241,16 @@ double CharacteristicLength(const Chain& chain) {
 }
 
 double LeastSingularValue(const Chain& chain, const FlangeState& state) {
-  const int n = chain.num_joints();
-  Eigen::MatrixXd jacobian = state.by_joints.topRows(n < 6 ? 3 : 6);
-  jacobian.topRows<3>() /= CharacteristicLength(chain);
-  for (int j = 0; j < n; ++j) {
-    if (chain.joints[j].type == JointType::kPrismatic) jacobian.col(j) *= CharacteristicLength(chain);
+  const int driven = chain.num_driven();
+  if (driven == 0) return 0.0;
+  Eigen::MatrixXd jacobian(driven < 6 ? 3 : 6, driven);
+  for (int j = 0, own = 0; j < chain.num_joints(); ++j) {
+    if (chain.joints[j].IsHeld()) continue;
+    jacobian.col(own) = state.by_joints.col(j).head(jacobian.rows());
+    if (chain.joints[j].type == JointType::kPrismatic) jacobian.col(own) *= CharacteristicLength(chain);
+    ++own;
   }
+  jacobian.topRows<3>() /= CharacteristicLength(chain);
   return Eigen::JacobiSVD<Eigen::MatrixXd>(jacobian).singularValues().tail<1>()[0];
 }
 
@@ -277,7 +285,10 @@ FlangeSolution SolveFlange(const Chain& chain, const FlangeFunction& arm, const 
                            const Eigen::VectorXd& start, bool within_limits) {
   FlangeSolution solution;
   solution.q = start;
-  Newton newton(chain, arm, target, start);
+  for (int j = 0; j < chain.num_joints(); ++j) {
+    if (chain.joints[j].IsHeld()) solution.q[j] = *chain.joints[j].min;
+  }
+  Newton newton(chain, arm, target, solution.q);
   // Every round holds one more joint at its limit.
   for (int round = 0; round <= chain.num_joints(); ++round) {
     solution.status = TargetStatus::kOk;

@@ -46,9 +46,11 @@ std::vector<FirstRow> CalibrationConfigurations(const CalibrationProblem& proble
   return found;
 }
 
+// A joint that could have moved.
 bool IsStill(const CalibrationProblem& problem, const MeasuredRange& range) {
-  const bool turns = problem.robot().chain.joints[range.joint].type == JointType::kRevolute;
-  return range.most - range.least < (turns ? kUnmovedAngle : kUnmovedLength);
+  const Joint& joint = problem.robot().chain.joints[range.joint];
+  const bool turns = joint.type == JointType::kRevolute;
+  return !joint.IsHeld() && range.most - range.least < (turns ? kUnmovedAngle : kUnmovedLength);
 }
 
 // Values that the joint cannot have: another joint's column, another zero or unit, or limits of another robot.
@@ -75,6 +77,7 @@ void LintJoints(const CalibrationProblem& problem, std::vector<Finding>* finding
     const bool turns = joint.type == JointType::kRevolute;
     const double covered = range.most - range.least;
     LintLimits(problem, range, findings);
+    if (joint.IsHeld()) continue;
     if (IsStill(problem, range)) {
       findings->push_back(
           Found(Severity::kWarning, "joint_never_moved", JointNeverMoved(joint, range.least, range.most)));

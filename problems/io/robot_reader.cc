@@ -31,8 +31,9 @@ Joint ReadJoint(const YamlValue& value) {
   joint.type = revolute ? JointType::kRevolute : JointType::kPrismatic;
   ReadLimits(&map, &joint);
   map.Finish();
-  if (joint.min && joint.max && *joint.min >= *joint.max) {
-    value.Fail("the limits of joint '" + joint.name + "' are swapped or equal", "min has to be below max");
+  if (joint.min && joint.max && *joint.min > *joint.max) {
+    value.Fail("the limits of joint '" + joint.name + "' are swapped",
+               "min has to be below max; where they are equal, the joint has that value only");
   }
   return joint;
 }
@@ -138,6 +139,11 @@ void TakeLimits(const YamlValue& value, const std::vector<Joint>& stated, Chain*
     Joint& joint = chain->joints[j];
     if (stated[j].name != joint.name) value.Items()[j].Fail("'" + joint.name + "' is expected here", hint);
     if (stated[j].type != joint.type) value.Items()[j].Fail("the joint is of the other type in the URDF");
+    const bool has_other =
+        (stated[j].min && stated[j].min != joint.min) || (stated[j].max && stated[j].max != joint.max);
+    if (joint.IsHeld() && has_other)
+      value.Items()[j].Fail("'" + joint.name + "' mimics another joint in the URDF: by itself it does not move",
+                            "leave its limits out");
     if (stated[j].min) joint.min = stated[j].min;
     if (stated[j].max) joint.max = stated[j].max;
   }

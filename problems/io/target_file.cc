@@ -169,6 +169,11 @@ Target TargetReader::ReadTarget() {
   target.name = Cell(name_);
   if (target.name.empty()) Fail("target", "the cell is empty");
   target.q = Numbers(q_);
+  for (int j = 0; target.q && j < robot_.num_joints(); ++j) {
+    const Joint& joint = robot_.chain.joints[j];
+    if (joint.Allows((*target.q)[j])) continue;
+    Fail(table_.file.header[q_[j].index], "joint '" + joint.name + "' does not move by itself");
+  }
   if (const std::optional<Eigen::VectorXd> pose = Numbers(pose_)) {
     target.flange_in_base = Pose<double>{RotationFromVector(Vector3<double>(pose->tail<3>())), pose->head<3>()};
   }

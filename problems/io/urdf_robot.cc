@@ -45,6 +45,7 @@ class ChainBuilder {
     const bool revolute = joint.type == UrdfJoint::Type::kRevolute;
     chain_.joints.push_back(
         {joint.name, revolute ? JointType::kRevolute : JointType::kPrismatic, joint.min, joint.max});
+    if (joint.mimic) chain_.joints.back().min = chain_.joints.back().max = 0.0;  // in addition to what it mimics
     const std::optional<SignedAxis> elementary = ElementaryAxis(joint.axis);
     const int own = revolute && elementary ? static_cast<int>(elementary->axis) : -1;
     if (!joint.is_upward) {

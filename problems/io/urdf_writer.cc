@@ -67,10 +67,30 @@ std::string LinkNameOf(const Joint& joint) { return UnusedName(joint.name + "_li
 // Limits of a joint; effort and velocity are not known to a robot file.
 std::string LimitElement(const Joint& joint) {
   std::string limit = "    <limit";
-  if (joint.min && joint.max) {
+  if (joint.min && joint.max && !joint.IsHeld()) {
     limit += " lower=\"" + FormatNumber(*joint.min) + "\" upper=\"" + FormatNumber(*joint.max) + "\"";
   }
   return limit + " effort=\"0\" velocity=\"0\"/>\n";
+}
+
+// What moves a joint that does not move by itself; "" for all others. Throws InputError for what URDF has no words for.
+std::string MimicElement(const Chain& chain, int j) {
+  const Joint& joint = chain.joints[j];
+  std::vector<Coupling> own;
+  for (const Coupling& coupling : chain.couplings) {
+    if (coupling.joint == j) own.push_back(coupling);
+  }
+  const auto fail = [&](const std::string& what, const std::string& hint) {
+    throw InputError({"", 0, "coupling"}, "URDF cannot state that joint '" + joint.name + "' " + what, hint);
+  };
+  if (joint.IsHeld() && own.empty()) fail("is held", "leave its limits out, or make them a range");
+  if (own.empty()) return "";
+  if (own.size() > 1) fail("moves with two others", "");
+  if (!joint.IsHeld() || *joint.min != 0.0)
+    fail("moves by itself and with another", "where it only follows, its limits in the robot's file are 0 and 0");
+  const Joint& driver = chain.joints[own.front().driver];
+  if (driver.IsHeld()) fail("moves with '" + driver.name + "', which follows another", "");
+  return "    <mimic joint=\"" + Escaped(driver.name) + "\" multiplier=\"" + FormatNumber(own.front().ratio) + "\"/>\n";
 }
 
 // Moves `base_from_old` by the least turn and shift so that its axis lies on the robot's.
@@ -216,11 +236,6 @@ class Editor {
 
 std::string RobotToUrdf(const Robot& robot) {
   const Chain& chain = robot.chain;
-  if (!chain.couplings.empty()) {
-    const std::string& name = chain.joints[chain.couplings.front().joint].name;
-    throw InputError({"", 0, "coupling"},
-                     "URDF cannot state that joint '" + name + "' moves by itself and with another");
-  }
   const std::vector<Pose<double>> frames = FramesAtZero(chain);
   const std::string fixed_joint = UnusedName(kFlangeJoint, JointNamesOf(chain));
   std::string links = std::string("  <link name=\"") + kBaseLink + "\"/>\n", joints, parent = kBaseLink;
@@ -229,14 +244,14 @@ std::string RobotToUrdf(const Robot& robot) {
     const int e = chain.JointTransform(j);
     const std::string child = LinkNameOf(chain.joints[j]);
     const bool revolute = chain.joints[j].type == JointType::kRevolute;
-    const bool limited = chain.joints[j].min && chain.joints[j].max;
+    const bool limited = chain.joints[j].min && chain.joints[j].max && !chain.joints[j].IsHeld();
     const std::string axis = "    <axis xyz=\"" + UrdfNumbers(MotionAxisOf(chain.transforms[e])) + "\"/>\n";
     joints += JointElement(chain.joints[j].name,
                            !revolute ? "prismatic"
                            : limited ? "revolute"
                                      : "continuous",
                            parent, child, Product(Inverse(parent_frame), frames[e + 1]),
-                           axis + LimitElement(chain.joints[j]));
+                           axis + LimitElement(chain.joints[j]) + MimicElement(chain, j));
     links += "  <link name=\"" + Escaped(child) + "\"/>\n";
     parent = child;
     parent_frame = frames[e + 1];

@@ -290,6 +290,22 @@ TEST(FlangeSolverTest, FewerJointsMeetThePosition) {
   EXPECT_LT(s.left_rotation, 0.02);
 }
 
+// A joint that only follows another is not commanded, whatever that would gain.
+TEST(FlangeSolverTest, JointsThatOnlyFollowAreNotMoved) {
+  Chain chain = test::DhArm(DhConvention::kStandard, test::Ur5Rows());
+  chain.couplings = {{2, 1, -1.0}};
+  chain.joints[2].min = chain.joints[2].max = 0.0;
+  const Eigen::VectorXd q = (Eigen::VectorXd(6) << 0.2, -0.7, 0.0, 0.4, 0.9, 0.3).finished();
+  const FlangeSolution s =
+      SolveOffset(chain, q, {RotationFromVector<double>({1e-3, 2e-3, -1e-3}), {2e-3, -1e-3, 3e-3}});
+  EXPECT_EQ(s.status, TargetStatus::kOk);
+  EXPECT_EQ(s.q[2], 0.0);
+  EXPECT_TRUE(s.at_limit.empty());
+  EXPECT_LT(s.left_position, 1e-9);  // five joints meet the position only
+  EXPECT_GT(s.left_rotation, 1e-6);
+  EXPECT_LT(s.left_rotation, 0.02);
+}
+
 TEST(FlangeSolverTest, DerivativesAgreeWithDifferences) {
   Chain chain = test::DhArm(DhConvention::kStandard, test::TrackRows());
   chain.couplings.push_back({2, 1, 0.7});

@@ -46,6 +46,19 @@ TEST(Structure, RowsOfNoFileAreSound) {
   EXPECT_EQ(Refusal([](Given*) {}), "");
 }
 
+TEST(Structure, AJointThatIsHeldHasItsOneValue) {
+  const auto hold = [](Given* g, double value) {
+    g->robot.chain.joints[2].min = g->robot.chain.joints[2].max = value;
+    for (Configuration& configuration : g->data.configurations) configuration.q[2] = value;
+  };
+  EXPECT_EQ(Refusal([&](Given* g) { hold(g, 0.5); }), "");
+  EXPECT_THAT(Refusal([&](Given* g) {
+                hold(g, 0.5);
+                g->data.configurations[3].q[2] = 0.25;
+              }),
+              AllOf(HasSubstr("c3"), HasSubstr("does not move by itself"), HasSubstr("28.6479, not 14.3239 deg")));
+}
+
 TEST(Structure, OneJointValuePerJoint) {
   EXPECT_THAT(Refusal([](Given* g) { g->data.configurations[3].q.conservativeResize(5); }),
               AllOf(HasSubstr("configuration c3"), HasSubstr("5 joint values"), HasSubstr("6 joints")));

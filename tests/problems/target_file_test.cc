@@ -54,6 +54,17 @@ TEST(TargetFileTest, OtherColumnsAreCarriedAlong) {
   EXPECT_EQ(Read("target,x_mm,y_mm,z_mm,rx_mrad,ry_mrad,rz_mrad,v_mm,q1_cmd_deg\na,1,1,1,0,0,0,5,6\n").rows.size(), 1u);
 }
 
+TEST(TargetFileTest, JointsThatOnlyFollowHaveNoValueOfTheirOwn) {
+  Robot robot = Arm();
+  robot.chain.joints[2].min = robot.chain.joints[2].max = 0.0;
+  const auto read = [&](const std::string& third) {
+    const std::string text = "target,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\na,1,2," + third + ",4,5,6\n";
+    return ErrorOf([&] { TargetsFromTable(ParseCsvTable(text, "targets.csv"), robot, "S1"); });
+  };
+  EXPECT_EQ(read("0"), "");
+  EXPECT_TRUE(SaysInOrder(read("0.1"), {"targets.csv:2", "q3_deg", "does not move by itself"}));
+}
+
 struct BadTargets {
   const char* name;
   std::string text;

@@ -165,7 +165,6 @@ TEST(UrdfEditTest, WhatTheUrdfCannotHoldIsRefused) {
   EXPECT_EQ(refusal(mimic("-0.5"), coupled), "");
   EXPECT_TRUE(SaysInOrder(refusal(mimic("-0.4"), coupled), {"elbow", "another coupling", "<mimic>"}));
   EXPECT_TRUE(SaysInOrder(refusal(text, coupled), {"couplings that this URDF does not have", "<mimic>"}));
-  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { RobotToUrdf(coupled); }), {"coupling", "'elbow'"}));
   EXPECT_TRUE(SaysInOrder(refusal(Replaced(text, "</robot>", ""), robot), {"arm.urdf"}));
 }
 
@@ -199,6 +198,18 @@ TEST(UrdfReadTest, MimicIsACoupling) {
     const KDL::Frame expected = test::KdlFlange(kdl, kdl_q);
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(FlangeOf(robot.chain, q).translation[i], expected.p[i], 1e-9);
   }
+  // It has no motor: by itself it does not move, whatever limits the URDF states.
+  EXPECT_TRUE(robot.chain.joints[2].IsHeld());
+  EXPECT_EQ(robot.chain.num_driven(), 5);
+  const Robot anew = ReadUrdfText(RobotToUrdf(robot), "anew.urdf"),
+              yaml = ReadRobotText(RobotToYaml(robot), "robot.yaml");
+  for (const Robot* other : {&anew, &yaml}) {
+    EXPECT_EQ(other->chain.num_driven(), 5);
+    const Eigen::VectorXd q = Eigen::VectorXd::LinSpaced(6, -1.0, 1.0).cwiseProduct(Eigen::VectorXd::Unit(6, 1));
+    const Pose<double> expected = FlangeOf(robot.chain, q), found = FlangeOf(other->chain, q);
+    EXPECT_LT((found.translation - expected.translation).norm(), 1e-9);
+    EXPECT_LT((found.rotation - expected.rotation).norm(), 1e-9);
+  }
   // Errors go into the origins, the mimic's offset stays where it is.
   const Robot calibrated = WithGeometricErrors(robot, SmallErrors(robot.chain, 1e-3));
   const Robot again = ReadUrdfText(EditUrdf(text, "arm.urdf", {}, calibrated).text, "edited.urdf");
@@ -213,6 +224,21 @@ TEST(UrdfReadTest, MimicsThatCannotBeACouplingAreRefused) {
   };
   EXPECT_TRUE(SaysInOrder(with("<mimic joint=\"elbow\"/>"), {"arm.urdf", "elbow", "the joint itself"}));
   EXPECT_TRUE(SaysInOrder(with("<mimic joint=\"gripper\"/>"), {"arm.urdf", "elbow", "not between 'l0' and 'l7'"}));
+}
+
+TEST(UrdfWriteTest, WhatMimicCannotStateIsRefused) {
+  Robot robot = ReadUrdfText(UrdfText(test::UniversalStyle()), "arm.urdf");
+  const auto words = [&] { return ErrorOf([&] { RobotToUrdf(robot); }); };
+  robot.chain.couplings = {{2, 1, 0.5}};
+  EXPECT_TRUE(SaysInOrder(words(), {"elbow", "moves by itself and with another", "0 and 0"}));
+  robot.chain.joints[2].min = robot.chain.joints[2].max = 0.1;
+  EXPECT_TRUE(SaysInOrder(words(), {"elbow", "moves by itself and with another"}));
+  robot.chain.joints[2].min = robot.chain.joints[2].max = 0.0;
+  EXPECT_EQ(words(), "");
+  robot.chain.couplings.push_back({2, 0, 0.5});
+  EXPECT_TRUE(SaysInOrder(words(), {"elbow", "moves with two others"}));
+  robot.chain.couplings.clear();
+  EXPECT_TRUE(SaysInOrder(words(), {"elbow", "is held"}));
 }
 
 TEST_F(FileTest, RobotFileNamesItsUrdf) {

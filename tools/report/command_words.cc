@@ -192,8 +192,7 @@ std::string ChainRuns(const std::string& base, const std::string& tip, const std
 
 std::string MimicIsACoupling(const std::string& joint, const std::string& driver) {
   return joint + " mimics " + driver +
-         ": a coupling, with which its own column states what it moves in addition, "
-         "0 where it only follows (ROS publishes the sum)";
+         ": a coupling, and its own column is 0, what it moves by itself (ROS publishes what it moves in all)";
 }
 
 std::string LeftOutOfFormat(const std::string& what) { return "left out, the format has no place for them: " + what; }
