@@ -127,4 +127,17 @@ ReadingWithRoot ReadingOf(const CalibrationProblem& problem, int observation) {
   return {problem.experiment(), problem.data(), row, row.point_in_station, problem.SqrtCovariance(observation)};
 }
 
+CalibrationProblem WithRoots(const CalibrationProblem& problem, const std::function<Matrix3<double>(int)>& root_of) {
+  CalibrationProblem with = problem;
+  with.resolved_noise.resize(problem.data().observations.size());
+  for (size_t i = 0; i < with.resolved_noise.size(); ++i) with.resolved_noise[i] = root_of(static_cast<int>(i));
+  return with;
+}
+
+CalibrationProblem WithScaledGroups(const CalibrationProblem& problem, const std::vector<ScaledGroup>& groups) {
+  CalibrationProblem scaled = WithRoots(problem, [&](int i) { return ScaledRoot(ReadingOf(problem, i), groups); });
+  scaled.scaled_groups = groups;
+  return scaled;
+}
+
 }  // namespace sagitta

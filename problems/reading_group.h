@@ -10,6 +10,7 @@
 // multiplies S by f. Of several groups M is the product in their order.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -77,5 +78,10 @@ Matrix3<double> ScaledRoot(const ReadingWithRoot& reading, const std::vector<Sca
 
 // An observation of a problem, where it was measured, with its noise.
 ReadingWithRoot ReadingOf(const CalibrationProblem& problem, int observation);
+
+// The problem with other roots of the noise of its readings.
+CalibrationProblem WithRoots(const CalibrationProblem& problem, const std::function<Matrix3<double>(int)>& root_of);
+// The problem with the noise of groups of readings multiplied, of rows to come too.
+CalibrationProblem WithScaledGroups(const CalibrationProblem& problem, const std::vector<ScaledGroup>& groups);
 
 }  // namespace sagitta

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "estimator/diagnosis/cautions.h"
 #include "estimator/diagnosis/leading_set.h"
@@ -24,10 +25,10 @@ namespace {
 
 constexpr double kShareOfLackOfFit = 0.15;  // of the significance: lack of fit is asked in addition to the posterior
 constexpr double kIntervalMisses = 0.05;    // of the intervals of 95 %: one that holds no effect at all names none
-constexpr int kMostScatterRounds = 6;
-constexpr int kMostPredicted = 5;         // candidates, each refitted by itself
-constexpr double kSettledScatter = 0.05;  // of sigma: what a hundred degrees of freedom leave open is more
-constexpr int kMostRounds = 2;            // outliers given the believed model, then given the extended one
+constexpr int kMostScatterRounds = 6;       // each leaves a fraction of what the one before moved: two or three do
+constexpr int kMostPredicted = 5;           // candidates, each refitted by itself: as many as are listed to people
+constexpr double kSettledScatter = 0.05;    // of sigma: what a hundred degrees of freedom leave open is more
+constexpr int kMostRounds = 2;              // outliers given the believed model, then given the extended one
 
 class Session {
  public:
@@ -200,7 +201,7 @@ class Session {
     if (const int idle = GoesFirst(LeastSupported()); idle >= 0) return idle;
     if (const int worse = GoesFirst(MeasurePrefixes()); worse >= 0) return worse;
     if (!d_.has_unexplained) FindRest();  // else there is a rest, whatever the noise is
-    return CountHeldOut(d_.final) >= kFewHeldOut && MayLeaveARest() ? LeastConfirmed() : -1;
+    return CountHeldOut(d_.final) >= kFewGains && MayLeaveARest() ? LeastConfirmed() : -1;
   }
 
   // Of those that the posterior does not name.
@@ -217,7 +218,9 @@ class Session {
   // Of those that do not make untouched rows better beyond chance.
   int LeastConfirmed() {
     std::vector<double> gains;
-    for (size_t k = 0; k < selected_.size(); ++k) gains.push_back(HoldoutGain(prefixes_[k], prefixes_[UpTo(k)]));
+    for (size_t k = 0; k < selected_.size(); ++k)
+      gains.push_back(AreUsable(k) ? HoldoutGain(prefixes_[k], prefixes_[UpTo(k)])
+                                   : std::numeric_limits<double>::infinity());
     const size_t least = std::min_element(gains.begin(), gains.end()) - gains.begin();
     VLOG(1) << "diagnosis: " << selected_[least].candidate.spec.Path() << " makes untouched rows better by "
             << gains[least] << " of the scatter of that, the others by more";
@@ -251,6 +254,11 @@ class Session {
     return JudgeFully(quick.problem, quick.estimate.parameters, aligned, joint_);
   }
 
+  // Whether the models with and without an effect have an optimum.
+  bool AreUsable(size_t effect) const {
+    return IsUsable(prefixes_[effect].estimate.status) && IsUsable(prefixes_[UpTo(effect)].estimate.status);
+  }
+
   // Hold-out after each effect, fitted with what it needs: a compliance without its spring may be anything. An effect
   // that makes it worse beyond chance, or, where all since the best prefix do together, the one of these that makes it
   // worst; -1 where none does.
@@ -266,7 +274,8 @@ class Session {
     }
     prefixes_.push_back(d_.final);
     for (size_t k = selected_.size(); k > 0; --k) {
-      if (MakesHoldoutWorse(prefixes_[k - 1], prefixes_[UpTo(k - 1)])) return static_cast<int>(k) - 1;
+      if (AreUsable(k - 1) && MakesHoldoutWorse(prefixes_[k - 1], prefixes_[UpTo(k - 1)]))
+        return static_cast<int>(k) - 1;
     }
     std::vector<double> rms;
     for (const DiagnosedModel& prefix : prefixes_) {
@@ -403,7 +412,7 @@ class Session {
   bool Misfits() const {
     const bool is_stated = IsSigmaStated(problem_);
     return (is_stated && d_.final_p < kShareOfLackOfFit * options_.significance) ||
-           (is_stated && IsFarFromFloor(d_.final, is_stated, options_.significance));
+           IsFarFromFloor(d_.final, is_stated, options_.significance);
   }
 
   // Joints are said to deviate more than stated, and no pose was visited again: a cause that follows the pose looks the
@@ -416,7 +425,7 @@ class Session {
   // m. A deviation of the joints that may be an error which follows the pose is no noise: it would close the gap by
   // being called noise.
   double NoiseFloor() const {
-    const bool is_gap = IsSigmaStated(problem_) && MayFollowThePose();
+    const bool is_gap = IsSigmaStated(problem_) && (MayFollowThePose() || evidence_->FollowsPose(leading_));
     return (is_gap ? d_.baseline : d_.final).estimate.noise_floor;
   }
 

@@ -1,7 +1,7 @@
 #include "estimator/diagnosis/effect_checks.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -20,8 +20,8 @@ constexpr double kPoorlyDetermined = 0.2;
 // Of the same: above, the prior stays in the refit. Below, a tenth of its width, it would move a value of three typical
 // sizes by less than a third of its standard deviation, and is left out.
 constexpr double kPriorMatters = 0.01;
-constexpr double kReplacesIt = 0.5;     // of what the effect explains
-constexpr size_t kRivalsOnHalves = 40;  // names that are asked on a half
+constexpr double kReplacesIt = 0.5;     // of what the effect explains: more than what it leaves
+constexpr size_t kRivalsOnHalves = 40;  // names that are asked on a half, the most probable ones
 
 std::vector<NamedProbability> ByName(const Evidence& evidence, const std::vector<double>& weights) {
   const double sum = LogSumExp(weights);
@@ -45,21 +45,12 @@ std::vector<NamedProbability> ByName(const Evidence& evidence, const std::vector
   return list;
 }
 
-// Eigenvectors and values of what a group can determine.
-struct Determined {
-  Eigen::MatrixXd vectors;
-  Eigen::VectorXd values;
-};
-
-Determined Determine(const Eigen::MatrixXd& information) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(information);
-  const double least = kRank * std::max(1e-300, eigen.eigenvalues().maxCoeff());
-  const int rank = static_cast<int>((eigen.eigenvalues().array() > least).count());
-  return {eigen.eigenvectors().rightCols(rank), eigen.eigenvalues().tail(rank)};
-}
-
-Eigen::VectorXd Solve(const Determined& determined, const Eigen::VectorXd& gradient) {
-  return determined.vectors * (determined.vectors.transpose() * gradient).cwiseQuotient(determined.values);
+// Of what a group can determine.
+Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> Determined(const Eigen::MatrixXd& information) {
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> determined;
+  determined.setThreshold(kRank);
+  determined.compute(information);
+  return determined;
 }
 
 // With c = A a the effect's contribution, a its values given the others:  |P_rival c|^2 / |c|^2.
@@ -71,7 +62,7 @@ std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Poster
   Members others = evidence.MembersOf(model);
   const GivenOthers given = others.Of(place);
   others.Remove(place);
-  const Eigen::VectorXd values = Solve(Determine(given.information), given.gradient);
+  const Eigen::VectorXd values = Determined(given.information).solve(given.gradient);
   const double size = std::max(1e-300, values.dot(given.information * values));
   std::vector<Alternative> alternatives;
   for (const NamedProbability& rival : in_place) {
@@ -84,7 +75,7 @@ std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Poster
     const Eigen::MatrixXd both = with.Of(0).information;
     const long n = own.size(), m = both.cols() - n;
     const Eigen::VectorXd across = both.bottomLeftCorner(m, n) * values;
-    const double overlap = across.dot(Solve(Determine(both.bottomRightCorner(m, m)), across)) / size;
+    const double overlap = across.dot(Determined(both.bottomRightCorner(m, m)).solve(across)) / size;
     if (overlap < kReplacesIt) continue;  // it would be added, not put in its place
     alternatives.push_back(
         {evidence.list().start[rival.explanation], posterior.Of(rival.name), std::min(1.0, overlap)});
@@ -230,8 +221,8 @@ double ResidualAtBest(const Evidence& evidence, const WeightedModel& model) {
 
 // reduction = g'G^+ g.
 MemberFit FitOf(const GivenOthers& given) {
-  const Determined determined = Determine(given.information);
-  return {given.gradient.dot(Solve(determined, given.gradient)), static_cast<int>(determined.values.size())};
+  const auto determined = Determined(given.information);
+  return {given.gradient.dot(determined.solve(given.gradient)), static_cast<int>(determined.rank())};
 }
 
 // Of the prior variance s^2 there is left  diag (G + I / s^2)^-1.

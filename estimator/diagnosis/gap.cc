@@ -12,10 +12,10 @@
 namespace sagitta {
 namespace {
 
-constexpr double kWorseBeyondChance = 0.01;
+constexpr double kWorseBeyondChance = 0.01;   // the default significance
 constexpr double kBetterBeyondChance = 0.05;  // as of an effect's interval: neither may say that it is chance
 constexpr double kShareOfHoldout = 0.1;  // of the significance: asked in addition to the posterior and to lack of fit
-constexpr int kBootstrapDraws = 400;
+constexpr int kBootstrapDraws = 400;     // of which ten lie beyond either end of an interval of 95 %
 
 std::vector<int> PointsHeldOut(const DiagnosedModel& model) {
   return model.problem->data().PointsAmong(model.problem->ValidationObservations());

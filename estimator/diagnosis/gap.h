@@ -9,6 +9,8 @@
 namespace sagitta {
 
 inline constexpr int kFewHeldOut = 3;  // configurations: fewer decide nothing
+// The gains of n of them are sqrt(n) of their own scatter at most: fewer than so many confirm next to nothing.
+inline constexpr int kFewGains = 6;
 
 // Of each group of configurations with equal joint values, which share what a model lacks there (split.h): of its
 // points that were held out (Measurements::PointsAmong) the sum of squared residuals, m^2, and how many coordinates.

@@ -15,7 +15,7 @@
 namespace sagitta {
 namespace {
 
-constexpr int kTimeSlices = 6;
+constexpr int kTimeSlices = 6;  // of a day an hour and more each
 // Of l' l: too small a part to divide by, which would draw noise.
 constexpr double kHardlySeen = 1e-3;  // of the shot (visit) that sees it best
 constexpr double kUnseen = 1e-12;     // of the joint seen best: rounding

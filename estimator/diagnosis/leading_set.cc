@@ -16,6 +16,7 @@
 namespace sagitta {
 namespace {
 
+// Of what functions without a name say: where they say ten times more, the linear model is not to blame for them.
 constexpr double kItsFault = 0.1;
 
 // between: those of the list.

@@ -14,8 +14,8 @@
 namespace sagitta {
 namespace {
 
-constexpr size_t kTableRows = 41;
-constexpr int kOrders = 12;  // what ten bumps over a turn can follow, and a little more
+constexpr size_t kTableRows = 41;  // both ends and the middle among them
+constexpr int kOrders = 12;        // what ten bumps over a turn can follow, and a little more
 
 std::string Rounded(double value) { return Significant(value, 3); }
 

@@ -22,8 +22,8 @@ namespace sagitta {
 namespace {
 
 constexpr double kMedianOfOne = 0.4549, kMedianOfTwo = 1.3863;  // of chi-square with 1 and 2 degrees of freedom
-constexpr double kOfTheWorst = 0.05;
-constexpr double kAlone = 4.0;           // times the other markers of the shot
+constexpr double kOfTheWorst = 0.05;     // of its square: a fit gives its neighbours as much of it, by their leverage
+constexpr double kAlone = 4.0;           // times the squares of the other markers of the shot: twice as far off
 constexpr double kSingleMarker = 3.0;    // times the limit, where no other marker decides
 constexpr double kHeldOutScatter = 1.5;  // the parameters' own uncertainty adds to the noise
 // What the arm or the instrument does and no model has moves more than a tenth of the rows, and more than two, by a
@@ -293,23 +293,10 @@ std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const Para
 }
 
 CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double factor) {
-  CalibrationProblem scaled = problem;
-  scaled.resolved_noise.resize(problem.data().observations.size());
-  for (size_t i = 0; i < scaled.resolved_noise.size(); ++i) {
-    scaled.resolved_noise[i] = factor * problem.SqrtCovariance(static_cast<int>(i));
-  }
+  CalibrationProblem scaled =
+      WithRoots(problem, [&](int i) { return Matrix3<double>(factor * problem.SqrtCovariance(i)); });
   std::optional<double>& common = scaled.mutable_experiment()->noise.sigma;  // of rows that are predicted
   if (common) *common *= factor;
-  return scaled;
-}
-
-CalibrationProblem WithScaledGroups(const CalibrationProblem& problem, const std::vector<ScaledGroup>& groups) {
-  CalibrationProblem scaled = problem;
-  scaled.resolved_noise.resize(problem.data().observations.size());
-  for (size_t i = 0; i < scaled.resolved_noise.size(); ++i) {
-    scaled.resolved_noise[i] = ScaledRoot(ReadingOf(problem, static_cast<int>(i)), groups);
-  }
-  scaled.scaled_groups = groups;
   return scaled;
 }
 

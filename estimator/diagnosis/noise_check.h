@@ -41,9 +41,6 @@ std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const Para
 // The problem with every stated sigma multiplied.
 CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double factor);
 
-// The problem with the noise of groups of readings multiplied, of rows to come too.
-CalibrationProblem WithScaledGroups(const CalibrationProblem& problem, const std::vector<ScaledGroup>& groups);
-
 // The problem with one common repeatability on every revolute joint, rad, instead of what it states of them.
 CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double sigma);
 

@@ -114,6 +114,7 @@ DiagnosedModel WithInstead(const DiagnosedModel& model, const EffectSpec& spec, 
     const int own = parameters.FindCoordinate(changed.Path() + old.name.substr(spec.Path().size()));
     parameters.coordinate(own).free = old.free;
     parameters.coordinate(own).prior_sigma = old.prior_sigma;
+    parameters.coordinate(own).effect_prior = old.effect_prior;
     moves[own] = parameters.Value(i);
     moves[i] = -parameters.Value(i);
     old.free = false;

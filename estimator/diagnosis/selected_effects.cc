@@ -179,7 +179,9 @@ double SquareOfPriors(const RefittedSet& refitted) {
 // Not a number where the set holds what has no name.
 double LogCorrection(const Evidence& evidence, const RefittedSet& refitted) {
   if (!refitted.IsUsable()) return -std::numeric_limits<double>::infinity();
-  if (refitted.effects.size() != refitted.model.set.members.size()) return std::numeric_limits<double>::quiet_NaN();
+  const bool has_unnamed =
+      refitted.effects.size() != refitted.model.set.members.size() || evidence.FollowsPose(refitted.model);
+  if (has_unnamed) return std::numeric_limits<double>::quiet_NaN();
   double log = LogFullOverLinear(evidence, refitted);
   for (const SelectedEffect& effect : refitted.effects) {
     if (IsNewSpring(effect.candidate.spec)) log += LogPriorOfFitted(evidence, refitted, effect);
@@ -319,6 +321,7 @@ double LogPriorOfFitted(const Evidence& evidence, const RefittedSet& refitted, c
 }
 
 double LogFullOverLinear(const Evidence& evidence, const RefittedSet& refitted) {
+  if (evidence.FollowsPose(refitted.model)) return 0.0;  // the full model has no deviation that follows the pose
   const WeightedModel named = NamedOf(refitted);
   const ResidualLikelihood likelihood = evidence.LikelihoodOf(named.view);
   const double unit = UnitOfRows(evidence, refitted.model);

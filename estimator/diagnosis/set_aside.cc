@@ -9,6 +9,7 @@
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/explanations/moments.h"
 #include "estimator/report/diagnosis_caution_words.h"
+#include "estimator/statistics/distributions.h"
 
 namespace sagitta {
 namespace {
@@ -72,18 +73,6 @@ std::vector<int> HeldOutNextTo(const std::vector<double>& moments, const Calibra
   return rows;
 }
 
-double LogChoose(int n, int k) { return std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0); }
-
-// P that `there` or more of those that are off are among the last `last` of n readings, if it is chance which are:
-//   sum over i >= there of C(last, i) C(n - last, off - i) / C(n, off)
-double ChanceAtTheEnd(int n, int off, int last, int there) {
-  double sum = 0.0;
-  for (int i = std::max(there, off - (n - last)); i <= std::min(off, last); ++i) {
-    sum += std::exp(LogChoose(last, i) + LogChoose(n - last, off - i) - LogChoose(n, off));
-  }
-  return sum;
-}
-
 // How many readings at the end of a series are off as a rule and not by chance: from one that is off on most are, two
 // at least. Two ends are looked at; to begin at the j-th that is off has 1/j of the significance.
 int LengthOfEnd(const std::vector<bool>& is_off, double significance) {
@@ -94,7 +83,7 @@ int LengthOfEnd(const std::vector<bool>& is_off, double significance) {
     const int last = n - first, there = off - nth;
     ++nth;
     if (there < 2 || 2 * there <= last) continue;
-    if (2.0 * nth * ChanceAtTheEnd(n, off, last, there) < significance) return last;
+    if (2.0 * nth * HypergeometricSurvival(n, off, last, there) < significance) return last;
   }
   return 0;
 }

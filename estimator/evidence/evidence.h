@@ -118,6 +118,8 @@ class Evidence {
   ResidualLikelihood Likelihood(double dof) const { return {dof, sigma_dof_, kNoiseIsWrong}; }
   const SetPrior& prior() const { return prior_; }
   const PriorMasses& masses() const { return masses_; }
+  // Whether joints deviate by the pose in the model's view, which no effect does: a cause without a name.
+  bool FollowsPose(const WeightedModel& model) const { return ViewOf(model).kind == NoiseView::Kind::kPose; }
   SetSearch SearchAmong(const std::vector<Explanation>& explanations, const ProjectedNormal& normal) const {
     return SetSearch(normal, explanations, prior_, Likelihood(normal.dof));
   }
@@ -149,9 +151,9 @@ class Evidence {
                    const RowSums& sums) const;
   // The most likely view in which a part is other than in `base`, which has it as stated.
   Trial BestView(const NoiseView& base, const NoisePart& part, const WeightedSet& set);
-  // What may be other than in a view, given a set.
-  std::vector<NoisePart> PartsFor(const NoiseView& view, const WeightedSet& set) const;
-  void AddGroups(const NoiseView& view, const WeightedSet& set, std::vector<NoisePart>* parts) const;
+  // What may be other than in a view.
+  std::vector<NoisePart> PartsFor(const NoiseView& view) const;
+  void AddGroups(const NoiseView& view, std::vector<NoisePart>* parts) const;
   // The most likely view with one part other than in `view` that is not searched yet.
   Trial BestChange(const NoiseView& view, const WeightedSet& set);
   // The view that is most likely with one of two sets, the best one and nothing; nothing where none is worth a

@@ -24,10 +24,10 @@ constexpr int kSettledBits = 5;    // 2^-5
 constexpr int kRowsThatSettle = 1000;
 // A view that is so much less likely with the best set is not searched: e^-4 = 2 %.
 constexpr double kWorthSearching = -4.0;
-constexpr int kMostViews = 4;
-constexpr int kMostChanges = 8;       // of a view before it is searched
-constexpr size_t kMostPromising = 2;  // groups that each change tries
-constexpr double kSameSize = 0.1;     // of the logarithm
+constexpr int kMostViews = 4;         // as stated, joints that deviate, by the pose, and one more
+constexpr int kMostChanges = 8;       // of a view before it is searched: a part, the joints, and six groups
+constexpr size_t kMostPromising = 2;  // groups that each change tries: of two stations each says the same of the other
+constexpr double kSameSize = 0.1;     // of the logarithm: fifty degrees of freedom leave as much open
 
 struct LogRange {
   double low, high;
@@ -41,11 +41,6 @@ LogRange RangeOf(const NoisePart& part) {
 // The prior is even over the logarithm: of its range the likelihood keeps what its curvature leaves.
 double LogOccam(double log_sd, const LogRange& range) {
   return std::log(std::min(1.0, std::sqrt(2.0 * kPi) * log_sd / (range.high - range.low)));
-}
-
-// Before it is searched for: of n degrees of freedom a standard deviation is good to 1 / sqrt(2 n).
-double LogOccamOf(const FactorScore& score) {
-  return LogOccam(1.0 / std::sqrt(2.0 * score.expected), RangeOf({{}, ReadingGroup()}));
 }
 
 bool IsOf(const ViewedGroup& viewed, const ReadingGroup& group) { return viewed.scaled.group == group; }
@@ -134,7 +129,8 @@ void Evidence::ClimbInViews(const std::function<void(const std::string&)>& progr
   share_of_pose_ = ShareOfOneMoreFamily(list_, masses_);
   const std::vector<ReadingGroup> all = GroupsOfReadings(problem_);
   log_share_of_group_ = std::log(kNoiseIsWrong / static_cast<double>(std::max<size_t>(1, all.size())));
-  groups_ = GroupsOfOwnNoise(problem_, parameters_, all);
+  groups_.clear();
+  for (const GroupOfOwnNoise& own : GroupsOfOwnNoise(problem_, parameters_, all)) groups_.push_back(own.scaled.group);
   for (int round = 1; round < kMostViews; ++round) {
     const WeightedSet best = models_[0].set;
     const std::optional<Trial> next = NextView();
@@ -150,7 +146,7 @@ void Evidence::ClimbInViews(const std::function<void(const std::string&)>& progr
   }
 }
 
-std::vector<NoisePart> Evidence::PartsFor(const NoiseView& view, const WeightedSet& set) const {
+std::vector<NoisePart> Evidence::PartsFor(const NoiseView& view) const {
   std::vector<NoisePart> parts;
   const auto& joints = problem_.robot().chain.joints;
   const auto turns = [](const Joint& joint) { return joint.type == JointType::kRevolute; };
@@ -158,35 +154,23 @@ std::vector<NoisePart> Evidence::PartsFor(const NoiseView& view, const WeightedS
     parts.push_back({NoiseView::Kind::kVisit});
     if (columns_.HasRevisits()) parts.push_back({NoiseView::Kind::kPose});
   }
-  if (!groups_.empty()) AddGroups(view, set, &parts);
+  if (!groups_.empty()) AddGroups(view, &parts);
   return parts;
 }
 
-// Those that the view has, and the few that promise most.
-void Evidence::AddGroups(const NoiseView& view, const WeightedSet& set, std::vector<NoisePart>* parts) const {
-  const FewExplanations few = WithTheirColumns(list_.math, set.members);
-  const GroupScores scores = columns_.ScoreGroups(ScatterOf(view), few.columns, groups_);
-  // A factor of all readings is no more than one of a group, and in the likelihood already.
-  const double of_all = scores.of_all.Factor(1.0), variance = of_all * of_all;
-  const double by_all = IsSigmaStated() ? scores.of_all.Gain(1.0) + std::log(kNoiseIsWrong) + LogOccamOf(scores.of_all)
-                                        : std::numeric_limits<double>::infinity();
-  std::vector<std::pair<double, NoisePart>> promising;
-  for (size_t g = 0; g < groups_.size(); ++g) {
-    const FactorScore& score = scores.of_group[g];
-    const auto own = std::find_if(view.groups.begin(), view.groups.end(),
-                                  [&](const ViewedGroup& viewed) { return IsOf(viewed, groups_[g]); });
-    if (own != view.groups.end()) {
-      AddChangesOf(own->scaled, groups_, parts);
-      continue;
-    }
-    const bool is_next_to_all = by_all + score.Gain(variance) > score.Gain(1.0);
-    const double gain =
-        is_next_to_all ? score.Gain(variance) + std::min(by_all, 0.0) : score.Gain(1.0) - std::max(by_all, 0.0);
-    if (gain + log_share_of_group_ + LogOccamOf(score) < kWorthSearching) continue;
-    promising.push_back({gain, {NoiseView::Kind::kStated, groups_[g], score.Factor(is_next_to_all ? variance : 1.0)}});
+// Those that the view has, and the few of which rigid bodies say most, given the view's factors.
+void Evidence::AddGroups(const NoiseView& view, std::vector<NoisePart>* parts) const {
+  for (const ViewedGroup& viewed : view.groups) AddChangesOf(viewed.scaled, groups_, parts);
+  const auto is_in_view = [&view](const ReadingGroup& group) {
+    return std::any_of(view.groups.begin(), view.groups.end(), [&](const auto& viewed) { return IsOf(viewed, group); });
+  };
+  size_t added = 0;
+  for (const auto& [scaled, gain] : GroupsOfOwnNoise(WithScaledGroups(problem_, view.Scaled()), parameters_, groups_)) {
+    if (added == kMostPromising) return;
+    if (is_in_view(scaled.group)) continue;
+    parts->push_back({NoiseView::Kind::kStated, scaled.group, scaled.factor});
+    ++added;
   }
-  std::stable_sort(promising.begin(), promising.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  for (size_t k = 0; k < std::min(kMostPromising, promising.size()); ++k) parts->push_back(promising[k].second);
 }
 
 Evidence::Trial Evidence::BestChange(const NoiseView& view, const WeightedSet& set) {
@@ -195,7 +179,7 @@ Evidence::Trial Evidence::BestChange(const NoiseView& view, const WeightedSet& s
                        [&](const ViewedNormal& known) { return AreAlike(known.view, other); });
   };
   Trial best;
-  for (const NoisePart& part : PartsFor(view, set)) {
+  for (const NoisePart& part : PartsFor(view)) {
     const NoiseView base = Without(view, part);
     const auto [known, is_new] = tried_.try_emplace({SizesOf(base), part, set.members, set.scales});
     if (is_new) known->second = BestView(base, part, set);

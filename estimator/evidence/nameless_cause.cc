@@ -69,12 +69,16 @@ NamelessCauses::Cause NamelessCauses::OneOf(const std::vector<int>& members) {
 // the mean of a beta distribution that began with the weight of one,  rho = (further + m - 2) / (m - 1). As a piece of
 // the nameless cause k has the prior  further share(k) / (shares of all that may be pieces): that a cause has another
 // piece is as likely as that there is another cause.
+double NamelessCauses::OneMore(double further, size_t members) {
+  const double m = static_cast<double>(members);
+  return (further + m - 2.0) / (m - 1.0);
+}
+
 double NamelessCauses::LogPriorOdds(const std::vector<int>& members, const Cause& cause) {
   if (cause.pieces.empty()) return 0.0;
   const double m = static_cast<double>(members.size());
-  const double one_more = (further_ + m - 2.0) / (m - 1.0);
   return static_cast<double>(cause.pieces.size()) *
-         std::log(further_ / (one_more * m * PiecesOf(cause.functions).share));
+         std::log(further_ / (OneMore(further_, members.size()) * m * PiecesOf(cause.functions).share));
 }
 
 std::optional<NamelessCauses::AsOne> NamelessCauses::ReadAsOne(const std::vector<int>& members, const WeightedSet& set,
@@ -113,7 +117,7 @@ WeightedSet NamelessCauses::WithOneSize(const WeightedSet& set, const Cause& cau
     const bool is_function = std::binary_search(cause.functions.begin(), cause.functions.end(), m);
     units.push_back(is_piece ? 1.0 : is_function ? std::sqrt(shown_by_pieces / shown(m)) : 0.0);
     if (!is_piece && !is_function)
-      lost += LossOfScale(likelihood, members.Of(k)) + LogOfSigns(members.Of(k), set.scales[k]);
+      lost += LossOfScale(likelihood, members.Of(k)) + LogOfSigns(likelihood, members.Of(k), set.scales[k]);
   }
   WeightedSet one = set;
   std::vector<double> logs;

@@ -30,6 +30,8 @@ class NamelessCauses {
   Cause OneOf(const std::vector<int>& members);
   // Log of how much more probable one nameless cause with these pieces is than so many causes, before any row is seen.
   double LogPriorOdds(const std::vector<int>& members, const Cause& cause);
+  // That of `members` causes there is one more, given that all but one more are known.
+  static double OneMore(double further, size_t members);
   // The set with one size of the cause, averaged over it; the other members at their best scales. All are of a list of
   // explanations, which may be another one.
   static WeightedSet WithOneSize(const WeightedSet& set, const Cause& cause,

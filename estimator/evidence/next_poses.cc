@@ -15,20 +15,21 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/planning/pose_space.h"
 #include "models/effects/catalogue.h"
+#include "models/random_bits.h"
 #include "problems/loads.h"
 
 namespace sagitta {
 namespace {
 
-constexpr int kPosesDrawn = 800;
-constexpr size_t kPosesWeighed = 400;  // of those drawn, at most
+constexpr int kPosesDrawn = 800;       // six joints have 64 corners: a dozen near each
+constexpr size_t kPosesWeighed = 400;  // of those drawn, at most: half of them are out of sight or reach
 constexpr unsigned long long kSeedOfPoses = 1;
 constexpr double kLeastPivot = 1e-300;
 constexpr double kDecided = 0.95;        // of the leading answer: nothing is left to decide
 constexpr double kWorthDeciding = 0.02;  // of an answer
-constexpr size_t kMostAnswers = 5;
-constexpr size_t kFirstAnswers = 2;  // the most probable ones, which are named to people
-constexpr size_t kMostShapes = 3;    // of an answer, such as those of a compensator
+constexpr size_t kMostAnswers = 5;       // beyond kDecided and these little is left
+constexpr size_t kFirstAnswers = 2;      // the most probable ones, which are named to people
+constexpr size_t kMostShapes = 3;        // of an answer, such as those of a compensator
 
 // The least and the largest value of each joint: its limits, or the range of the data where none are stated.
 Eigen::Matrix2Xd LimitsOf(const CalibrationProblem& problem) {
@@ -46,9 +47,7 @@ Eigen::Matrix2Xd LimitsOf(const CalibrationProblem& problem) {
 // Poses within these limits; each like a measured one.
 std::vector<ProposedPose> DrawPoses(const CalibrationProblem& problem) {
   std::mt19937_64 random(kSeedOfPoses);
-  const auto uniform = [&random](double low, double high) {
-    return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1p-53);
-  };
+  const auto uniform = [&random](double low, double high) { return low + (high - low) * UnitNumber(random()); };
   const std::vector<Configuration>& configurations = problem.data().configurations;
   const Eigen::Matrix2Xd limits = LimitsOf(problem);
   std::vector<ProposedPose> poses;

@@ -11,7 +11,7 @@
 namespace sagitta {
 namespace {
 
-constexpr size_t kPosesKept = 80;  // asked again after each choice
+constexpr size_t kPosesKept = 80;  // the best ones by themselves, asked again after each choice
 
 }  // namespace
 

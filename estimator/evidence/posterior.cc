@@ -2,39 +2,28 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "estimator/evidence/nameless_cause.h"
 
 namespace sagitta {
 namespace {
 
 constexpr double kThreefold = 3.0;
 
-bool IsPose(const Evidence& evidence, const WeightedModel& model) {
-  return evidence.ViewOf(model).kind == NoiseView::Kind::kPose;
-}
-
 bool HasUnnamed(const Evidence& evidence, const WeightedModel& model) {
-  return IsPose(evidence, model) || std::any_of(model.set.members.begin(), model.set.members.end(),
-                                                [&](int m) { return evidence.list().IsUnnamed(m); });
+  return evidence.FollowsPose(model) || std::any_of(model.set.members.begin(), model.set.members.end(),
+                                                    [&](int m) { return evidence.list().IsUnnamed(m); });
 }
 
-// By SetPrior a set of m members has the prior (1 - nothing) further^(m-1) m! prod share, a share being proportional to
-// the mass of its kind: multiplied masses multiply that by f_further^(m-1) prod f_kind, before all is normalised anew.
-// Log factor on a model's weight when one mass is multiplied.
-struct Changed {
-  const char* mass;
-  double nothing, catalogue, unnamed, further;  // factors
-
-  double LogFactor(const Evidence& evidence, const WeightedModel& model) const {
-    const size_t count = model.set.members.size() + (IsPose(evidence, model) ? 1 : 0);
-    if (count == 0) return std::log(nothing);
-    double log =
-        static_cast<double>(count - 1) * std::log(further) + (IsPose(evidence, model) ? std::log(unnamed) : 0.0);
-    for (const int m : model.set.members) {  // of which a piece has the mass of its nameless cause alone
-      if (!model.HasPiece(m)) log += std::log(evidence.list().IsUnnamed(m) ? unnamed : catalogue);
-    }
-    return log;
-  }
-};
+// Masses multiplied, and those that share one probability normalised anew.
+PriorMasses Multiplied(const PriorMasses& masses, const PriorMasses& by) {
+  PriorMasses product{masses.nothing * by.nothing, masses.catalogue * by.catalogue, masses.unnamed * by.unnamed,
+                      masses.further * by.further};
+  const double sum = product.nothing + product.catalogue + product.unnamed;
+  product.nothing /= sum, product.catalogue /= sum, product.unnamed /= sum;
+  return product;
+}
 
 struct Leading {
   bool is_something = false;
@@ -124,7 +113,7 @@ class SumsByName {
     }
     names = EachOnce(names);
     const NameSet fresh{names, EachOnce(effects), EachOnce(pieces), has_unnamed, 0.0, place, {}};
-    NameSet& set = sets_.emplace(std::make_pair(names, IsPose(evidence_, model)), fresh).first->second;
+    NameSet& set = sets_.emplace(std::make_pair(names, evidence_.FollowsPose(model)), fresh).first->second;
     set.probability += model.probability;
     set.models.push_back(place);
   }
@@ -223,22 +212,47 @@ double ProbabilityOf(const std::string& effect, const Evidence& evidence, const 
   return std::min(1.0, sum);  // rounding of the sums
 }
 
+// Shares are those of a kind in all that may be missing: with the masses they change by
+// (mass' / S') / (mass / S), S = catalogue + unnamed. Those of pieces are shares of their nameless cause.
+double LogPriorRatio(const Evidence& evidence, const WeightedModel& model, const PriorMasses& then) {
+  const PriorMasses& now = evidence.masses();
+  const double all = (then.catalogue + then.unnamed) / (now.catalogue + now.unnamed);
+  const double named = then.catalogue / now.catalogue / all, unnamed = then.unnamed / now.unnamed / all;
+  std::vector<double> shares_now(model.set.members.size(), 1.0), shares_then = shares_now;
+  for (size_t k = 0; k < model.set.members.size(); ++k) {
+    const int m = model.set.members[k];
+    if (!model.HasPiece(m)) shares_then[k] = evidence.list().IsUnnamed(m) ? unnamed : named;
+  }
+  if (evidence.FollowsPose(model)) {
+    shares_now.push_back(1.0);
+    shares_then.push_back(unnamed);
+  }
+  const double log =
+      SetPrior{then.nothing, then.further}.Log(shares_then) - SetPrior{now.nothing, now.further}.Log(shares_now);
+  if (model.pieces.empty()) return log;
+  const auto log_of_piece = [&](double further) {
+    return std::log(further / NamelessCauses::OneMore(further, model.set.members.size()));
+  };
+  return log + static_cast<double>(model.pieces.size()) * (log_of_piece(then.further) - log_of_piece(now.further));
+}
+
 std::vector<Flip> WhatFlips(const Evidence& evidence, const Posterior& posterior, double gate) {
   const Leading now = LeadingOf(posterior, gate);
   const NamesInOrder all(evidence.list());
   std::vector<Flip> flips;
   for (const double factor : {kThreefold, 1.0 / kThreefold}) {
-    const Changed changes[] = {{"nothing", factor, 1.0, 1.0, 1.0},
-                               {"catalogue", 1.0, factor, 1.0, 1.0},
-                               {"unnamed", 1.0, 1.0, factor, 1.0},
-                               {"further", 1.0, 1.0, 1.0, factor}};
-    for (const Changed& change : changes) {
+    const std::pair<const char*, PriorMasses> changes[] = {{"nothing", {factor, 1.0, 1.0, 1.0}},
+                                                           {"catalogue", {1.0, factor, 1.0, 1.0}},
+                                                           {"unnamed", {1.0, 1.0, factor, 1.0}},
+                                                           {"further", {1.0, 1.0, 1.0, factor}}};
+    for (const auto& [mass, by] : changes) {
+      const PriorMasses masses = Multiplied(evidence.masses(), by);
       std::vector<WeightedModel> changed = evidence.models();
-      for (WeightedModel& model : changed) model.log_weight += change.LogFactor(evidence, model);
+      for (WeightedModel& model : changed) model.log_weight += LogPriorRatio(evidence, model, masses);
       Normalise(&changed);
       const Leading then = LeadingOf(PosteriorOf(evidence, changed), gate);
       if (then == now) continue;
-      flips.push_back({change.mass, factor > 1.0, then.is_something, Without(all, then.names, now.names),
+      flips.push_back({mass, factor > 1.0, then.is_something, Without(all, then.names, now.names),
                        Without(all, now.names, then.names)});
     }
   }

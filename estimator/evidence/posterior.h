@@ -55,6 +55,9 @@ Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>
 // P that an effect of the catalogue holds on any target, with any settings.
 double ProbabilityOf(const std::string& effect, const Evidence& evidence, const std::vector<WeightedModel>& models);
 
+// Log of a model's prior with other masses over that with the evidence's own.
+double LogPriorRatio(const Evidence& evidence, const WeightedModel& model, const PriorMasses& then);
+
 // What would be named otherwise with a prior mass three times as large or as small.
 struct Flip {
   std::string mass;  // as in the experiment's `prior`

@@ -13,7 +13,7 @@
 
 namespace sagitta {
 
-constexpr int kPosesAgain = 10;
+constexpr int kPosesAgain = 10;  // a sixth of a usual campaign
 
 // Fitted configurations, evenly in the order of the data, and what visiting them again is expected to decide if both
 // are as probable now. deviating: with the deviations of the joints that would explain the gap

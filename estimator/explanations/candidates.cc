@@ -13,7 +13,7 @@
 namespace sagitta {
 namespace {
 
-constexpr int kConfigurationsPerOrder = 20;
+constexpr int kConfigurationsPerOrder = 20;  // ten for each of its two values
 
 bool AnyLoad(const CalibrationProblem& problem) {
   return std::any_of(problem.shot_inputs().begin(), problem.shot_inputs().end(),

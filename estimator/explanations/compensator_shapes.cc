@@ -18,8 +18,8 @@ constexpr double kLever = 0.2;  // m: L of every shape; the gauge makes it free
 constexpr double kRatios[] = {1.3, 1.8, 2.5, 3.5, 5.0, 8.0};
 constexpr int kAnchorDirections = 24;  // of the anchor around the joint: neighbours differ by 15 degrees
 constexpr double kAnchorReach = 1.5;   // m, prior standard deviation of a_x, a_y: the largest arms are as long
-constexpr double kSpringRest = 0.5;    // m, prior of s0 and its standard deviation
-constexpr double kLeastRate = 100.0;   // N/m
+constexpr double kSpringRest = 0.5;    // m, prior of s0 and its standard deviation: the published one has 0.458
+constexpr double kLeastRate = 100.0;   // N/m: of 1 m it holds 10 kg, and balances no arm
 constexpr double kShortest = 0.1;      // of the longer lever: where both point the same way, |a - L| of spring is left
 // Of a stated spring: coil springs are made to 5 to 10 % of their force (DIN EN 15800), gas springs lose as much with
 // age; anchors are where drawings say to some millimetres, of castings.

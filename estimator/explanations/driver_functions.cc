@@ -41,7 +41,8 @@ std::vector<double> Distinct(const Eigen::VectorXd& x) {
 std::vector<Gap> Gaps(const Eigen::VectorXd& x, int most) {
   const std::vector<double> sorted = Distinct(x);
   std::vector<Gap> gaps;
-  const size_t stride = sorted.size() / static_cast<size_t>(most) + 1;
+  if (sorted.size() < 2) return gaps;
+  const size_t stride = (sorted.size() - 2) / static_cast<size_t>(most) + 1;  // of n values n - 1 gaps
   for (size_t i = stride; i < sorted.size(); i += stride) gaps.emplace_back(sorted[i - 1], sorted[i]);
   return gaps;
 }

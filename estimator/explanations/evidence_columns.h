@@ -95,26 +95,6 @@ struct RowSums {
   RowSums& operator+=(const RowSums& other);
 };
 
-// What the rows say at first order of a factor on the noise of some of them: r'P V P r / 2 and its expectation
-// (evidence_scores.cc).
-struct FactorScore {
-  double square = 0.0, expected = 0.0;
-
-  // Where all rows have `variance`.
-  double Factor(double variance) const { return std::sqrt(square / (variance * expected)); }
-  // Of log likelihood by that factor, as if the square were chi-square with so many degrees of freedom:
-  //   n/2 (f^2 - 1 - log f^2)
-  double Gain(double variance) const {
-    const double factor = Factor(variance);
-    return factor > 0.0 ? expected * (0.5 * (factor * factor - 1.0) - std::log(factor)) : 0.0;
-  }
-};
-// Of groups, and of all rows.
-struct GroupScores {
-  std::vector<FactorScore> of_group;
-  FactorScore of_all;
-};
-
 // Given what is believed, which is eliminated with a flat prior (or its stated one).
 struct GivenBelieved {
   ProjectedNormal normal;
@@ -183,10 +163,6 @@ class EvidenceColumns {
   // returned.
   GivenBelieved ProjectAll(const RowScatter& scatter, const std::set<std::vector<int>>& own) const;
 
-  // Of factors in addition to what `scatter` has, the columns estimated with what is believed.
-  GroupScores ScoreGroups(const RowScatter& scatter, const std::vector<int>& columns,
-                          const std::vector<ReadingGroup>& groups) const;
-
   AlongSources SumAlong(const std::vector<Source>& sources) const;
 
   int num_believed() const { return static_cast<int>(believed_.size()); }
@@ -217,8 +193,6 @@ class EvidenceColumns {
     Eigen::LLT<Eigen::MatrixXd> root;
   };
   using BlockRoots = std::vector<PoseRoot>;  // empty: rows are independent, of unit variance
-  static Eigen::MatrixXd OwnProjections(const BlockRoots& roots, const Eigen::MatrixXd& covariance,
-                                        const Eigen::MatrixXd& rows);
 
   // Candidates that the model has not: those whose parameters each move one thing, by their index, and the others.
   struct SplitCandidates {
@@ -228,10 +202,10 @@ class EvidenceColumns {
   static SplitCandidates Split(const CalibrationProblem& problem, const std::vector<Candidate>& candidates);
   // What the effects come to about which the model is linearized.
   void SetSubtracted(const ParameterSet& believed, const ParameterSet& about);
-  // Columns of the candidate that the spring the robot states is another.
   // A typical size, or what the effect is by the full model about which all is linearized: no usual size is held
   // against one that is larger than the widest scale of it.
   double AsFound(double size, const std::string& name) const;
+  // Columns of the candidate that the spring the robot states is another.
   void AddStatedSpring(const std::vector<Candidate>& candidates, const ParameterSet& believed);
   // Coordinates of a block's columns.
   void SetLinearized();

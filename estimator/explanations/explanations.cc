@@ -16,7 +16,7 @@ namespace sagitta {
 namespace {
 
 constexpr double kAlikeShapes = 1e-5;  // of the largest: directions of springs that add less are dropped
-constexpr long kPerShape = 4;          // columns of a compensator's shape
+constexpr long kPerShape = 4;          // columns of a compensator's shape: torque, and its three derivatives
 constexpr double kElsewhere = 0.05;    // of the compensators: not against the arm's own weight
 
 // Change points, widths and lags of one effect are many settings and one explanation, and so are shapes of a spring.

@@ -14,11 +14,12 @@ namespace sagitta {
 namespace {
 
 constexpr int kWaveOrders = 6;  // of waves over another joint's angle, as of the catalogue's harmonics (candidates.cc)
-constexpr size_t kJumps = 8;    // along a joint's angle, of all gaps between poses, kMostJointGaps at most
-constexpr int kMostJointGaps = 200;
-constexpr double kSame = 0.999;  // of the length of a mean of unit vectors: phases within 2.6 degrees
-constexpr int kRipples = 6;      // of each joint, of all orders beyond the catalogue's that it may have
-constexpr int kNeighbours = 2;   // joints that a hose or a table of corrections goes over lie that close
+constexpr size_t kJumps = 8;    // of which the prior has one part: the best ones, along a joint's angle, of all gaps
+                                // between poses, kMostJointGaps at most
+constexpr int kMostJointGaps = 200;  // of a turn one in 1.8 degrees
+constexpr double kSame = 0.999;      // of the length of a mean of unit vectors: phases within 2.6 degrees
+constexpr int kRipples = 6;          // of each joint, of all orders beyond the catalogue's that it may have
+constexpr int kNeighbours = 2;       // joints that a hose or a table of corrections goes over lie that close
 
 // s, a factor of four apart: no lag between them is off by more than two. What follows faster is there before it is
 // measured, what follows slower creeps evenly through a campaign.

@@ -13,7 +13,7 @@ namespace {
 
 // Waves in time, in halves over the campaign, and how many of them are weighed.
 constexpr int kMostWaves = 200;
-constexpr size_t kWaves = 6;
+constexpr size_t kWaves = 6;      // the best ones
 constexpr int kMarkerRamps = 16;  // in time, along three axes: jumps are marker_shift
 constexpr int kSeats = 25;        // stretches of visits in which a loose part stays in its seat
 
@@ -23,7 +23,7 @@ constexpr double kStill = 1e-3;  // of gravity's component along an axis: 1 mrad
 constexpr int kDirections = 200;
 constexpr int kMostGaps = 50;
 constexpr int kFewestOfASide = 3;  // shots: of fewer it is a few bad rows
-constexpr size_t kSides = 6;
+constexpr size_t kSides = 6;       // the best ones
 
 // A jump of gravity's component along a direction of the flange.
 struct Side {
@@ -238,7 +238,7 @@ class PlaceFunctions : public UnnamedList {
     for (const auto& [driver, name] : {std::pair{TimeOf(problem_), "time"}, {TemperatureOf(problem_), "temperature"}}) {
       if (links.empty() || !RangeOf(driver.of_shot).Varies()) continue;
       GroupedFunctions functions;
-      AppendBumps(driver.of_shot, "time", kUnnamedBumps[0], &functions);
+      AppendBumps(driver.of_shot, driver.kind == DriverKind::kTime ? "time" : "smooth", kUnnamedBumps[0], &functions);
       const EffectSpec effect = Over(driver, "learnt_growth", "robot");
       for (const Source& link : links) {
         const std::string where = link.owner < 0 ? "the foot" : "the link after " + JointName(link.owner);

@@ -21,7 +21,7 @@ namespace {
 // little.
 constexpr int kFewestQuarters = 4;
 constexpr int kMostQuarters = 400;
-constexpr size_t kRangeWaves = 4;
+constexpr size_t kRangeWaves = 4;  // the best ones
 
 const char* NameOf(Sensed angle) { return angle == Sensed::kAzimuth ? "azimuth" : "elevation"; }
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kExchanged = 0.2;          // distance left after exchanging two readings, over before
 constexpr double kMostOutlierShare = 0.25;  // of the points: more is no minority
-constexpr int kFewestEvents = 3;            // events that can show a pattern
+constexpr int kFewestEvents = 3;            // events that can show a pattern: two may agree by chance
 
 // Readings that are off together for a reason of the readings themselves count once.
 std::vector<int> Events(const std::vector<Outlier>& outliers) {

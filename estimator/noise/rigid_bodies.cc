@@ -12,8 +12,8 @@
 namespace sagitta {
 namespace {
 
-constexpr double kWidest = 64.0;  // factors are tried by octaves
-constexpr double kNothing = 1e-9;
+constexpr double kWidest = 64.0;   // factors are tried by octaves
+constexpr double kNoShare = 1e-9;  // rounding
 
 // What rigid bodies say of the factor f of a group. With N orthonormal over what no rigid motion does, y = N'r of a
 // shot has the covariance v (I + (f^2 - 1) N'W W'N), of which these are the eigenvalues l and the squares z^2 along
@@ -99,6 +99,7 @@ Eigen::VectorXd WithoutRigidMotion(const ShotResidual& shot, int* dof) {
 }
 
 int ShapeCost(const CalibrationProblem& problem) {
+  if (!problem.experiment().estimate.markers) return 0;
   std::map<int, int> markers;
   for (const int frame : problem.marker_frames()) ++markers[frame];
   int cost = 0;
@@ -106,8 +107,8 @@ int ShapeCost(const CalibrationProblem& problem) {
   return cost;
 }
 
-std::vector<ReadingGroup> GroupsOfOwnNoise(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                           const std::vector<ReadingGroup>& groups) {
+std::vector<GroupOfOwnNoise> GroupsOfOwnNoise(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                              const std::vector<ReadingGroup>& groups) {
   std::vector<LeftOfGroup> of_group(groups.size());
   double square = 0.0, dof = 0.0;
   for (const ShotResidual& shot : ResidualsByShot(problem, parameters, problem.CalibrationObservations())) {
@@ -125,24 +126,26 @@ std::vector<ReadingGroup> GroupsOfOwnNoise(const CalibrationProblem& problem, co
         const Eigen::MatrixXd seen = along.transpose() * free.middleRows<3>(static_cast<long>(3 * i));
         own += seen.transpose() * seen;
       }
-      if (own.isZero(kNothing)) continue;
+      if (own.isZero(kNoShare)) continue;
       const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(own);
       for (long k = 0; k < left.size(); ++k) {
-        if (eigen.eigenvalues()[k] < kNothing) continue;
+        if (eigen.eigenvalues()[k] < kNoShare) continue;
         of_group[g].shares.push_back(eigen.eigenvalues()[k]);
         of_group[g].squares.push_back(std::pow(eigen.eigenvectors().col(k).dot(left), 2));
       }
     }
   }
-  std::vector<ReadingGroup> own_noise;
+  std::vector<GroupOfOwnNoise> own_noise;
   for (size_t g = 0; g < groups.size() && square > 0.0; ++g) {
-    double most = 0.0;
+    GroupOfOwnNoise best{{groups[g], 1.0}, 0.0};
     const double alike = of_group[g].LogLikelihood(1.0, square, dof);
     for (double factor = 1.0 / kWidest; factor <= kWidest; factor *= 2.0) {
-      most = std::max(most, of_group[g].LogLikelihood(factor, square, dof) - alike);
+      const double gain = of_group[g].LogLikelihood(factor, square, dof) - alike;
+      if (gain > best.gain) best = {{groups[g], factor}, gain};
     }
-    if (most >= kLeastGain) own_noise.push_back(groups[g]);
+    if (best.gain >= kLeastGain) own_noise.push_back(best);
   }
+  std::stable_sort(own_noise.begin(), own_noise.end(), [](const auto& a, const auto& b) { return a.gain > b.gain; });
   return own_noise;
 }
 

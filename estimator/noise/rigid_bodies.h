@@ -34,9 +34,16 @@ Eigen::VectorXd WithoutRigidMotion(const ShotResidual& shot, int* dof);
 // What the shapes of the bodies cost, their marker points being estimated: 3 m - 6 each, one distance where m is 2.
 int ShapeCost(const CalibrationProblem& problem);
 
-// Of `groups` those that rigid bodies show to scatter otherwise than the other readings. What a robot does that no
-// model has may make the residuals of a station larger, or those along an axis; it is no noise of theirs.
-std::vector<ReadingGroup> GroupsOfOwnNoise(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                           const std::vector<ReadingGroup>& groups);
+// A group and the factor of its noise that rigid bodies show.
+struct GroupOfOwnNoise {
+  ScaledGroup scaled;
+  double gain = 0.0;  // of log likelihood, over all readings being alike
+};
+
+// Of `groups` those that rigid bodies show to scatter otherwise than the other readings, those with the largest gains
+// first. What a robot does that no model has may make the residuals of a station larger, or those along an axis; it is
+// no noise of theirs.
+std::vector<GroupOfOwnNoise> GroupsOfOwnNoise(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                              const std::vector<ReadingGroup>& groups);
 
 }  // namespace sagitta

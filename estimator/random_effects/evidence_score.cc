@@ -106,6 +106,18 @@ double ResidualLikelihood::Factor(double residual) const {
   return std::sqrt((sigma_dof_ + residual) / (sigma_dof_ + dof_));
 }
 
+// Open: sigma^2 has the scaled inverse chi-square distribution of R and n degrees of freedom; stated with nu: of
+// nu + R and nu + n.
+double ResidualLikelihood::LogPositive(double z, double residual) const {
+  const double positive = std::max(1e-12, residual);
+  const double as_open = LogStudentCdf(z / std::sqrt(positive / dof_), dof_);
+  if (wrong_ >= 1.0) return as_open;
+  const double as_stated =
+      std::isinf(sigma_dof_) ? LogNormalCdf(z) : LogStudentCdf(z / Factor(positive), sigma_dof_ + dof_);
+  const double wrong = ProbabilityWrong(positive);
+  return LogSumExp({std::log(1.0 - wrong) + as_stated, std::log(wrong) + as_open});
+}
+
 // log L(s) = log f(R - quad(s)) - 1/2 (log |Q| + log |I + s^2 G|), R, Q, G given the others.
 std::vector<double> LogsOfScales(const ResidualLikelihood& likelihood, const GivenOthers& given) {
   std::vector<double> logs;
@@ -122,15 +134,17 @@ double LossOfScale(const ResidualLikelihood& likelihood, const GivenOthers& give
 }
 
 // P(a > 0) = 1/2 before the rows. In units of s: a / s = -s (I + s^2 G)^-1 g, its covariance (I + s^2 G)^-1.
-double LogOfSigns(const GivenOthers& given, double scale) {
+double LogOfSigns(const ResidualLikelihood& likelihood, const GivenOthers& given, double scale) {
   if (given.not_negative.empty()) return 0.0;
   Eigen::MatrixXd posterior = scale * scale * given.information;
   posterior.diagonal().array() += 1.0;
   const Eigen::MatrixXd covariance =
       posterior.llt().solve(Eigen::MatrixXd::Identity(posterior.rows(), posterior.cols()));
   const Eigen::VectorXd values = -scale * (covariance * given.gradient);
+  const double residual = given.residual + given.gradient.dot(scale * values);
   double sum = 0.0;
-  for (const int c : given.not_negative) sum += std::log(2.0) + LogNormalCdf(values[c] / std::sqrt(covariance(c, c)));
+  for (const int c : given.not_negative)
+    sum += std::log(2.0) + likelihood.LogPositive(values[c] / std::sqrt(covariance(c, c)), residual);
   return sum;
 }
 
@@ -143,7 +157,7 @@ double AverageGain(const ResidualLikelihood& likelihood, const GivenOthers& give
   const std::vector<double> logs = LogsOfScales(likelihood, given);
   const double best = kScales[std::max_element(logs.begin(), logs.end()) - logs.begin()];
   if (scale != nullptr) *scale = best;
-  return LogMean(logs) - likelihood.Log(given.residual) + 0.5 * given.log_det + LogOfSigns(given, best);
+  return LogMean(logs) - likelihood.Log(given.residual) + 0.5 * given.log_det + LogOfSigns(likelihood, given, best);
 }
 
 }  // namespace sagitta

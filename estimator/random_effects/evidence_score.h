@@ -1,8 +1,9 @@
 // How well a group of columns explains a residual: the log marginal likelihood over that of nothing.
 //
 // Whitened, predicted - measured at the optimum of what is believed:  r + J b + A a = e,  e ~ N(0, I),  a ~ N(0, s^2
-// I), b flat; the posterior mean of a is -(G + I / s^2)^-1 g. With P the projection off J, G = A'PA, g = A'Pr, R = r'Pr
-// and n = rows - rank(J), the marginal likelihood depends on the group through
+// I), b flat, both times the factor f^2 of sigma where that is open; the posterior mean of a is -(G + I / s^2)^-1 g.
+// With P the projection off J, G = A'PA, g = A'Pr, R = r'Pr and n = rows - rank(J), the marginal likelihood depends on
+// the group through
 //
 //   log det = log |I + s^2 G|,   quad = g' (G + I / s^2)^-1 g,
 //   log B(s) = log f(R - quad) - log f(R) - 1/2 log det
@@ -74,6 +75,9 @@ class ResidualLikelihood {
   double ProbabilityWrong(double residual) const;
   // Factor on sigma that the square asks for: root of R / n where it is open.
   double Factor(double residual) const;
+  // log P(a > 0 | r) of a coefficient that is z standard deviations, of sigma as stated, above 0, given that square:
+  // over all factors that sigma may have, which makes a normal distribution Student's.
+  double LogPositive(double z, double residual) const;
 
  private:
   double LogStated(double residual) const;
@@ -99,10 +103,10 @@ double LossOfScale(const ResidualLikelihood& likelihood, const GivenOthers& give
 // here is, the log evidence is
 //
 //   sum_c log (P(a_c > 0 | r) / P(a_c > 0)) = sum_c log 2 Phi(a_c / sigma_c),  a = -(G + I/s^2)^-1 g,
-//   sigma_c^2 = (G + I/s^2)^-1_cc,
+//   sigma_c^2 = (G + I/s^2)^-1_cc;  where sigma is open Student's in place of Phi,
 //
 // as if they were independent of each other given the rows.
-double LogOfSigns(const GivenOthers& given, double scale);
+double LogOfSigns(const ResidualLikelihood& likelihood, const GivenOthers& given, double scale);
 // The most that can be.
 double MostOfSigns(const std::vector<int>& not_negative);
 // Log evidence that the group adds, averaged over its scales; log_det is left out. scale: the best of them, or null.

@@ -12,8 +12,8 @@ namespace {
 
 // Sets that share the probability with the best are explored like it: e^-4 = 2 %, which 50 of them can have at most.
 constexpr double kWorthExploring = 4.0;
-constexpr int kMostExplored = 12;
-constexpr int kScaleRounds = 3;
+constexpr int kMostExplored = 12;  // such sets: what lies beyond them is found by the climb from each
+constexpr int kScaleRounds = 3;    // of each member's best scale given the others
 // Explanations at once: the prior has 0.3^20 = 3e-11 for more. Data that ask for more of them, which those of a large
 // enough campaign always do, show what the catalogue does not hold, and a sum of so many is no explanation.
 constexpr size_t kMostMembers = 20;
@@ -149,7 +149,7 @@ WeightedSet SetSearch::EvaluateFrom(const std::vector<int>& given_members, Membe
     set.log_likelihood += averages;
   }
   if (!set.members.empty() && set.members.size() <= kAveragedTogether) set.log_likelihood = AverageOverScales(members);
-  set.log_likelihood += members.LogOfSigns();
+  set.log_likelihood += members.LogOfSigns(likelihood_);
   set.log_weight = set.log_likelihood + prior_.Log(SharesOf(set.members));
   return set;
 }
@@ -249,7 +249,7 @@ std::vector<WeightedSet> SetSearch::WithoutEach(const WeightedSet& set, const Me
     const GivenOthers given = all.Of(m);
     others.log_likelihood = likelihood_.Log(given.residual) - 0.5 * given.log_det;
     without.push_back(std::move(others));
-    own_averages.push_back(LossOfScale(likelihood_, given) + LogOfSigns(given, set.scales[m]));
+    own_averages.push_back(LossOfScale(likelihood_, given) + LogOfSigns(likelihood_, given, set.scales[m]));
     averages += own_averages.back();
   }
   for (size_t m = 0; m < without.size(); ++m) {

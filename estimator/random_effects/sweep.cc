@@ -246,10 +246,10 @@ GivenOthers Members::Of(size_t group) const {
   return given;
 }
 
-double Members::LogOfSigns() const {
+double Members::LogOfSigns(const ResidualLikelihood& likelihood) const {
   double sum = 0.0;
   for (size_t k = 0; k < size(); ++k) {
-    if (!groups_[k]->not_negative.empty()) sum += sagitta::LogOfSigns(Of(k), scales_[k]);
+    if (!groups_[k]->not_negative.empty()) sum += sagitta::LogOfSigns(likelihood, Of(k), scales_[k]);
   }
   return sum;
 }

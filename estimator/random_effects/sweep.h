@@ -71,7 +71,7 @@ class Members {
   void Insert(size_t place, const ColumnGroup& group, double scale);
   const std::vector<double>& scales() const { return scales_; }
   GivenOthers Of(size_t group) const;
-  double LogOfSigns() const;  // of all groups, each given the others
+  double LogOfSigns(const ResidualLikelihood& likelihood) const;  // of all groups, each given the others
   // The others without it: with C = A_kk,  R + t_k' C^-1 t_k,  log |Q| + log |C|.
   struct Apart {
     Eigen::LLT<Eigen::MatrixXd> root;  // of C

@@ -5,6 +5,7 @@
 #include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
+#include <boost/math/distributions/hypergeometric.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
@@ -53,6 +54,18 @@ double FQuantile(double p, double m, double n) {
 double NormalQuantile(double p) { return quantile(Normal(), p); }
 
 double LogNormalCdf(double x) { return std::log(0.5 * std::erfc(-std::max(x, -37.0) / std::sqrt(2.0))); }
+
+double HypergeometricSurvival(int n, int some, int last, int there) {
+  const int least = std::max(0, some + last - n), most = std::min(some, last);
+  if (there <= least || there > most) return there <= least ? 1.0 : 0.0;
+  const boost::math::hypergeometric_distribution<double, Quiet> among(some, last, n);
+  return cdf(complement(among, there - 1));
+}
+
+double LogStudentCdf(double t, double dof) {
+  const double p = cdf(Student(dof), t);
+  return p > 0.0 ? std::log(p) : LogNormalCdf(t);
+}
 
 double StudentQuantile(double p, double dof) { return quantile(Student(dof), p); }
 

@@ -15,6 +15,8 @@ double FQuantile(double p, double m, double n);
 double NormalQuantile(double p);
 // log P(N(0, 1) <= x), not below that at -37, the last where P is no denormal number.
 double LogNormalCdf(double x);
+// log P(T_dof <= t), that of the normal distribution where P is no number any more.
+double LogStudentCdf(double t, double dof);
 // t with P(T_dof <= t) = p; the normal quantile for infinite dof.
 double StudentQuantile(double p, double dof);
 // Degrees of freedom of the variance a + b, each known with its own: (a + b)^2 / (a^2 / dof_a + b^2 / dof_b) (Welch
@@ -25,6 +27,8 @@ double WelchDof(double a, double dof_a, double b, double dof_b);
 double KolmogorovSurvival(double d, double n);
 // P(Binomial(n, p) >= k), 0 <= k <= n + 1.
 double BinomialSurvival(int k, int n, double p);
+// P(`there` or more of `some` are among `last` of n), where which of n they are is chance.
+double HypergeometricSurvival(int n, int some, int last, int there);
 
 // Clopper and Pearson's interval of a probability from `successes` of `trials`:
 // covers at least `level`, whatever the probability.

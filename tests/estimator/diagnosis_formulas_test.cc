@@ -359,6 +359,33 @@ TEST(DiagnosisFormulas, AnotherPriorFlipsAVerdictNearItsGate) {
   EXPECT_TRUE(flips_to_nothing(something - 1e-6));
 }
 
+// With other masses the evidence weighs its sets as it says that it would: small ones, all of whose scales are
+// averaged.
+TEST(DiagnosisFormulas, AnotherPriorWeighsAsTheRatioSays) {
+  const CalibrationProblem problem = Hidden();
+  const ParameterSet parameters = FitFully(problem, JointOptions()).estimate.parameters;
+  const auto weighed = [&](const PriorMasses& masses) {
+    return std::make_unique<Evidence>(problem, parameters, ListCandidates(problem, parameters), masses, kInfinity,
+                                      nullptr);
+  };
+  const std::unique_ptr<Evidence> now = weighed({});
+  for (const PriorMasses& masses : {PriorMasses{0.2, 0.7, 0.1, 0.3}, PriorMasses{0.5, 0.2, 0.3, 0.6}}) {
+    const std::unique_ptr<Evidence> then = weighed(masses);
+    std::map<size_t, int> compared;  // by members
+    for (const WeightedModel& model : now->models()) {
+      const auto same = std::find_if(then->models().begin(), then->models().end(), [&](const WeightedModel& other) {
+        return other.view == model.view && other.set.members == model.set.members && other.pieces == model.pieces &&
+               other.set.scales == model.set.scales;
+      });
+      if (same == then->models().end() || !now->ViewOf(model).IsStated() || model.set.members.size() > 2) continue;
+      EXPECT_NEAR(LogPriorRatio(*now, model, masses), same->log_weight - model.log_weight, 0.01);
+      ++compared[model.set.members.size()];
+    }
+    EXPECT_GT(compared[1], 0);
+    EXPECT_GT(compared[2], 0);
+  }
+}
+
 // Of the chi-square that a refit loses, and of the halves' values being one.
 TEST(DiagnosisFormulas, AnEffectsReductionAndHalves) {
   const CalibrationProblem problem = Hidden();

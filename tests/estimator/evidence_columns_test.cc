@@ -93,42 +93,6 @@ TEST(EvidenceColumns, ScaledReadingsAreThoseOfAProblemWithThatNoise) {
   EXPECT_NEAR(sums.log_det, expected.log_det + log_det, 1e-7 * std::abs(log_det));
 }
 
-// The slope of the restricted log likelihood, by differences of it: given joints that deviate and another group that is
-// scaled already.
-TEST(EvidenceColumns, ScoresOfGroupsAreSlopesOfTheRestrictedLikelihood) {
-  const CalibrationProblem problem = Campaign();
-  const ParameterSet parameters = EstimateJointly(problem).parameters;
-  const CandidateList candidates = ListCandidates(problem, parameters);
-  const EvidenceColumns columns(problem, parameters, candidates.candidates);
-  const std::vector<int> some = {0, 5};
-  RowScatter scatter = Scatter(problem.robot().num_joints(), 2e-5, 0.0);
-  scatter.readings = {{{ReadingGroup::Kind::kStation, 0}, 1.5}};
-  const std::vector<ReadingGroup> groups = GroupsOfReadings(problem);
-  ASSERT_EQ(groups.size(), 9u);  // two stations, three markers, three axes, the line of sight
-  const GroupScores scores = columns.ScoreGroups(scatter, some, groups);
-  const auto log_likelihood = [&](const ReadingGroup& group, double log_factor) {
-    RowScatter scaled = scatter;
-    scaled.readings.push_back({group, std::exp(log_factor)});
-    RowSums sums = columns.Sum(scaled, some);
-    // All columns estimated with a flat prior.
-    const long count = sums.products.cols() - 1;
-    const Eigen::MatrixXd own = columns.WithPriors(sums.products).topLeftCorner(count, count);
-    const Eigen::VectorXd scale = own.diagonal().cwiseSqrt().cwiseInverse();
-    const Eigen::LLT<Eigen::MatrixXd> root(Eigen::MatrixXd(scale.asDiagonal() * own * scale.asDiagonal()));
-    const Eigen::VectorXd along =
-        root.matrixL().solve(Eigen::VectorXd(scale.asDiagonal() * sums.products.col(count).head(count)));
-    const double residual = sums.products(count, count) - along.squaredNorm();
-    const Eigen::MatrixXd lower = root.matrixL();
-    return -0.5 * (residual + sums.log_det) - lower.diagonal().array().log().sum() + scale.array().log().sum();
-  };
-  for (size_t g = 0; g < groups.size(); ++g) {
-    const double step = 1e-4;
-    const double slope = (log_likelihood(groups[g], step) - log_likelihood(groups[g], -step)) / (2.0 * step);
-    const FactorScore& score = scores.of_group[g];
-    EXPECT_NEAR(score.square - score.expected, slope, 1e-4 * score.expected) << WordOf(groups[g].kind);
-  }
-}
-
 // Residual r - A e, and what is believed without the effects, at an estimate that holds a weight (columns of its own),
 // a harmonic (one of a family) and a spring, by differences of predicted points. The spring's torque is linear in its
 // rate alone.

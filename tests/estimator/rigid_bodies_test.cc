@@ -29,8 +29,10 @@ CalibrationProblem Campaign(double off, std::uint64_t seed) {
   return MakeCalibrationProblem(test::Kr270Robot(), data, Experiment());
 }
 
-bool Has(const std::vector<ReadingGroup>& groups, const ReadingGroup& group) {
-  return std::find(groups.begin(), groups.end(), group) != groups.end();
+std::vector<ReadingGroup> GroupsAmong(const std::vector<GroupOfOwnNoise>& found) {
+  std::vector<ReadingGroup> groups;
+  for (const GroupOfOwnNoise& own : found) groups.push_back(own.scaled.group);
+  return groups;
 }
 
 // Three markers leave three degrees of freedom in each of 60 shots, their distances: twice the noise is beyond doubt.
@@ -45,7 +47,16 @@ TEST(RigidBodies, AGroupOfOwnNoiseIsListed) {
       if (group.kind == Kind::kAxis) row.sigma.x() /= 2.0;
     }
     const ParameterSet parameters = EstimateJointly(problem).parameters;
-    EXPECT_TRUE(Has(GroupsOfOwnNoise(problem, parameters, GroupsOfReadings(problem)), group)) << WordOf(group.kind);
+    const auto found = GroupsOfOwnNoise(problem, parameters, GroupsOfReadings(problem));
+    const auto own = std::find_if(found.begin(), found.end(),
+                                  [&group](const GroupOfOwnNoise& each) { return each.scaled.group == group; });
+    ASSERT_NE(own, found.end()) << WordOf(group.kind);
+    EXPECT_EQ(own->scaled.factor, 2.0) << WordOf(group.kind);   // by octaves
+    EXPECT_EQ(own->gain, found[0].gain) << WordOf(group.kind);  // of two stations the other one reads half as well, too
+    // Nothing is left where the factor is known.
+    const CalibrationProblem known = WithScaledGroups(problem, {own->scaled});
+    const std::vector<ReadingGroup> rest = GroupsAmong(GroupsOfOwnNoise(known, parameters, GroupsOfReadings(problem)));
+    EXPECT_EQ(std::count(rest.begin(), rest.end(), group), 0) << WordOf(group.kind);
   }
 }
 
@@ -56,8 +67,8 @@ TEST(RigidBodies, WhatMovesBodiesIsNoNoise) {
   ASSERT_EQ(all.size(), 9u);
   const Estimate estimate = EstimateJointly(moved);
   ASSERT_GT(estimate.chi2, 25.0 * estimate.dof);
-  EXPECT_EQ(GroupsOfOwnNoise(moved, estimate.parameters, all),
-            GroupsOfOwnNoise(healthy, EstimateJointly(healthy).parameters, all));
+  EXPECT_EQ(GroupsAmong(GroupsOfOwnNoise(moved, estimate.parameters, all)),
+            GroupsAmong(GroupsOfOwnNoise(healthy, EstimateJointly(healthy).parameters, all)));
 }
 
 // One marker on the flange, or two: nothing, or one distance.

@@ -41,15 +41,41 @@ TEST(Signs, TheEvidenceIsThatOfHalfThePrior) {
       };
       const GivenOthers given{test::AllOf(normal), normal.gradient, normal.residual, 0.0, kNumScales, {0}};
       const double whole = small.LogDensity(Eigen::MatrixXd::Constant(1, 1, scale));
-      EXPECT_NEAR(LogOfSigns(given, scale), std::log(Integrate(density, 0.0, 12.0 * scale)) - whole, 1e-6)
+      EXPECT_NEAR(LogOfSigns({normal.dof, kInfinity, 0.0}, given, scale),
+                  std::log(Integrate(density, 0.0, 12.0 * scale)) - whole, 1e-6)
           << value << " at " << scale;
     }
   }
 }
 
+// Where nothing states sigma: by quadrature over its factor, too, even in the logarithm. Sigma as assumed is three
+// times too large, or too small.
+TEST(Signs, WhereSigmaIsOpenTheyAreAveragedOverItsFactor) {
+  for (const double noise : {1.0 / 3.0, 3.0}) {
+    Small small = WithOne(-0.5);
+    small.residual *= noise;
+    const ProjectedNormal normal = small.Normal();
+    const double scale = 0.3;
+    // log of the integral over f of  f^-n exp(-(R - g a) / 2 f^2) P(a > 0 | r, f)  over the same without P
+    const double t = 1.0 / (scale * scale) + test::AllOf(normal)(0, 0), value = -normal.gradient[0] / t;
+    const double residual = normal.residual + normal.gradient[0] * value;
+    const auto weight = [&](double log_f) {
+      return std::exp(-normal.dof * log_f - 0.5 * residual * std::exp(-2.0 * log_f));
+    };
+    const auto of_positive = [&](double log_f) {
+      return weight(log_f) * std::erfc(-value * std::sqrt(0.5 * t) * std::exp(-log_f));  // 2 P
+    };
+    const GivenOthers given{test::AllOf(normal), normal.gradient, normal.residual, 0.0, kNumScales, {0}};
+    EXPECT_NEAR(LogOfSigns({normal.dof, 0.0, 1.0}, given, scale),
+                std::log(Integrate(of_positive, -6.0, 6.0) / Integrate(weight, -6.0, 6.0)), 1e-6)
+        << noise;
+  }
+}
+
 TEST(Signs, NothingIsSaidOfWhatMayHaveEither) {
   const ProjectedNormal normal = WithOne(-3.0).Normal();
-  EXPECT_EQ(LogOfSigns({test::AllOf(normal), normal.gradient, normal.residual}, 1.0), 0.0);
+  EXPECT_EQ(LogOfSigns({normal.dof, kInfinity, 0.0}, {test::AllOf(normal), normal.gradient, normal.residual}, 1.0),
+            0.0);
 }
 
 TEST(Signs, TheNormalDistributionKeepsItsLogarithmFarOut) {
@@ -85,7 +111,7 @@ TEST(Signs, OfASetTheyAreThoseOfItsMembers) {
   small.residual += 0.3 * small.columns.col(1);
   const ProjectedNormal normal = small.Normal();
   std::vector<Explanation> list = {{{{0}, {}}, 0.3, 0}, {{{1}, {}}, 0.3, 1}, {{{2}, {}}, 0.4, 2}};
-  const ResidualLikelihood known(normal.dof, kInfinity, 0.05);
+  const ResidualLikelihood known(normal.dof, kInfinity, 0.0);
   const SetPrior prior{0.5, 0.3};
   const WeightedSet without = SetSearch(normal, list, prior, known).Evaluate({0, 1, 2});
   std::vector<Explanation> with = list;
