@@ -42,6 +42,7 @@ void RefuseNothing(const Measurements& data, const std::string& hint) {
 // The observation's configuration is held out where the column has one of the
 // values; all its rows have to agree.
 void SplitByColumn(const std::string& column, const std::set<std::string>& values, Measurements* data) {
+  std::set<std::string> absent = values;
   std::vector<const Observation*> first(data->configurations.size(), nullptr);
   std::vector<int> index;
   for (const MeasurementFile& file : data->files) index.push_back(file.FindColumn(column));
@@ -49,7 +50,9 @@ void SplitByColumn(const std::string& column, const std::set<std::string>& value
     if (observation.file < 0) continue;
     const MeasurementFile::Row row = data->files[observation.file].rows[observation.row];
     const int cell = index[observation.file];
-    const bool held_out = cell >= 0 && values.count(std::string(row.cells[cell])) > 0;
+    const std::string value(cell < 0 ? "" : row.cells[cell]);
+    const bool held_out = cell >= 0 && values.count(value) > 0;
+    if (held_out) absent.erase(value);
     const int c = data->shots[observation.shot].configuration;
     Configuration& configuration = data->configurations[c];
     if (first[c] == nullptr) {
@@ -62,6 +65,9 @@ void SplitByColumn(const std::string& column, const std::set<std::string>& value
                        "one configuration is one or the other");
     }
   }
+  if (absent.empty() || absent.size() == values.size()) return;  // all: nothing is held out, which is refused
+  RefuseSplit(*data, "no row has '" + *absent.begin() + "' in the column '" + column + "'",
+              "values are compared as text: 2.0 is not 2");
 }
 
 void RequireColumn(const std::string& column, const Measurements& data) {

@@ -42,11 +42,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::set<std::string> LoadsIn(const Robot& robot, const std::string& csv) {
+// Of rows that are measurements; InputError where they are none, at the row as it was given.
+std::set<std::string> LoadsIn(const Robot& robot, const ImportedRows& rows, const std::string& csv) {
   try {
     return LoadsOf(ReadMeasurementsText(robot, csv, "measurements.csv"));
-  } catch (const InputError&) {  // calibrate says what it is
-    return {};
+  } catch (const InputError& error) {
+    const int row = error.where().line - 2;  // behind the header, counted from 0
+    throw InputError({row >= 0 ? rows.SourceOf(static_cast<size_t>(row)) : "", 0, ""},
+                     RowsAreNoMeasurements(error.what()));
   }
 }
 
@@ -244,6 +247,19 @@ std::vector<Joint> JointsOf(const std::vector<std::string>& robots) {
   return robots.size() == 1 ? ReadAnyRobot(robots[0], options).robot.chain.joints : std::vector<Joint>();
 }
 
+// A table given under two names would count every reading twice.
+void RefuseCopies(const std::vector<TextTable>& tables) {
+  const auto are_equal = [](const TextTable::Row& a, const TextTable::Row& b) { return a.cells == b.cells; };
+  for (size_t t = 1; t < tables.size(); ++t) {
+    for (size_t before = 0; before < t; ++before) {
+      const auto &own = tables[t].rows, &other = tables[before].rows;
+      if (!std::equal(own.begin(), own.end(), other.begin(), other.end(), are_equal)) continue;
+      throw InputError({tables[t].path, 0, ""}, "the rows are those of " + tables[before].path,
+                       "leave one of them out");
+    }
+  }
+}
+
 Files ReadFiles(const std::vector<std::string>& paths) {
   Files files;
   for (const std::string& path : paths) {
@@ -253,6 +269,7 @@ Files ReadFiles(const std::vector<std::string>& paths) {
       files.tables.push_back(ReadTextTable(path));
     }
   }
+  RefuseCopies(files.tables);
   if (files.tables.size() > 1) files.tables = JoinPosesByName(std::move(files.tables), JointsOf(files.robots));
   if (!files.tables.empty()) return files;
   throw InputError({paths[0], 0, ""}, "there are no measurements among the files",
@@ -340,7 +357,8 @@ int RunImport(const CommandLine& line) {
   progress->Say("writing the rows");
   const std::string csv = read.rows.ToCsv(robot.num_joints());
   progress->Say("checking what was written");
-  const std::set<std::string> loads = LoadsIn(robot, csv);  // before anything is written: it may be interrupted
+  const std::set<std::string> loads =
+      LoadsIn(robot, read.rows, csv);  // before anything is written: it may be interrupted
   out.Write({{"robot.yaml", RobotToYaml(robot)},
              {"measurements.csv", csv},
              {"experiment.yaml", ExperimentText(read.rows.masses())}});

@@ -35,6 +35,19 @@ Experiment WithWeightlessLoads(const Measurements& data) {
   return experiment;
 }
 
+// The plan's joint values and points, and what names them: nothing else that a table has may keep a robot from being
+// compared with them.
+ImportPlan GeometryOf(const ImportPlan& plan) {
+  ImportPlan geometry = plan;
+  geometry.columns.clear();
+  for (const PlannedColumn& column : plan.columns) {
+    const bool is_geometry = column.stem.size() == 1 || column.stem[0] == 'q' || column.stem == "config" ||
+                             column.stem == "marker" || column.stem == "station";
+    if (is_geometry) geometry.columns.push_back(column);
+  }
+  return geometry;
+}
+
 // How far the aligned nominal robot misses; infinite where that cannot be said.
 double Misfit(const Robot& robot, const std::string& csv) {
   try {
@@ -48,7 +61,7 @@ double Misfit(const Robot& robot, const std::string& csv) {
 
 double MisfitOf(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
   ImportedRows rows;
-  rows.Add(table, plan, {}, std::max<size_t>(1, table.rows.size() / kSampleRows));
+  rows.Add(table, GeometryOf(plan), {}, std::max<size_t>(1, table.rows.size() / kSampleRows));
   return Misfit(robot, rows.ToCsv(robot.num_joints()));
 }
 

@@ -1,5 +1,7 @@
 #include "estimator/report/validation_words.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <iterator>
 
@@ -120,6 +122,17 @@ std::string ComesOutNegative(const std::string& name, double sigmas) {
 std::string WeightsAreWrong(double worse) {
   return "with equal weights and without priors the same points fit " + Significant(worse, 2) +
          " times better: the stated standard deviations contradict each other or a prior is wrong";
+}
+
+std::string RowsContradictPrior(const ParameterSet& parameters, const PriorConflict& worst, size_t all) {
+  const Coordinate& coordinate = parameters.coordinates()[worst.coordinate];
+  const QuantityTraits& traits = TraitsOf(coordinate.quantity);
+  const auto value = [&](double si) { return Significant(si / traits.si_per_unit, 3); };
+  return fmt::format(
+      "the rows contradict the prior of {}: it is stated as {} +- {} {}, they say {} +- {}, {} standard "
+      "deviations apart{}: check its value and its unit, or leave it out",
+      coordinate.name, value(coordinate.prior_value), value(coordinate.prior_sigma), traits.unit, value(worst.rows),
+      value(worst.rows_sigma), Significant(worst.sigmas, 2), all > 1 ? fmt::format(" (and {} more)", all - 1) : "");
 }
 
 std::string SomethingMoved(const CalibrationProblem& problem, const Break& found) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "estimator/agreement/breaks.h"
+#include "estimator/validation/prior_conflict.h"
 #include "estimator/validation/trust.h"
 
 namespace sagitta {
@@ -26,6 +27,8 @@ std::string RowsAreSuspect(size_t rows, const std::string& first);
 std::string HeldOutIsFitted(int seen, int held_out);
 std::string ComesOutNegative(const std::string& name, double sigmas);
 std::string WeightsAreWrong(double worse);
+// The worst of `all` conflicts.
+std::string RowsContradictPrior(const ParameterSet& parameters, const PriorConflict& worst, size_t all);
 std::string SomethingMoved(const CalibrationProblem& problem, const Break& found);
 // With suspect rows it is these that are to be looked at first.
 std::string RobotStillMisses(double distance_rms, bool has_suspects);

@@ -191,7 +191,16 @@ double WorseThanByEqualWeights(const CalibrationProblem& problem, const Estimate
   const std::vector<int> points = problem.data().PointsAmong(problem.CalibrationObservations());
   const std::vector<int> sample = SampleForStep(problem.data(), points, columns.size());
   const NoiseRoots metres(sample.size(), Matrix3<double>::Identity());
-  const Linearization rows = Linearize(problem, estimate.parameters, sample, columns, metres, LatentTreatment::kIgnore);
+  const auto linearize = [&] {
+    return Linearize(problem, estimate.parameters, sample, columns, metres, LatentTreatment::kIgnore);
+  };
+  Linearization rows = linearize();
+  // How a marker is turned, points do not say.
+  std::vector<int> seen;
+  for (int c = 0; rows.valid && c < rows.num_columns(); ++c) {
+    if (!rows.jacobian.col(c).isZero(0.0)) seen.push_back(columns[static_cast<size_t>(c)]);
+  }
+  if (seen.size() < columns.size() && !seen.empty()) columns = seen, rows = linearize();
   if (!rows.valid || rows.num_rows() <= rows.num_columns()) return 1.0;
   const LinearSolution solution = SolveLinearization(rows);
   const double freedom = rows.num_rows() - rows.num_columns();
@@ -264,8 +273,10 @@ std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const
     const std::string& name = estimate.parameters.coordinates()[lowest->coordinate].name;
     reasons.push_back(ComesOutNegative(name, lowest->sigmas));
   }
+  const std::vector<PriorConflict> priors = PriorsAgainstRows(problem, estimate);
+  if (!priors.empty()) reasons.push_back(RowsContradictPrior(estimate.parameters, priors[0], priors.size()));
   const double worse = WorseThanByEqualWeights(problem, estimate);
-  if (worse > kWrongWeights) reasons.push_back(WeightsAreWrong(worse));
+  if (worse > kWrongWeights && priors.empty()) reasons.push_back(WeightsAreWrong(worse));
   // What is held for noise that is stated far too large is left in the residuals, and looks like a move.
   std::optional<Break> moved;
   if (StatedTooLarge(estimate) == 1.0) moved = FindBreak(problem, estimate);

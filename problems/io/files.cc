@@ -115,6 +115,10 @@ void DeclareOutput(const std::string& path) {
   for (const Identity& input : session->inputs) {
     if (input.IsSameAs(output)) FailInputIsOutput(input, output, kOtherOut);
   }
+  for (const Identity& other : session->outputs) {
+    if (other.IsSameAs(output))
+      throw InputError({path, 0, ""}, "two outputs would be written to this file; nothing is written", kOtherOut);
+  }
   session->outputs.push_back(output);
 }
 

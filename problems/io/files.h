@@ -23,7 +23,7 @@ class FileSession {
 };
 
 // The rule for inputs and outputs, in one place: says that the session will write `path`. Throws InputError where that
-// is a file the session reads, before or after, by whatever name or link.
+// is a file the session reads, before or after, by whatever name or link, or another output.
 void DeclareOutput(const std::string& path);
 
 // The same rule where no session read the inputs: throws InputError where one of `names` in the folder is one of them.

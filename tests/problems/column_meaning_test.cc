@@ -77,5 +77,56 @@ TEST(TimeStamps, AreReadAsPeopleWriteThem) {
   }
 }
 
+// A number in a unit that is not read is no number in ours.
+TEST(ColumnMeanings, UnitsThatAreNotReadLeaveAColumnOut) {
+  for (const char* header : {"Temp [K]", "Temp (°F)", "temperature_degF", "temperature_K", "Torque A1 [%]", "std_x [%]",
+                             "x [ft]", "Temperature [°R]"}) {
+    const ColumnMeaning meaning = MeaningOf(header, {"A1"});
+    EXPECT_EQ(meaning.role, Role::kOther) << header;
+    EXPECT_THAT(meaning.why, ::testing::HasSubstr("is no unit")) << header;
+  }
+  for (const char* header : {"Temp [°C]", "temperature_degC", "Temp", "Temperature (ambient)"})
+    EXPECT_EQ(MeaningOf(header, {}).role, Role::kTemperature) << header;
+  EXPECT_EQ(MeaningOf("X (measured)", {}).role, Role::kPoint);
+  EXPECT_EQ(MeaningOf("Torque A1 [Nm]", {"A1"}).role, Role::kTorque);
+}
+
+TEST(ColumnMeanings, ADurationIsNoTimeAndAMotorIsNotTheAir) {
+  EXPECT_EQ(MeaningOf("Exposure time [s]", {}).role, Role::kOther);
+  EXPECT_EQ(MeaningOf("Temp motor A1 [°C]", {}).role, Role::kOther);
+  EXPECT_EQ(MeaningOf("Measured time [s]", {}).role, Role::kTime);
+}
+
+TextTable Times(const std::string& header, const std::vector<std::string>& cells) {
+  TextTable table;
+  table.header = {header};
+  table.header_line = 1;
+  for (const std::string& cell : cells) table.rows.push_back({2, {cell}});
+  return table;
+}
+
+TEST(TimeColumns, NumbersAreInTheUnitOfTheHeader) {
+  const std::vector<std::string> numbers = {"0", "1.5", "3"};
+  const std::pair<const char*, double> units[] = {{"Time [s]", 1.0},      {"time_s", 1.0},      {"time_ms", 1e-3},
+                                                  {"t (ns)", 1e-9},       {"Time [min]", 60.0}, {"time_h", 3600.0},
+                                                  {"Time days", 86400.0}, {"elapsed_us", 1e-6}};
+  for (const auto& [header, seconds] : units) {
+    const TimeColumn time = LookAtTime(Times(header, numbers), 0, 3);
+    EXPECT_EQ(time.why_not, "") << header;
+    EXPECT_EQ(time.seconds_per_unit, seconds) << header;
+  }
+  EXPECT_FALSE(LookAtTime(Times("Time", numbers), 0, 3).seconds_per_unit);
+  for (const char* header : {"Time [mm]", "Time [m]", "Time (UTC)"})
+    EXPECT_THAT(LookAtTime(Times(header, numbers), 0, 3).why_not, ::testing::HasSubstr("is no unit")) << header;
+  EXPECT_EQ(LookAtTime(Times("Time (UTC)", {"2024-03-12 09:00:11", "2024-03-12 09:01:11"}), 0, 2).why_not, "");
+}
+
+// Three markers of a shot share its time.
+TEST(TimeColumns, TimesOfShotsAreNotRounded) {
+  const TextTable table = Times("time_s", {"0", "0", "0", "9", "9", "9"});
+  EXPECT_EQ(LookAtTime(table, 0, 2).why_not, "");
+  EXPECT_THAT(LookAtTime(table, 0, 6).why_not, ::testing::HasSubstr("rounded"));
+}
+
 }  // namespace
 }  // namespace sagitta::column_meaning_test

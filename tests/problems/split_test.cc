@@ -129,6 +129,11 @@ TEST(SplitTest, ByColumn) {
                             SplitConfigurations(Column("group", {"random", "grid"}), &data);
                           }),
                           {"m.csv", "every configuration"}));
+  // One of two that no row has: its rows would be fitted.
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] {
+                            SplitConfigurations(Column("group", {"random", "gird"}), &data);
+                          }),
+                          {"m.csv", "'gird'", "'group'"}));
 }
 
 TEST(SplitTest, TheSetColumnIsTheDefault) {

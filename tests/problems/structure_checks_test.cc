@@ -160,7 +160,7 @@ TEST(Structure, AChainIsThatOfItsTable) {
               }),
               refused);
   EXPECT_THAT(Refusal([](Given* g) {
-                g->robot.chain.transforms.push_back({Motion::kTranslation, Axis::kX, 0.1});
+                g->robot.chain.transforms.push_back({Motion::kTranslation, Axis::kX, 0.1, -1, 1.0, ""});
               }),
               refused);
   EXPECT_EQ(Refusal([&](Given* g) {

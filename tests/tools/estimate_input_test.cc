@@ -74,6 +74,8 @@ TEST_F(EstimateInputTest, ShapesAndValues) {
   refused([](Json& j) { j["model_error"]["factor"] = 0.5; }, {"model_error.factor", "at least 1"});
   refused([](Json& j) { j["model_error"]["between_parts"] = {{1.0}}; }, {"model_error.between_parts"});
   refused([](Json& j) { j["loading"]["gravity"]["direction"] = {0, 0}; }, {"loading.gravity.direction"});
+  refused([](Json& j) { j["loading"]["gravity"]["frame"] = "Base"; }, {"loading.gravity.frame", "'Base'", "base"});
+  refused([](Json& j) { j["loading"]["torques"] = "measurd"; }, {"loading.torques", "'measurd'", "measured"});
   refused([](Json& j) { j["prediction_noise"]["scale"] = 0; }, {"prediction_noise.scale"});
 }
 

@@ -133,9 +133,33 @@ TEST_F(ImportMarkers, StampsAndWhatIsNone) {
   EXPECT_NE(outcome.out.find("not used: the times are no seconds"), std::string::npos) << outcome.out;
 }
 
+TEST_F(ImportMarkers, MinutesBecomeSecondsAndAGuessIsSaid) {
+  const auto minutes = [](size_t row) { return std::to_string(row / 3); };
+  Table table = ThreeMarkers(), open = ThreeMarkers();
+  const std::string named = table.Insert(0, "SMR", Reflector).Insert(1, "Time [min]", minutes).ToText();
+  const std::string text = open.Insert(0, "SMR", Reflector).Insert(1, "Time", minutes).ToText();
+  ExpectRefused(text, {"--strict", "'Time' is in s: the header does not say"}, {"--strict"});
+  ExpectRefused(named, {"says min, the map says s"}, {"--map=time_s=Time [min]"});
+  ASSERT_EQ(ImportText(named, {"--strict"}).status, 0);
+  const std::vector<std::string> seconds = ColumnOf("time_s");
+  ASSERT_EQ(seconds.size(), 90U);
+  for (size_t r = 0; r < seconds.size(); ++r) EXPECT_EQ(std::stod(seconds[r]), 60.0 * static_cast<double>(r / 3));
+}
+
+// Degrees that the header calls rad, next to a column that no measurement has: the robot is compared all the same.
+TEST_F(ImportMarkers, OtherColumnsDoNotKeepTheRobotFromBeingCompared) {
+  Table table(Readings());
+  table.Named({"A1 [rad]", "A2 [rad]", "A3 [rad]", "A4 [rad]", "A5 [rad]", "A6 [rad]", "x_mm", "y_mm", "z_mm"});
+  table.Insert(9, "approach5", [](size_t) { return std::string("5"); });
+  ExpectRefused(table.ToText(), {"cannot have made these readings"});
+}
+
 TEST_F(ImportMarkers, EqualPosesAreNoFewRows) {
   Table table(Readings());
-  for (auto& row : table.rows) row = table.rows[0];
+  for (size_t r = 0; r < table.rows.size(); ++r) {  // one pose, read again and again
+    table.rows[r] = table.rows[0];
+    table.rows[r].back() = test::Text(std::stod(table.rows[0].back()) + 1e-3 * static_cast<double>(r));
+  }
   const test::Outcome outcome = ImportText(table.ToText());
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("all rows have equal joint values"), std::string::npos) << outcome.out;

@@ -65,6 +65,8 @@ TEST_F(ProgramCommandTest, WhatIsNotStatedIsAskedForAndNothingIsWritten) {
       {program, out, "--start_deg=1,2"},
       {program, out, "--start_deg=0,1e300,0,0,0,0"},
       {"--program=" + Path("absent.src"), out},
+      {program, "--tools_mm_deg=default=same", "--frames_mm_deg=world=same", "--program_out=" + Path("x.csv"),
+       "--out=" + Path("./x.csv")},
       {Path("e/estimate.json"), "--program_out=" + Path("new/p.src"), "--out=" + Path("x.csv")}};
   for (const std::vector<std::string>& flags : refused) EXPECT_EQ(Compensate(flags).status, 2) << flags.back();
   EXPECT_FALSE(Exists("new"));

@@ -190,6 +190,10 @@ std::string ChainRuns(const std::string& base, const std::string& tip, const std
   return others.empty() ? words : words + ", not to " + Enumerate(others, 6) + " (--tip_link says another)";
 }
 
+std::string RowsAreNoMeasurements(const std::string& what) {
+  return "the rows as they are understood are no measurements: " + what;
+}
+
 std::string MimicIsACoupling(const std::string& joint, const std::string& driver) {
   return joint + " mimics " + driver +
          ": a coupling, and its own column is 0, what it moves by itself (ROS publishes what it moves in all)";

@@ -67,6 +67,7 @@ std::string KeepItsDescription();
 // Links of a URDF; others: those it could end at.
 std::string ChainRuns(const std::string& base, const std::string& tip, const std::vector<std::string>& others);
 // Joints of a URDF.
+std::string RowsAreNoMeasurements(const std::string& what);
 std::string MimicIsACoupling(const std::string& joint, const std::string& driver);
 std::string LeftOutOfFormat(const std::string& what);
 

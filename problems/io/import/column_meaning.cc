@@ -26,6 +26,7 @@ const std::set<std::string> kDifferenceWords = {"dif", "diff",      "difference"
                                                 "dev", "deviation", "residual",   "d",     "res",   "offset"};
 const std::set<std::string> kSigmaWords = {"std",   "sigma",       "stddev", "sd",      "sdev",
                                            "stdev", "uncertainty", "unc",    "standard"};
+const std::set<std::string> kUnclearWords = {"uncertainty", "unc"};  // a standard deviation, or twice that
 // Words that go with a position and say nothing about whose it is.
 const std::set<std::string> kPointWords = {"point", "pos", "position", "coordinate", "coord", "p", "xyz"};
 
@@ -137,6 +138,7 @@ std::optional<ColumnMeaning> AsPoint(const Words& words) {
   meaning.says_measured = Has(words, kMeasuredWords);
   if (Has(words, kSigmaWords)) {
     meaning.role = foreign ? Role::kOther : Role::kSigma;
+    meaning.may_be_expanded = Has(words, kUnclearWords) && !Has(words, {"std", "standard", "sigma"});
   } else if (Has(words, kDifferenceWords)) {
     meaning.role = Role::kDifference;
   } else if (Has(words, kTargetWords)) {
@@ -303,7 +305,14 @@ ColumnMeaning ByName(const std::string& header, const std::vector<std::string>& 
   if (const auto rotation = AsRotation(words)) return *rotation;
   static const std::set<std::string> kTemperature = {"temperature", "temp", "temperatur"};
   static const std::set<std::string> kTime = {"time", "timestamp", "datetime", "date", "zeit"};
+  // How long something lasts, and what a part of the machine has.
+  static const std::set<std::string> kLasts = {"exposure", "integration", "cycle",      "dwell",  "settling",
+                                               "duration", "delay",       "processing", "flight", "averaging"};
+  static const std::set<std::string> kParts = {"motor", "gear",  "gearbox", "joint", "axis",    "achse",     "drive",
+                                               "cpu",   "board", "winding", "oil",   "encoder", "controller"};
   ColumnMeaning meaning;
+  if (Has(words, kTemperature) && Has(words, kParts)) return Unused("the temperature of a part");
+  if (Has(words, kTime) && Has(words, kLasts)) return Unused("how long something lasts");
   if (Has(words, kTemperature)) meaning.role = Role::kTemperature;
   if (Has(words, kTime)) meaning.role = Role::kTime;
   if (meaning.role != Role::kOther) return meaning;
@@ -313,14 +322,33 @@ ColumnMeaning ByName(const std::string& header, const std::vector<std::string>& 
 
 }  // namespace
 
+namespace {
+
+// Texts have none; times are looked at together with their numbers (time_column.h).
+bool HasUnitsOfItsOwn(Role role) { return role == Role::kText || role == Role::kTime; }
+
+// Whether what looks like a unit that is not read is one, and no remark: in square brackets, by its word, or a share.
+bool IsForeignUnit(const std::string& header, const NameWithUnreadUnit& unread) {
+  return IsUnit(unread.unit) || unread.unit == "%" || header.find("[" + unread.unit + "]") != std::string::npos;
+}
+
+}  // namespace
+
 ColumnMeaning MeaningOf(const std::string& header, const std::vector<std::string>& joints) {
   ColumnMeaning meaning = ByName(header, joints);
   meaning.unit = UnitInHeader(header);
   const NameWithUnreadUnit unread = UnreadUnitIn(header);
-  if (meaning.role == Role::kOther && !unread.unit.empty() && ByName(unread.name, joints).role != Role::kOther) {
+  const bool is_known = meaning.role == Role::kOther ? ByName(unread.name, joints).role != Role::kOther
+                                                     : !HasUnitsOfItsOwn(meaning.role) && IsForeignUnit(header, unread);
+  if (!unread.unit.empty() && is_known) {
+    const bool is_commanded = meaning.is_commanded;
+    meaning = ColumnMeaning();
+    meaning.is_commanded = is_commanded;
     meaning.unread_unit = unread.unit;
     meaning.why = "'" + unread.unit + "' is no unit that is read";
   }
+  const auto foreign = ForeignUnitOf(LowerCaseOf(header), {"temperature_degC"});
+  if (meaning.role == Role::kTemperature && meaning.unit.empty() && foreign) meaning = Unused(foreign->Words());
   if (meaning.role == Role::kTarget) meaning.why = "a position that was meant, not measured";
   if (meaning.role == Role::kDifference) meaning.why = "a difference, not a position";
   return meaning;

@@ -33,14 +33,15 @@ enum class Role {
 struct ColumnMeaning {
   Role role = Role::kOther;
   int index = -1;
-  std::string name;            // of kText
-  std::string unit;            // "" where the header does not say
-  bool is_commanded = false;   // a joint value that the name calls commanded
-  bool is_actual = false;      // a joint value that the name calls actual
-  bool is_numbered = false;    // a joint value whose name has the joint's number and no joint's own name
-  bool says_measured = false;  // a point or rotation that the name calls measured
-  std::string why;             // of kOther and kTarget, in words
-  std::string unread_unit;     // of kOther: the unit, as written, for which alone it has no other role
+  std::string name;              // of kText
+  std::string unit;              // "" where the header does not say
+  bool is_commanded = false;     // a joint value that the name calls commanded
+  bool is_actual = false;        // a joint value that the name calls actual
+  bool is_numbered = false;      // a joint value whose name has the joint's number and no joint's own name
+  bool says_measured = false;    // a point or rotation that the name calls measured
+  bool may_be_expanded = false;  // of kSigma: an uncertainty, and no word for how many standard deviations
+  std::string why;               // of kOther and kTarget, in words
+  std::string unread_unit;       // of kOther: the unit, as written, for which alone it has no other role
 };
 
 // `joints`: the robot's joint names, empty when it is not known.

@@ -7,6 +7,7 @@
 
 #include "problems/input_error.h"
 #include "problems/io/import/column_meaning.h"
+#include "problems/io/import/header_words.h"
 #include "problems/io/import/mapped_columns.h"
 #include "problems/io/import/marker_column.h"
 #include "problems/io/import/open_units.h"
@@ -270,6 +271,8 @@ class Planner {
     }
     if (sigmas.size() != 3) return;
     CheckEqualUnits(sigmas);
+    if (meanings_[sigmas[0]].may_be_expanded)
+      plan_.guesses.push_back("'" + HeaderOf(sigmas[0]) + "' is one standard deviation: the header does not say");
     for (int i = 0; i < 3; ++i)
       Add(std::string("sigma_") + kAxes[i], meanings_[sigmas[i]].unit, sigmas[i],
           std::string("standard deviation of ") + kAxes[i]);
@@ -351,14 +354,39 @@ class Planner {
     if (open) plan_.guesses.push_back("joint torques are in N m: the header does not say");
   }
 
+  // Of several columns that could be it the one with the fewest words; -1: none.
+  int PlainestOf(Role role, const std::string& what) {
+    int plainest = -1;
+    std::string others;
+    const auto words = [this](int c) { return WordsOf(StemOf(table_.header[static_cast<size_t>(c)])).size(); };
+    const std::vector<int> columns = ColumnsOf(role, -1);
+    for (const int c : columns) {
+      if (plainest < 0 || words(c) < words(plainest)) plainest = c;
+    }
+    for (const int c : columns) {
+      if (c != plainest) others += (others.empty() ? "'" : "', '") + HeaderOf(c);
+    }
+    if (!others.empty())
+      plan_.guesses.push_back("'" + HeaderOf(plainest) + "' is the " + what + ", not " + others + "'");
+    return plainest;
+  }
+
   void TakeOthers() {
+    const int time_column = IsMapped("time") ? -1 : PlainestOf(Role::kTime, "time of the readings");
+    const int temperature_column = IsMapped("temperature") ? -1 : PlainestOf(Role::kTemperature, "temperature");
     for (int c = 0; c < table_.columns(); ++c) {
       if (taken_.count(c)) continue;
       const ColumnMeaning& meaning = meanings_[c];
+      const bool is_other = (meaning.role == Role::kTime && c != time_column) ||
+                            (meaning.role == Role::kTemperature && c != temperature_column);
+      if (is_other) {
+        plan_.unused.emplace_back(HeaderOf(c), "another column says it");
+        continue;
+      }
       static const char* kWrench[] = {"fx", "fy", "fz", "mx", "my", "mz"};
       std::string stem, unit = meaning.unit;
       if (meaning.role == Role::kText) stem = meaning.name;
-      if (meaning.role == Role::kWrench && !unit.empty()) stem = kWrench[meaning.index];
+      if (meaning.role == Role::kWrench && unit == (meaning.index < 3 ? "N" : "Nm")) stem = kWrench[meaning.index];
       if (meaning.role == Role::kApproach) stem = "approach" + std::to_string(meaning.index + 1);
       if (meaning.role == Role::kTime) stem = "time";
       if (meaning.role == Role::kTemperature) stem = "temperature";
@@ -367,11 +395,13 @@ class Planner {
         plan_.unused.emplace_back(HeaderOf(c), "torques in N m of all joints are used, or none");
         continue;
       }
-      const std::string no_time = meaning.role == Role::kTime ? LookAtTime(table_, c).why_not : "";
+      const TimeColumn time =
+          meaning.role == Role::kTime ? LookAtTime(table_, c, CountShots(table_, plan_)) : TimeColumn();
+      const std::string& no_time = time.why_not;
       if (stem.empty() || IsMapped(stem) || !no_time.empty()) {
         const std::string why = !no_time.empty()       ? no_time
                                 : !meaning.why.empty() ? meaning.why
-                                : stem.empty()         ? "not complete, or without a unit"
+                                : stem.empty()         ? "not complete, or in no unit of it"
                                                        : "stands twice";
         plan_.unused.emplace_back(HeaderOf(c), why);
         continue;
@@ -384,7 +414,9 @@ class Planner {
         }
         unit = "degC";
       }
-      Add(stem, stem == "time" ? "s" : unit, c, stem);
+      if (stem == "time" && !time.stamps && !time.seconds_per_unit)
+        plan_.guesses.push_back("'" + table_.header[c] + "' is in s: the header does not say");
+      Add(stem, stem == "time" ? time.unit : unit, c, stem);
       if (stem == "load") TakeLoad(meaning.unit, c);
     }
   }
@@ -469,6 +501,22 @@ const PlannedColumn* ImportPlan::Find(const std::string& stem) const {
     if (column.stem == stem) return &column;
   }
   return nullptr;
+}
+
+size_t CountShots(const TextTable& table, const ImportPlan& plan) {
+  std::string before;
+  size_t shots = 0;
+  for (const TextTable::Row& row : table.rows) {
+    std::string shot;
+    for (const PlannedColumn& column : plan.columns) {
+      const bool is_joint = column.stem[0] == 'q' && column.stem != "q";
+      if (is_joint || column.stem == "config" || column.stem == "station" || column.stem == "visit")
+        shot += row.cells[static_cast<size_t>(column.source)] + ";";
+    }
+    shots += shots == 0 || shot != before;
+    before = std::move(shot);
+  }
+  return shots;
 }
 
 std::vector<ImportPlan> PossiblePlans(const TextTable& table, const std::vector<Joint>& joints,

@@ -57,6 +57,10 @@ void ImportedRows::NameConfigurations(std::vector<ImportedRow>* rows, bool has_c
   }
 }
 
+std::string ImportedRows::SourceOf(size_t row) const {
+  return row < rows_.size() && rows_[row].count("source") > 0 ? rows_[row].at("source") : "";
+}
+
 std::string ImportedRows::ToCsv(int joints) const {
   std::set<std::string> present;
   for (const ImportedRow& row : rows_) {

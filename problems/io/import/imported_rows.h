@@ -20,6 +20,8 @@ class ImportedRows {
   std::string ToCsv(int joints) const;
 
   size_t size() const { return rows_.size(); }
+  // File and line of a row, as in "tracker.csv:57".
+  std::string SourceOf(size_t row) const;
   // Loads whose masses, kg, the cells state ("5 kg", or 5 where the header says kg).
   const std::map<std::string, double>& masses() const { return names_.masses; }
   const std::vector<std::string>& notes() const { return notes_; }  // lost readings, columns that say nothing

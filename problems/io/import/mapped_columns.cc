@@ -5,6 +5,7 @@
 
 #include "problems/input_error.h"
 #include "problems/io/import/header_words.h"
+#include "problems/io/import/time_column.h"
 
 namespace sagitta {
 namespace {
@@ -59,7 +60,11 @@ void CheckMappedColumn(const TextTable& table, const std::vector<Joint>& joints,
   if (std::find(known.begin(), known.end(), column) == known.end()) {
     RefuseTable(table, "'" + column + "' is no column of measurements.csv", SpellingHint(column, known));
   }
-  const std::string unit = UnitInHeader(table.header[planned.source]);
+  const std::string& header = table.header[planned.source];
+  const std::string unread = UnreadUnitIn(header).unit;
+  const bool is_other_time =
+      column == "time_s" && LookAtTime(table, planned.source, 0).seconds_per_unit.value_or(1.0) != 1.0;
+  const std::string unit = is_other_time || IsUnit(unread) ? unread : UnitInHeader(header);
   if (!unit.empty() && !planned.unit.empty() && unit != planned.unit) {
     RefuseTable(table,
                 "the column '" + table.header[planned.source] + "' says " + unit + ", the map says " + planned.unit,

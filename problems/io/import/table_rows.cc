@@ -95,7 +95,8 @@ void DropPointSigmas(ImportedRow* row) {
 
 TableRows::TableRows(const TextTable& table, const ImportPlan& plan, const RowDefaults& defaults, ImportedNames* names)
     : table_(table), plan_(plan), defaults_(defaults), names_(names) {
-  if (const PlannedColumn* column = plan.Find("time")) time_ = LookAtTime(table, column->source);
+  if (const PlannedColumn* column = plan.Find("time"))
+    time_ = LookAtTime(table, column->source, CountShots(table, plan));
 }
 
 std::vector<ImportedRow> TableRows::Read(size_t stride) {
@@ -164,7 +165,8 @@ std::string TableRows::TextCell(const PlannedColumn& column, const std::string& 
 
 void TableRows::AddTime(const std::string& cell, ImportedRow* row) const {
   if (!time_.why_not.empty() || IsLostCell(cell)) return;
-  (*row)["time_s"] = FormatNumber(time_.stamps ? *SecondsOfStamp(cell) : *table_.Number(cell));
+  (*row)["time_s"] =
+      FormatNumber(time_.stamps ? *SecondsOfStamp(cell) : time_.seconds_per_unit.value_or(1.0) * *table_.Number(cell));
 }
 
 std::optional<double> TableRows::NumberIn(const TextTable::Row& source, const PlannedColumn& column) const {

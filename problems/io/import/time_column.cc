@@ -1,11 +1,14 @@
 #include "problems/io/import/time_column.h"
 
 #include <array>
+#include <map>
 #include <set>
 
 #include "problems/interruption.h"
+#include "problems/io/import/header_words.h"
 #include "problems/io/pattern.h"
 #include "problems/io/units.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -15,6 +18,27 @@ int DaysSince1970(int year, int month, int day) {
   const int shifted_year = month > 2 ? year : year - 1, shifted_month = (month + 9) % 12;
   return 365 * shifted_year + shifted_year / 4 - shifted_year / 100 + shifted_year / 400 +
          (153 * shifted_month + 2) / 5 + day - 719469;
+}
+
+// s, of what a header calls the unit of a time.
+std::optional<double> SecondsOfUnit(const std::string& word) {
+  static const std::map<std::string, double> kUnits = {
+      {"s", 1.0},     {"sec", 1.0},      {"seconds", 1.0}, {"ms", 1e-3},     {"msec", 1e-3},    {"us", 1e-6},
+      {"µs", 1e-6},   {"usec", 1e-6},    {"ns", 1e-9},     {"min", 60.0},    {"minutes", 60.0}, {"h", 3600.0},
+      {"hr", 3600.0}, {"hours", 3600.0}, {"d", 86400.0},   {"days", 86400.0}};
+  const auto found = kUnits.find(word);
+  return found == kUnits.end() ? std::nullopt : std::optional<double>(found->second);
+}
+
+// What stands in brackets at the end, or is a unit behind the last bar or blank; "" where there is none.
+std::string WrittenUnit(const std::string& header) {
+  static const std::regex bracketed = MakePattern("[\\[(]\\s*([^\\])]*?)\\s*[\\])]\\s*$");
+  const std::string lower = LowerCaseOf(header);
+  std::smatch match;
+  if (SearchPattern(lower, &match, bracketed)) return match.str(1);
+  const size_t at = lower.find_last_of("_ ");
+  const std::string last = at == std::string::npos ? "" : lower.substr(at + 1);
+  return SecondsOfUnit(last) || IsUnit(last) ? last : "";
 }
 
 }  // namespace
@@ -44,7 +68,7 @@ std::optional<double> SecondsOfStamp(const std::string& cell) {
   return 86400.0 * DaysSince1970(year, month, day) + 3600.0 * hour + 60.0 * minute + second + part;
 }
 
-TimeColumn LookAtTime(const TextTable& table, int column) {
+TimeColumn LookAtTime(const TextTable& table, int column, size_t shots) {
   TimeColumn time;
   std::set<std::string> different;
   bool numbers = true;
@@ -61,10 +85,15 @@ TimeColumn LookAtTime(const TextTable& table, int column) {
     time.why_not = "the time is the same in every row";
   } else if (!time.stamps && !numbers) {
     time.why_not = "the times are no seconds and no stamps like 2020-07-14 16:39:04 or 20200714163904";
-  } else if (!time.stamps && 2 * different.size() < table.rows.size()) {
-    time.why_not = "the times are rounded: " + std::to_string(different.size()) + " different ones in " +
-                   std::to_string(table.rows.size()) + " rows";
+  } else if (!time.stamps && 2 * different.size() < shots) {
+    time.why_not = "the times are rounded: " + std::to_string(different.size()) + " different ones of " +
+                   std::to_string(shots) + " shots";
   }
+  const std::string unit = table.has_header() ? WrittenUnit(table.header[static_cast<size_t>(column)]) : "";
+  time.seconds_per_unit = SecondsOfUnit(unit);
+  time.unit = time.seconds_per_unit && !time.stamps ? unit : "s";
+  if (time.why_not.empty() && !time.stamps && !unit.empty() && !time.seconds_per_unit)
+    time.why_not = "'" + unit + "' is no unit that time is read in: s, ms, us, ns, min, h or days";
   return time;
 }
 

@@ -12,11 +12,14 @@ namespace sagitta {
 // first as the points say; only differences matter, the calendar is the proleptic Gregorian one. Nothing: it is none.
 std::optional<double> SecondsOfStamp(const std::string& cell);
 
-// Why a column cannot be used: it is the same everywhere, rounded, or no time.
+// How a column of times is read, or why it cannot be used: it is the same everywhere, rounded (shots: how many are
+// apart), no time, or in a unit that is none of times. Of stamps the header's unit says nothing.
 struct TimeColumn {
   bool stamps = false;
-  std::string why_not;  // "": it can
+  std::optional<double> seconds_per_unit;  // of numbers; nothing: the header does not say
+  std::string unit;                        // of it, as written
+  std::string why_not;                     // "": it can
 };
-TimeColumn LookAtTime(const TextTable& table, int column);
+TimeColumn LookAtTime(const TextTable& table, int column, size_t shots);
 
 }  // namespace sagitta

@@ -1,0 +1,22 @@
+// Stated priors that the rows contradict.
+#pragma once
+
+#include <vector>
+
+#include "estimator/estimate/estimate.h"
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+// One of them, SI.
+struct PriorConflict {
+  int coordinate = -1;
+  double rows = 0.0, rows_sigma = 0.0;  // what the rows say without it, by their noise
+  double sigmas = 0.0;                  // apart
+};
+
+// Of a judged estimate, the worst first; of those that chance brings about in one of 1 / significance experiments none
+// (Bonferroni). Priors of effects that the rows hardly determine (Coordinate::effect_prior) are no statements.
+std::vector<PriorConflict> PriorsAgainstRows(const CalibrationProblem& problem, const Estimate& estimate);
+
+}  // namespace sagitta
