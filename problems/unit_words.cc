@@ -27,11 +27,11 @@ const std::map<std::string, std::string>& SpellingsOfUnits() {
 
 const std::set<std::string>& UnreadUnits() {
   static const std::set<std::string> kWords = {
-      "ft",       "foot",    "feet", "yd",    "mil",    "mils", "thou",  "km",     "gon",    "gons",       "grad",
-      "grads",    "rev",     "revs", "turns", "counts", "incr", "ticks", "arcmin", "arcsec", "degs",       "kp",
-      "kilopond", "kgf",     "gf",   "tf",    "lb",     "lbs",  "lbf",   "oz",     "ozf",    "kn",         "dan",
-      "dyn",      "knm",     "nmm",  "ncm",   "danm",   "degf", "degr",  "degk",   "kelvin", "fahrenheit", "°f",
-      "°k",       "rankine", "ms",   "us",    "msec",   "usec", "hours", "minutes"};
+      "ft",         "foot", "feet", "yd",      "mil",    "mils", "thou",  "km",     "gon",    "gons",   "grad",
+      "grads",      "rev",  "revs", "turns",   "counts", "incr", "ticks", "arcmin", "arcsec", "degs",   "kp",
+      "kilopond",   "kgf",  "gf",   "tf",      "lb",     "lbs",  "lbf",   "oz",     "ozf",    "kn",     "dan",
+      "dyn",        "mn",   "mnm",  "knm",     "nmm",    "ncm",  "danm",  "degf",   "degr",   "degk",   "kelvin",
+      "fahrenheit", "°f",   "°k",   "rankine", "ms",     "us",   "msec",  "usec",   "hours",  "minutes"};
   return kWords;
 }
 

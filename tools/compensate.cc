@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "estimator/report/compensation_words.h"
+#include "estimator/report/inspection_words.h"
 #include "estimator/results/compensation_csv.h"
 #include "estimator/results/measured_joints.h"
 #include "estimator/results/program_compensation.h"
@@ -140,6 +141,8 @@ int RunCompensate(const CommandLine& line) {
   }
   out.Write(csv);
   Summarise(results, FLAGS_out);
+  const std::string unread = NotReadInWords(targets.shots.unread_columns);
+  if (!unread.empty()) std::cout << unread << "\n";
   SayWhatTheWayDoes(known);
   if (outside > 0) std::cout << TargetsOutsideMeasured(outside) << "\n";
   const std::string carried = WhatFiguresCarry(known);
@@ -194,7 +197,7 @@ reason. Frames and tools are those of the file; where it does not state them the
 Loads are those of the program where it states them (tooldata and GripLoad, $LOAD and LOAD_DATA, set_payload); --load
 uses one of the estimate for all points. --turn_joints=1,4,6: what the turn numbers of FANUC positions count.
 
---out=FILE.csv then lists every point as a row.
+--out=FILE.csv then lists every point that was solved as a row.
 
 Examples
   sagitta compensate results/estimate.json targets.csv --out=corrected.csv

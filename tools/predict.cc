@@ -3,6 +3,7 @@
 #include <iostream>
 #include <optional>
 
+#include "estimator/report/inspection_words.h"
 #include "estimator/sagitta.h"
 #include "problems/interruption.h"
 #include "problems/io/files.h"
@@ -43,6 +44,8 @@ int RunPredict(const CommandLine& line) {
   out.Write(csv);
   progress.reset();
   std::cout << PredictedInWords(rows.NumRows(), largest, known.noise.freedom, FLAGS_out);
+  const std::string unread = NotReadInWords(rows.unread_columns);
+  if (!unread.empty()) std::cout << unread << "\n";
   for (const std::string& warning : warnings) std::cout << "Warning: " << warning << "\n";
   const std::string carried = WhatFiguresCarry(known);
   if (!carried.empty()) std::cout << carried << "\n";

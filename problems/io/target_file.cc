@@ -38,7 +38,7 @@ class TargetReader {
   std::vector<TargetColumn> Group(const std::vector<std::string>& stems, const std::vector<Dimension>& dimensions,
                                   bool* any);
   void FindColumns();
-  void CheckUnlisted() const;
+  void CheckUnlisted();
 
   std::string Cell(const TargetColumn& column) const;
   std::optional<double> Number(const TargetColumn& column) const;
@@ -52,6 +52,7 @@ class TargetReader {
   const std::string station_;
   const MeasurementFile::Row* row_ = nullptr;
   std::vector<std::string> listed_;
+  std::vector<std::string> unread_;
   TargetColumn name_, load_, stations_, time_, temperature_;
   std::vector<TargetColumn> q_, pose_, approach_;
   std::array<TargetColumn, 6> wrench_;
@@ -119,7 +120,7 @@ void TargetReader::FindColumns() {
 }
 
 // Other columns are carried along, slips of ours and joints that the robot does not have are not.
-void TargetReader::CheckUnlisted() const {
+void TargetReader::CheckUnlisted() {
   for (const std::string& name : table_.file.header) {
     if (std::find(listed_.begin(), listed_.end(), name) != listed_.end()) continue;
     if (name.size() > 1 && name[0] == 'q' && std::isdigit(static_cast<unsigned char>(name[1])) &&
@@ -131,6 +132,11 @@ void TargetReader::CheckUnlisted() const {
     for (const std::string& listed : listed_) {
       if (IsSlipOfColumn(name, listed)) Fail(name, "unknown column '" + name + "'", SpellingHint(name, {listed}));
     }
+    if (LowerCaseOf(name).rfind("approach", 0) == 0) {
+      Fail(name, "the robot has " + std::to_string(robot_.num_joints()) + " joints",
+           "the direction of the last motion has a column per joint: approach1, approach2 …");
+    }
+    unread_.push_back(name);
   }
 }
 
@@ -232,6 +238,7 @@ Targets TargetReader::Read() {
     AddShot(targets.rows.back(), &targets.shots);
   }
   targets.shots.files.push_back(std::move(table_.file));
+  targets.shots.unread_columns = unread_;
   return targets;
 }
 

@@ -30,6 +30,7 @@ TEST_F(MeasurementColumnsTest, AUnitThatIsNotReadIsAnError) {
       {"fx_kp", {"'kp' is no unit", "fx", "convert", "'fx_N'"}},
       {"fx_lbf", {"'lbf' is no unit", "'fx_N'"}},
       {"fx_kN", {"'kN' is no unit", "'fx_N'"}},
+      {"fx_mN", {"'mN' is no unit", "'fx_N'"}},
       {"fz [daN]", {"'daN' is no unit", "'fz_N'"}},
       {"my_lbft", {"'lbft' is no unit", "'my_Nm'"}},
       {"mx_kgfm", {"'kgfm' is no unit", "'mx_Nm'"}},

@@ -50,8 +50,10 @@ TEST(TargetFileTest, EverythingArrivesInSi) {
   EXPECT_EQ(second.approach[0], kApproachNotStated);
 }
 
-TEST(TargetFileTest, OtherColumnsAreCarriedAlong) {
-  EXPECT_EQ(Read("target,x_mm,y_mm,z_mm,rx_mrad,ry_mrad,rz_mrad,v_mm,q1_cmd_deg\na,1,1,1,0,0,0,5,6\n").rows.size(), 1u);
+TEST(TargetFileTest, OtherColumnsAreCarriedAlongAndSaid) {
+  const Targets targets = Read("target,x_mm,y_mm,z_mm,rx_mrad,ry_mrad,rz_mrad,payload,q1_cmd_deg\na,1,1,1,0,0,0,5,6\n");
+  EXPECT_EQ(targets.rows.size(), 1u);
+  EXPECT_EQ(targets.shots.unread_columns, (std::vector<std::string>{"payload", "q1_cmd_deg"}));
 }
 
 TEST(TargetFileTest, JointsThatOnlyFollowHaveNoValueOfTheirOwn) {

@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "estimator/report/inspection_known_words.h"
+#include "estimator/report/inspection_words.h"
 #include "estimator/validation/unseen.h"
 #include "problems/text.h"
 #include "tools/report/histograms.h"
@@ -37,6 +38,8 @@ Section Head(const KnownRobot& known, const Measurements& rows, const Validation
                             " (RMS; nominal robot " + InMillimetres(validation.before.distance_rms) + ") on " +
                             std::to_string(rows.configurations.size()) + " configurations, estimate " + known.file +
                             ".");
+  const std::string unread = NotReadInWords(rows.unread_columns);
+  if (!unread.empty()) head.paragraphs.push_back(unread);
   return head;
 }
 
