@@ -19,8 +19,6 @@ EDGES = {  # folder: why text is compared there
 }
 EXCEPTIONS = {  # (file, text of the line): why
     ('estimator/results/estimate_reader.cc', 'schema->json() != "sagitta/estimate/1"'): 'reads a file: is it one of ours',
-    ('estimator/results/loading_json.cc', 'json.Get("frame").Text() == "base"'): 'reads a file: the word becomes a flag',
-    ('estimator/results/loading_json.cc', 'torques->Text() == "measured"'): 'reads a file: the word becomes a flag',
     ('estimator/results/program_compensation.cc', 'value != "same"'): 'reads an option: the word becomes a pose',
     ('estimator/results/next_csv.cc', 'names.count(column) > 0 || column.rfind("sigma_", 0)'):
         'writes a table: headers of the measured file',

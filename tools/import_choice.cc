@@ -35,8 +35,7 @@ Experiment WithWeightlessLoads(const Measurements& data) {
   return experiment;
 }
 
-// The plan's joint values and points, and what names them: nothing else that a table has may keep a robot from being
-// compared with them.
+// The plan's joint values and points, and what names them.
 ImportPlan GeometryOf(const ImportPlan& plan) {
   ImportPlan geometry = plan;
   geometry.columns.clear();
@@ -60,9 +59,14 @@ double Misfit(const Robot& robot, const std::string& csv) {
 }
 
 double MisfitOf(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
-  ImportedRows rows;
-  rows.Add(table, GeometryOf(plan), {}, std::max<size_t>(1, table.rows.size() / kSampleRows));
-  return Misfit(robot, rows.ToCsv(robot.num_joints()));
+  const auto misfit_of = [&](const ImportPlan& some) {
+    ImportedRows rows;
+    rows.Add(table, some, {}, std::max<size_t>(1, table.rows.size() / kSampleRows));
+    return Misfit(robot, rows.ToCsv(robot.num_joints()));
+  };
+  // Nothing else that a table has may keep a robot from being compared with its points.
+  const double misfit = misfit_of(plan);
+  return std::isfinite(misfit) ? misfit : misfit_of(GeometryOf(plan));
 }
 
 }  // namespace

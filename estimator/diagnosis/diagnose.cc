@@ -13,7 +13,6 @@
 #include "estimator/diagnosis/scanned_settings.h"
 #include "estimator/diagnosis/set_aside.h"
 #include "estimator/evidence/revisits.h"
-#include "estimator/noise/rotation_noise.h"
 #include "estimator/report/diagnosis_caution_words.h"
 #include "estimator/report/explanations_words.h"
 #include "estimator/statistics/distributions.h"
@@ -25,7 +24,6 @@ namespace {
 
 constexpr double kShareOfLackOfFit = 0.15;  // of the significance: lack of fit is asked in addition to the posterior
 constexpr double kIntervalMisses = 0.05;    // of the intervals of 95 %: one that holds no effect at all names none
-constexpr int kMostScatterRounds = 6;       // each leaves a fraction of what the one before moved: two or three do
 constexpr int kMostPredicted = 5;           // candidates, each refitted by itself: as many as are listed to people
 constexpr double kSettledScatter = 0.05;    // of sigma: what a hundred degrees of freedom leave open is more
 constexpr int kMostRounds = 2;              // outliers given the believed model, then given the extended one
@@ -47,7 +45,7 @@ class Session {
     d_.status = d_.baseline.estimate.status;
     d_.message = d_.baseline.estimate.message;
     if (!IsUsable(d_.status)) return;
-    WeighPointsAndRotations();
+    WeighPointsAndRotations(problem_, options_.joint, &d_.baseline);
     aside_.FromFitted(&d_.baseline);
     if (options_.points_are_measured) d_.cautions = CautionsOfReadings(*d_.baseline.problem);
     d_.read_first = d_.cautions.size();
@@ -64,29 +62,6 @@ class Session {
  private:
   void Say(const std::string& words) const {
     if (options_.progress) options_.progress(words);
-  }
-
-  // Rotations that state no noise are weighed by the spread of their own residuals; points too, where nothing states
-  // theirs, as the estimate has them.
-  void WeighPointsAndRotations() {
-    const std::vector<Observation>& rows = problem_.data().observations;
-    const bool any_states = std::any_of(rows.begin(), rows.end(), [](const Observation& row) {
-      return !row.is_point() && row.rotation().sigma.minCoeff() > 0.0;
-    });
-    if (any_states || !problem_.resolved_noise.empty()) return;
-    const bool is_stated = problem_.sigma_is_stated();
-    for (int round = 0; round < kMostScatterRounds; ++round) {
-      const std::optional<TwoNoises> noises = FindTwoNoises(*d_.baseline.problem, d_.baseline.estimate);
-      if (!noises) return;
-      CalibrationProblem weighed = *d_.baseline.problem;
-      weighed.resolved_noise = noises->roots;
-      for (size_t i = 0; i < rows.size() && is_stated; ++i) {
-        if (rows[i].is_point()) weighed.resolved_noise[i] = problem_.SqrtCovariance(static_cast<int>(i));
-      }
-      DiagnosedModel refit = RefitFully(weighed, d_.baseline.estimate, options_.joint);
-      if (!IsUsable(refit.estimate.status)) return;
-      d_.baseline = std::move(refit);
-    }
   }
 
   void SayFound() const {

@@ -12,6 +12,7 @@
 #include "estimator/explanations/drivers.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/noise/rigid_bodies.h"
+#include "estimator/noise/rotation_noise.h"
 #include "estimator/noise/variance_components.h"
 #include "estimator/random_effects/evidence_score.h"
 #include "estimator/statistics/distributions.h"
@@ -290,6 +291,26 @@ std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const Para
     }
   }
   return explained;
+}
+
+void WeighPointsAndRotations(const CalibrationProblem& problem, const JointOptions& joint, DiagnosedModel* baseline) {
+  const std::vector<Observation>& rows = problem.data().observations;
+  const bool any_states = std::any_of(rows.begin(), rows.end(), [](const Observation& row) {
+    return !row.is_point() && row.rotation().sigma.minCoeff() > 0.0;
+  });
+  if (any_states || !problem.resolved_noise.empty()) return;
+  for (int round = 0; round < kMostScatterRounds; ++round) {
+    const std::optional<TwoNoises> noises = FindTwoNoises(*baseline->problem, baseline->estimate);
+    if (!noises) return;
+    CalibrationProblem weighed = *baseline->problem;
+    weighed.resolved_noise = noises->roots;
+    for (size_t i = 0; i < rows.size() && problem.sigma_is_stated(); ++i) {
+      if (rows[i].is_point()) weighed.resolved_noise[i] = problem.SqrtCovariance(static_cast<int>(i));
+    }
+    DiagnosedModel refit = RefitFully(weighed, baseline->estimate, joint);
+    if (!IsUsable(refit.estimate.status)) return;
+    *baseline = std::move(refit);
+  }
 }
 
 CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double factor) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "estimator/diagnosis/diagnosed_model.h"
 #include "problems/calibration_problem.h"
 
 namespace sagitta {
@@ -37,6 +38,12 @@ std::vector<int> RowsOfTheWorst(const CalibrationProblem& problem, const Paramet
 // noise: they were none.
 std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const ParameterSet& parameters,
                                    const std::vector<int>& outliers, double significance);
+
+// Rotations that state no noise are weighed by the spread of their own residuals; points too, where nothing states
+// theirs, as the estimate has them. baseline: of the problem, refitted.
+void WeighPointsAndRotations(const CalibrationProblem& problem, const JointOptions& joint, DiagnosedModel* baseline);
+
+inline constexpr int kMostScatterRounds = 6;  // each leaves a fraction of what the one before moved: two or three do
 
 // The problem with every stated sigma multiplied.
 CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double factor);

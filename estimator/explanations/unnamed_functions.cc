@@ -10,7 +10,7 @@ namespace {
 
 // Jumps in time that go together; of all moments between visits.
 constexpr size_t kJumpsInTime[] = {1, 2, 3, 4, 6, 8, 12};
-constexpr int kMostMoments = 200;  // of an eight-hour day one in 2.4 minutes, as long as a visit takes
+constexpr int kMostMoments = 200;  // of an eight-hour day one in 2.4 minutes, as long as a visit lasts
 
 constexpr double kAlike = 1e-3;  // of the largest: directions of functions that add less are dropped
 

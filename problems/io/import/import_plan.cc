@@ -87,16 +87,6 @@ class Planner {
     if (plan_.rotation_is_mapped) SortMappedRotation(table_, &plan_.rotation_columns);
   }
 
-  // How --map names these joints (from 0), in units that they can have.
-  std::string HintOfJoints(const std::vector<size_t>& joints) const {
-    std::string columns;
-    for (const size_t j : joints) {
-      const bool slides = joints_[j].type == JointType::kPrismatic;
-      columns += (columns.empty() ? "q" : ",q") + std::to_string(j + 1) + (slides ? "_mm" : "_deg") + "=HEADER";
-    }
-    return "--map=" + columns + "; a column's number does as well";
-  }
-
   // Nothing is found for `what`, perhaps because of units.
   [[noreturn]] void FailMissing(const std::string& what, const std::string& hint = kMapHint) const {
     std::vector<std::string> columns;
@@ -175,14 +165,14 @@ class Planner {
       if (!unit.empty() && !(slides ? IsLengthUnit(unit) : IsAngleUnit(unit))) {
         Fail(HeaderOf(c),
              "joint '" + joints_[j].name + "' " + (slides ? "slides" : "turns") + ", the column is in " + unit,
-             HintOfJoints({j}));
+             HintOfJoints(joints_, {j}));
       }
       Add(stem, unit, c, "joint " + joints_[j].name);
     }
     if (!missing.empty()) {
       FailMissing(
           "no column is found for " + Joined(missing) + " of the robot's " + std::to_string(joints_.size()) + " joints",
-          HintOfJoints(missing_joints));
+          HintOfJoints(joints_, missing_joints));
     }
     if (both_joints_) plan_.guesses.push_back("of commanded and actual joint values the commanded ones are used");
     for (const int c : Remaining(Role::kJoint)) plan_.unused.emplace_back(HeaderOf(c), "the other joint values");
@@ -356,19 +346,12 @@ class Planner {
 
   // Of several columns that could be it the one with the fewest words; -1: none.
   int PlainestOf(Role role, const std::string& what) {
-    int plainest = -1;
-    std::string others;
-    const auto words = [this](int c) { return WordsOf(StemOf(table_.header[static_cast<size_t>(c)])).size(); };
-    const std::vector<int> columns = ColumnsOf(role, -1);
-    for (const int c : columns) {
-      if (plainest < 0 || words(c) < words(plainest)) plainest = c;
-    }
-    for (const int c : columns) {
-      if (c != plainest) others += (others.empty() ? "'" : "', '") + HeaderOf(c);
-    }
-    if (!others.empty())
-      plan_.guesses.push_back("'" + HeaderOf(plainest) + "' is the " + what + ", not " + others + "'");
-    return plainest;
+    std::vector<int> columns = ColumnsOf(role, -1);
+    const auto words = [this](int c) { return WordsOf(StemOf(HeaderOf(c))).size(); };
+    std::stable_sort(columns.begin(), columns.end(), [&](int a, int b) { return words(a) < words(b); });
+    for (size_t k = 1; k < columns.size(); ++k)
+      plan_.guesses.push_back("'" + HeaderOf(columns[0]) + "' is the " + what + ", not '" + HeaderOf(columns[k]) + "'");
+    return columns.empty() ? -1 : columns[0];
   }
 
   void TakeOthers() {
@@ -501,22 +484,6 @@ const PlannedColumn* ImportPlan::Find(const std::string& stem) const {
     if (column.stem == stem) return &column;
   }
   return nullptr;
-}
-
-size_t CountShots(const TextTable& table, const ImportPlan& plan) {
-  std::string before;
-  size_t shots = 0;
-  for (const TextTable::Row& row : table.rows) {
-    std::string shot;
-    for (const PlannedColumn& column : plan.columns) {
-      const bool is_joint = column.stem[0] == 'q' && column.stem != "q";
-      if (is_joint || column.stem == "config" || column.stem == "station" || column.stem == "visit")
-        shot += row.cells[static_cast<size_t>(column.source)] + ";";
-    }
-    shots += shots == 0 || shot != before;
-    before = std::move(shot);
-  }
-  return shots;
 }
 
 std::vector<ImportPlan> PossiblePlans(const TextTable& table, const std::vector<Joint>& joints,

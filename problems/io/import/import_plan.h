@@ -54,9 +54,6 @@ struct ImportPlan {
 std::vector<ImportPlan> PossiblePlans(const TextTable& table, const std::vector<Joint>& joints,
                                       const std::map<std::string, std::string>& columns);
 
-// Rows with other joint values, station or visit than the row before: markers of one shot share its time.
-size_t CountShots(const TextTable& table, const ImportPlan& plan);
-
 // The plan by the size of the numbers alone, where no fit can decide.
 size_t PlanBySize(const TextTable& table, const std::vector<ImportPlan>& plans);
 

@@ -72,6 +72,15 @@ void CheckMappedColumn(const TextTable& table, const std::vector<Joint>& joints,
   }
 }
 
+std::string HintOfJoints(const std::vector<Joint>& of_robot, const std::vector<size_t>& joints) {
+  std::string columns;
+  for (const size_t j : joints) {
+    const bool slides = of_robot[j].type == JointType::kPrismatic;
+    columns += (columns.empty() ? "q" : ",q") + std::to_string(j + 1) + (slides ? "_mm" : "_deg") + "=HEADER";
+  }
+  return "--map=" + columns + "; a column's number does as well";
+}
+
 void SortMappedRotation(const TextTable& table, std::vector<PlannedColumn>* rotation_columns) {
   std::vector<PlannedColumn>& columns = *rotation_columns;
   std::stable_sort(columns.begin(), columns.end(),

@@ -26,4 +26,7 @@ void CheckMappedColumn(const TextTable& table, const std::vector<Joint>& joints,
 // Three angles or the four parts of a quaternion, not both, put in front of their standard deviations.
 void SortMappedRotation(const TextTable& table, std::vector<PlannedColumn>* rotation_columns);
 
+// How --map names these joints of a robot (from 0), in units that they can have.
+std::string HintOfJoints(const std::vector<Joint>& of_robot, const std::vector<size_t>& joints);
+
 }  // namespace sagitta

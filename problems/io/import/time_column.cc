@@ -68,6 +68,22 @@ std::optional<double> SecondsOfStamp(const std::string& cell) {
   return 86400.0 * DaysSince1970(year, month, day) + 3600.0 * hour + 60.0 * minute + second + part;
 }
 
+size_t CountShots(const TextTable& table, const ImportPlan& plan) {
+  std::string before;
+  size_t shots = 0;
+  for (const TextTable::Row& row : table.rows) {
+    std::string shot;
+    for (const PlannedColumn& column : plan.columns) {
+      const bool is_joint = column.stem[0] == 'q' && column.stem != "q";
+      if (is_joint || column.stem == "config" || column.stem == "station" || column.stem == "visit")
+        shot += row.cells[static_cast<size_t>(column.source)] + ";";
+    }
+    shots += shots == 0 || shot != before;
+    before = std::move(shot);
+  }
+  return shots;
+}
+
 TimeColumn LookAtTime(const TextTable& table, int column, size_t shots) {
   TimeColumn time;
   std::set<std::string> different;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "problems/io/import/import_plan.h"
 #include "problems/io/import/text_table.h"
 
 namespace sagitta {
@@ -11,6 +12,9 @@ namespace sagitta {
 // Seconds since 1970 of 20240312090011, "2024-03-12 09:00:11" (T, fractions and Z too) or "12.03.2024 09:00:11", day
 // first as the points say; only differences matter, the calendar is the proleptic Gregorian one. Nothing: it is none.
 std::optional<double> SecondsOfStamp(const std::string& cell);
+
+// Rows with other joint values, station or visit than the row before: markers of one shot share its time.
+size_t CountShots(const TextTable& table, const ImportPlan& plan);
 
 // How a column of times is read, or why it cannot be used: it is the same everywhere, rounded (shots: how many are
 // apart), no time, or in a unit that is none of times. Of stamps the header's unit says nothing.
