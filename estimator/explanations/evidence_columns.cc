@@ -108,7 +108,7 @@ EvidenceColumns::SplitCandidates EvidenceColumns::Split(const CalibrationProblem
 
 EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
                                  const std::vector<Candidate>& candidates, const LinearizedAbout& about)
-    : extended_(problem), of_candidate_(candidates.size()) {
+    : extended_(problem), stated_(StatedScatter(problem)), of_candidate_(candidates.size()) {
   const SplitCandidates split = Split(problem, candidates);
   const std::vector<EffectSpec> further = Missing(split.others, about.effects);  // their columns are elsewhere
   extended_ = problem.WithEffects(further).WithEffects(WithPull(problem, split.others));

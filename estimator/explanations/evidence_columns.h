@@ -251,6 +251,7 @@ class EvidenceColumns {
   Eigen::MatrixXd ProductsOf(const std::vector<int>& columns, const std::vector<BlockRoots>& roots) const;
 
   CalibrationProblem extended_;
+  RowScatter stated_;
   std::vector<int> believed_;                       // coordinates of extended_
   std::vector<int> catalogue_;                      // coordinates of effects that have no families
   std::vector<int> linearized_;                     // coordinates behind the columns of a block

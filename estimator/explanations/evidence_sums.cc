@@ -136,14 +136,16 @@ AlongSources EvidenceColumns::SumAlong(const std::vector<Source>& sources) const
   Block scratch;
   for (size_t b = 0; b < observations_of_block_.size(); ++b) {
     const Block& block = BlockOf(b, &scratch);
-    Eigen::MatrixXd moved(block.here.num_rows(), count);
-    for (long s = 0; s < count; ++s) moved.col(s) = SourceRows(block, sources[static_cast<size_t>(s)]);
+    Eigen::MatrixXd rows(block.here.num_rows(), count + 1);
+    for (long s = 0; s < count; ++s) rows.col(s) = SourceRows(block, sources[static_cast<size_t>(s)]);
+    rows.col(count) = block.here.residual;
+    Whiten(RootsOf(block.observations, block.here.latent, stated_), &rows);
     for (size_t o = 0; o < block.observations.size(); ++o) {
       const long shot = data.observations[block.observations[o]].shot, top = static_cast<long>(3 * o);
-      const Eigen::MatrixXd own = moved.middleRows<3>(top), products = own.transpose() * own;
+      const Eigen::MatrixXd own = rows.block(top, 0, 3, count), products = own.transpose() * own;
       sums.square.row(shot) += products.diagonal().transpose();
       sums.products.row(shot) += products.reshaped().transpose();
-      sums.residual.row(shot) += block.here.residual.segment<3>(top).transpose() * own;
+      sums.residual.row(shot) += rows.col(count).segment<3>(top).transpose() * own;
     }
   }
   return sums;

@@ -13,7 +13,8 @@
 namespace sagitta {
 
 // Of a unit of each source in each shot, over the fitted rows: its square, and its product with the residual (shots x
-// sources); noise as stated, nothing eliminated. products: of each two sources, shots x their matrix by columns.
+// sources); noise as stated, joints that deviate included, as if a function did not vary within an arrival; nothing
+// eliminated. products: of each two sources, shots x their matrix by columns.
 struct AlongSources {
   Eigen::MatrixXd square, residual, products = {};
 

@@ -93,6 +93,26 @@ TEST(EvidenceColumns, ScaledReadingsAreThoseOfAProblemWithThatNoise) {
   EXPECT_NEAR(sums.log_det, expected.log_det + log_det, 1e-7 * std::abs(log_det));
 }
 
+// A function that is 1 everywhere, with the repeatability that the experiment states: its column over all rows.
+TEST(EvidenceColumns, SumsAlongSourcesAreThoseOfAConstantColumn) {
+  Experiment experiment;
+  for (const Joint& joint : test::Kr270Robot().chain.joints)
+    experiment.repeatability.angle.per_joint[joint.name] = 3e-5;
+  const CalibrationProblem plain = Campaign();
+  const CalibrationProblem problem = MakeCalibrationProblem(plain.robot(), plain.data(), experiment);
+  const ParameterSet parameters = EstimateJointly(problem).parameters;
+  EvidenceColumns columns(problem, parameters, ListCandidates(problem, parameters).candidates);
+  const Source joint{Source::Kind::kJoint, 2, 0};
+  const auto ones = std::make_shared<const Eigen::MatrixXd>(Eigen::MatrixXd::Ones(problem.data().shots.size(), 1));
+  const std::vector<int> column = columns.Add({joint, ones});
+  const RowSums sums = columns.Sum(StatedScatter(problem), column);
+  const AlongSources along = columns.SumAlong({joint});
+  const long own = columns.num_believed();
+  EXPECT_NEAR(along.square.sum(), sums.products(own, own), 1e-9 * sums.products(own, own));
+  EXPECT_NEAR(along.residual.sum(), sums.products(own, own + 1), 1e-9 * std::sqrt(sums.products(own, own)));
+  EXPECT_LT(along.square.sum(), 0.9 * columns.Sum(StatedScatter(plain), column).products(own, own));
+}
+
 // Residual r - A e, and what is believed without the effects, at an estimate that holds a weight (columns of its own),
 // a harmonic (one of a family) and a spring, by differences of predicted points. The spring's torque is linear in its
 // rate alone.
