@@ -29,8 +29,8 @@ DiagnosedModel PredictingHoldout(DiagnosedModel model);
 // differences between configurations; whether that is beyond chance (5 %, one-sided).
 double HoldoutGain(const DiagnosedModel& before, const DiagnosedModel& after);
 bool IsBeyondChance(double gain);
-// Whether the second model predicts untouched configurations worse than the first, beyond chance (1 %, one-sided, by
-// the scatter of the differences between configurations).
+// Whether the second model predicts untouched configurations worse than the first, beyond chance (1 %, one-sided): by
+// the scatter of the differences between configurations, or by how much their root mean square has grown.
 bool MakesHoldoutWorse(const DiagnosedModel& before, const DiagnosedModel& after);
 // P that untouched rows scatter as much although noise and parameters are all that moves them; not a number with fewer
 // than kFewHeldOut configurations.

@@ -27,7 +27,8 @@ struct UnnamedFunction {
   std::vector<std::string> depends_on;  // joints, time, temperature, a station or a marker
   std::string words;
   std::vector<Source> sources;  // each with the same functions
-  // The same function as effects of the model, without values; empty where time is not stated and it goes by visits.
+  // The same function as effects of the model, without values (seats between visits as ramps over time); empty where
+  // time is not stated and it goes by visits.
   std::vector<EffectSpec> effects;
   Driver driver;     // of one driver; else empty
   std::string kind;  // smooth, periodic, step (a jump), time, other: FORMATS section 6

@@ -295,8 +295,7 @@ class PlaceFunctions : public UnnamedList {
     AddFunctions(Sides(sources), falls, "loose");
     AddFunctions(of_down_, leans, "loose");
     GroupedFunctions seats;
-    seats.Append(Stretches(order.of_shot, kSeats), "other",
-                 {{"knots", std::to_string(kFineBumps)}, {"shape", "ramps"}});
+    seats.Append(Stretches(order.of_shot, kSeats), "other", {{"knots", std::to_string(kSeats)}, {"shape", "ramps"}});
     const size_t fewest = markers.size() > 1 ? 1 : 2;  // one jump of one marker is marker_shift
     if (order.kind == DriverKind::kTime) AppendJumpsInTime(columns_->SumAlong(sources), fewest, &seats);
     AddFunctions(seats, jumps, "loose");

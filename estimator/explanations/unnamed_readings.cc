@@ -112,7 +112,7 @@ class ReadingFunctions : public UnnamedList {
     }
   }
 
-  // As Bumps; azimuths are the same after a turn.
+  // As OverKnots; azimuths are the same after a turn.
   static Eigen::MatrixXd BumpsOf(Sensed by, const Eigen::VectorXd& x, const Knots& knots) {
     Eigen::MatrixXd bumps(x.size(), knots.count);
     for (int k = 0; k < knots.count; ++k) {

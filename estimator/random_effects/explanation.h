@@ -11,8 +11,8 @@ constexpr int kNoExplanation = -1;
 
 struct Explanation {
   ColumnGroup group;
-  double share = 0.0;       // of the probability that something is missing; all of a list sum to 1
-  int excludes = 0;         // explanations of one number exclude each other: settings of one effect on one target
+  double share = 0.0;  // of the probability that something is missing; those of a list sum to 1, the unlisted included
+  int excludes = 0;    // explanations of one number exclude each other: settings of one effect on one target
   bool is_general = false;  // any smooth function of a driver: it follows several causes at once
   // Place in the list of the explanation without which it does nothing: a set holds both, as two causes of the prior,
   // which come and go together.
