@@ -9,6 +9,8 @@
 
 #include "problems/input_error.h"
 #include "problems/io/robot_checks.h"
+#include "problems/io/robot_units.h"
+#include "problems/io/urdf_numbers.h"
 #include "problems/limits.h"
 #include "problems/text.h"
 
@@ -56,7 +58,8 @@ bool StatesQuaternions(const std::string& text) {
   return false;
 }
 
-urdf::ModelInterfaceSharedPtr ParseModel(const std::string& text, const std::string& file) {
+urdf::ModelInterfaceSharedPtr ParseModel(const std::string& text, const std::string& file,
+                                         std::map<std::string, UrdfJointPlace>* places) {
   if (text.find("<xacro:") != std::string::npos) {
     throw InputError({file, 0, ""}, "this is a xacro file", "expand it first: xacro FILE.xacro > FILE.urdf");
   }
@@ -65,11 +68,12 @@ urdf::ModelInterfaceSharedPtr ParseModel(const std::string& text, const std::str
     throw InputError({file, 0, "origin"}, "an origin states its rotation as quat_xyzw, which is not read here",
                      "state rpy=\"roll pitch yaw\" (rad)");
   }
+  *places = CheckUrdfNumbers(text, file);
   CollectedMessages messages;
   urdf::ModelInterfaceSharedPtr model;
   std::string reason;
   try {
-    model = urdf::parseURDF(text);
+    model = urdf::parseURDF(WithPlainBlanks(text));
   } catch (const std::exception&) {
     reason = "a number or a name in it cannot be read";
   }
@@ -299,10 +303,31 @@ class ChainFinder {
   std::string file_;
 };
 
+// m and rad; a fixed joint before the first that moves may state where in a hall the robot stands.
+void CheckUnits(const UrdfChain& chain, const std::map<std::string, UrdfJointPlace>& places, const std::string& file) {
+  bool has_moved = false;
+  Pose<double> flange;
+  const UrdfJoint* longest = nullptr;
+  for (const UrdfJoint& joint : chain.joints) {
+    const UrdfJointPlace& place = places.at(joint.name);
+    for (int i = 0; i < 3; ++i)
+      CheckRadians(place.rpy[i], std::string(1, "rpy"[i]) + " of the rpy of its origin",
+                   {file, place.line, joint.name});
+    CheckLimitUnits(joint, {file, place.line, joint.name});
+    const Pose<double>& origin = joint.parent_from_joint;
+    if (has_moved) flange = Product(flange, joint.is_upward ? Inverse(origin) : origin);
+    const bool is_longer = !longest || origin.translation.norm() > longest->parent_from_joint.translation.norm();
+    if (has_moved && is_longer) longest = &joint;
+    has_moved |= !joint.is_fixed();
+  }
+  if (longest) CheckReach(flange.translation.norm(), {file, places.at(longest->name).line, longest->name});
+}
+
 }  // namespace
 
 UrdfChain ReadUrdfChain(const std::string& text, const std::string& file_in_messages, const UrdfEnds& ends) {
-  const urdf::ModelInterfaceSharedPtr model = ParseModel(text, file_in_messages);
+  std::map<std::string, UrdfJointPlace> places;
+  const urdf::ModelInterfaceSharedPtr model = ParseModel(text, file_in_messages, &places);
   const ChainFinder finder(*model, file_in_messages);
   UrdfChain chain;
   chain.robot_name = model->getName();
@@ -314,6 +339,7 @@ UrdfChain ReadUrdfChain(const std::string& text, const std::string& file_in_mess
     throw InputError({file_in_messages, 0, ""}, "no joint moves between the links '" + chain.ends.base_link +
                                                     "' and '" + chain.ends.tip_link + "'");
   }
+  CheckUnits(chain, places, file_in_messages);
   return chain;
 }
 
