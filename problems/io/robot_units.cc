@@ -51,13 +51,13 @@ void CheckReach(double distance, const InputError::Where& where) {
                    kMetres);
 }
 
-void CheckReach(const Chain& chain, const std::string& file) {
+void CheckReach(const Chain& chain, const InputError::Where& where) {
   std::vector<double> values;
   for (const ElementaryTransform& transform : chain.transforms) values.push_back(transform.nominal);
   ChainState<double> state;
   EvaluateChain(chain, values.data(), &state);
   const Vector3<double> first = state.frames[chain.JointTransform(0)].translation;
-  CheckReach((state.frames.back().translation - first).norm(), {file, 0, ""});
+  CheckReach((state.frames.back().translation - first).norm(), where);
 }
 
 void CheckLimitUnits(const UrdfJoint& joint, const InputError::Where& where) {

@@ -22,7 +22,7 @@ void CheckRowUnits(const DhLink& row, const InputError::Where& where);
 
 // No flange is 30 m from its first joint where all joints are at zero: in mm every one is. Throws InputError.
 void CheckReach(double distance, const InputError::Where& where);
-void CheckReach(const Chain& chain, const std::string& file_in_messages);
+void CheckReach(const Chain& chain, const InputError::Where& where);
 
 // Limits of a joint in rad or m. Throws InputError.
 void CheckLimitUnits(const UrdfJoint& joint, const InputError::Where& where);

@@ -305,22 +305,28 @@ class ChainFinder {
 
 // m and rad; a fixed joint before the first that moves may state where in a hall the robot stands.
 void CheckUnits(const UrdfChain& chain, const std::map<std::string, UrdfJointPlace>& places, const std::string& file) {
-  bool has_moved = false;
-  Pose<double> flange;
+  // Entities of a DTD within a name are expanded there and not by urdfdom: no place then.
+  const auto place_of = [&](const UrdfJoint& joint) {
+    const auto found = places.find(joint.name);
+    return found == places.end() ? UrdfJointPlace() : found->second;
+  };
+  Pose<double> flange;  // in the first joint's frame, all joints at zero
   const UrdfJoint* longest = nullptr;
+  bool has_moved = false;
   for (const UrdfJoint& joint : chain.joints) {
-    const UrdfJointPlace& place = places.at(joint.name);
-    for (int i = 0; i < 3; ++i)
-      CheckRadians(place.rpy[i], std::string(1, "rpy"[i]) + " of the rpy of its origin",
-                   {file, place.line, joint.name});
-    CheckLimitUnits(joint, {file, place.line, joint.name});
+    const UrdfJointPlace place = place_of(joint);
+    const InputError::Where where = {file, place.line, joint.name};
     const Pose<double>& origin = joint.parent_from_joint;
-    if (has_moved) flange = Product(flange, joint.is_upward ? Inverse(origin) : origin);
-    const bool is_longer = !longest || origin.translation.norm() > longest->parent_from_joint.translation.norm();
-    if (has_moved && is_longer) longest = &joint;
+    for (int i = 0; i < 3; ++i)
+      CheckRadians(place.rpy[i], std::string(1, "rpy"[i]) + " of the rpy of its origin", where);
+    CheckLimitUnits(joint, where);
+    if (has_moved) {
+      flange = Product(flange, joint.is_upward ? Inverse(origin) : origin);
+      if (!longest || origin.translation.norm() > longest->parent_from_joint.translation.norm()) longest = &joint;
+    }
     has_moved |= !joint.is_fixed();
   }
-  if (longest) CheckReach(flange.translation.norm(), {file, places.at(longest->name).line, longest->name});
+  if (longest) CheckReach(flange.translation.norm(), {file, place_of(*longest).line, longest->name});
 }
 
 }  // namespace

@@ -8,8 +8,6 @@
 namespace sagitta::dh_cells_test {
 namespace {
 
-using ::testing::Test;
-
 class DhCells : public FileTest {
  protected:
   RobotReading Read(const std::string& text) const { return ReadAnyRobot(Write("file.csv", "# standard DH\n" + text)); }
@@ -113,6 +111,12 @@ TEST_F(DhCells, ARowThatIsNoJointIsRefused) {
   EXPECT_TRUE(SaysInOrder(Error("a_mm,alpha_deg,d_mm,theta\n0,90,400,q1\n5,0,0,q2\n0,0,120,0\n"),
                           {"file.csv:5", "no joint variable"}));
   EXPECT_EQ(Error("joint,type,a_mm,alpha_deg,d_mm,theta_deg\ntool,R,0,90,400,0\n2,R,5,0,0,0\n"), "");
+}
+
+TEST_F(DhCells, CouplingsAreStatedOnce) {
+  const std::string rows = "joint,a_mm,alpha_deg,d_mm,theta_deg\n1,0,90,400,0\n2,500,0,0,0\n";
+  EXPECT_EQ(Error("# coupling: j2 j1 1\n" + rows), "");
+  EXPECT_TRUE(SaysInOrder(Error("# coupling: j2 j1 1\n# coupling: j2 j1 0.5\n" + rows), {"'j1' drives 'j2' twice"}));
 }
 
 TEST_F(DhCells, AThousandIsNotReadAsOne) {

@@ -272,6 +272,11 @@ class DhReader {
     if (coupling.joint < 0 || coupling.driver < 0 || !number) {
       throw InputError({table_.path, 0, "coupling"}, "'" + text + "' is no coupling", "# coupling: JOINT DRIVER RATIO");
     }
+    for (const Coupling& other : couplings_) {
+      if (other.joint != coupling.joint || other.driver != coupling.driver) continue;
+      throw InputError({table_.path, 0, "coupling"}, "'" + driver + "' drives '" + joint + "' twice",
+                       "one ratio per pair of joints: the two would add up");
+    }
     coupling.ratio = *number;
     couplings_.push_back(coupling);
   }

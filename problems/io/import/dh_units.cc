@@ -76,7 +76,7 @@ void DhUnits::GuessLengths(RobotReading* reading) {
 }
 
 void DhUnits::GuessAngles(RobotReading* reading) {
-  using Unit = AnglesWithoutUnit::Unit;
+  using Angles = AnglesWithoutUnit::Unit;
   bool of_alpha = false;
   for (size_t c = 0; c < columns_.size(); ++c) {
     if (units_[c] || !IsAngle(columns_[c])) continue;
@@ -85,10 +85,10 @@ void DhUnits::GuessAngles(RobotReading* reading) {
       if (const auto number = ConstantOf(row.cells[c])) angles_.Add(*number);
     }
   }
-  angles_are_in_rad_ |= of_alpha && angles_.unit() == Unit::kRad;
-  if (angles_.unit() == Unit::kEach) reading->notes.push_back("angles with pi are in rad, the others in deg");
+  angles_are_in_rad_ |= of_alpha && angles_.unit() == Angles::kRad;
+  if (angles_.unit() == Angles::kEach) reading->notes.push_back("angles with pi are in rad, the others in deg");
   if (!angles_.is_guess()) return;
-  reading->guesses.push_back(std::string("angles are in ") + (angles_.unit() == Unit::kDeg ? "deg" : "rad") +
+  reading->guesses.push_back(std::string("angles are in ") + (angles_.unit() == Angles::kDeg ? "deg" : "rad") +
                              ": the header does not say, the largest is " + FormatNumber(angles_.largest()));
 }
 

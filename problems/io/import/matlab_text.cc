@@ -100,7 +100,7 @@ class MatlabReader {
     for (size_t r = 0; r < table_.links.size(); ++r) CheckRowUnits(table_.links[r], {path_, lines_[r], ""});
     SetConvention();
     reading_.robot = RobotOfTable(joints_, {}, table_);
-    CheckReach(reading_.robot.chain, path_);
+    CheckReach(reading_.robot.chain, {path_, lines_.front(), ""});
     reading_.format = is_system_toolbox_ ? "MATLAB dhparams [a alpha d theta], m and rad"
                                          : "MATLAB links [theta d a alpha sigma offset], m and rad";
     return std::move(reading_);
