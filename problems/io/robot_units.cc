@@ -46,7 +46,7 @@ void CheckRowUnits(const DhLink& row, const InputError::Where& where) {
 void CheckReach(double distance, const InputError::Where& where) {
   if (distance <= kLongestReach) return;
   throw InputError(where,
-                   "with all joints at zero the flange is " + FormatNumber(distance) +
+                   "with all joints at zero the flange is " + std::to_string(std::lround(distance)) +
                        " m from the first joint, which no robot reaches",
                    kMetres);
 }

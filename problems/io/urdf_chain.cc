@@ -4,6 +4,7 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
 
@@ -318,7 +319,7 @@ void CheckUnits(const UrdfChain& chain, const std::map<std::string, UrdfJointPla
     const InputError::Where where = {file, place.line, joint.name};
     const Pose<double>& origin = joint.parent_from_joint;
     for (int i = 0; i < 3; ++i)
-      CheckRadians(place.rpy[i], std::string(1, "rpy"[i]) + " of the rpy of its origin", where);
+      CheckRadians(place.rpy[i], std::string(std::array{"roll", "pitch", "yaw"}[i]) + " of its origin (rpy)", where);
     CheckLimitUnits(joint, where);
     if (has_moved) {
       flange = Product(flange, joint.is_upward ? Inverse(origin) : origin);

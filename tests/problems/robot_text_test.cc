@@ -47,6 +47,8 @@ TEST_F(RobotTransforms, WithPiIsRadAndBeyondAFullTurnIsDeg) {
   EXPECT_NE(reading.notes[0].find("with pi are in rad"), std::string::npos);
   EXPECT_TRUE(SaysInOrder(Error("Rz(q1) Tx(0.1)\nRy(q2+pi/2) Rx(90) Rz(1.5)"),
                           {"file.txt:2", "Rz(1.5)", "may be in deg or in rad"}));
+  EXPECT_TRUE(SaysInOrder(Error("Rz(q1) Tx(0.3) Rx(1.57) Ry(q2+90)"), {"Rx(1.57)", "may be in deg or in rad"}));
+  EXPECT_EQ(Error("Rz(q1) Tx(0.3) Rx(1.3) Ry(q2+90)"), "") << "a calibrated angle in deg";
 }
 
 TEST_F(RobotTransforms, NothingIsLeftOut) {

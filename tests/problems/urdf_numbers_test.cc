@@ -55,7 +55,7 @@ TEST(UrdfNumbers, LineEndsAndTabsSeparateThem) {
 
 TEST(UrdfNumbers, DegreesAndMillimetresAreRefused) {
   EXPECT_TRUE(SaysInOrder(ErrorWith("0 1.57 0", "0 90 0"),
-                          {"arm.urdf:5: j2: p of the rpy of its origin is 90 rad", "angles are in rad here"}));
+                          {"arm.urdf:5: j2: pitch of its origin (rpy) is 90 rad", "angles are in rad here"}));
   EXPECT_TRUE(SaysInOrder(ErrorWith("lower='-2'", "lower='-120'"),
                           {"arm.urdf:5: j2: the joint has a limit of -120 rad", "120 deg are 2.0944"}));
   EXPECT_TRUE(SaysInOrder(ErrorWith("xyz='0.3 0 0'", "xyz='300 0 0'"),

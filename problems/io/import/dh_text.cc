@@ -199,7 +199,11 @@ class DhReader {
     for (const RowName& row : names_) {
       if (row.states_type) continue;
       const std::string hint = "one row per joint; what lies behind the last one: # flange: xyz_mm X Y Z rpy_deg R P Y";
-      if (variables && !row.variable) FailRow(row, "the row has no joint variable, others have one", hint);
+      if (variables && !row.variable)
+        FailRow(
+            row, "the row has no joint variable, others have one",
+            "q1, q2 … in every row that moves, or a column type; what lies behind the last joint: # flange: xyz_mm X "
+            "Y Z rpy_deg R P Y");
       if (IsNoJoint(row.name) || (counts && !IsCount(row.name)))
         FailRow(row, "'" + row.name + "' is no joint" + (counts ? ": other rows have numbers" : ""), hint);
     }

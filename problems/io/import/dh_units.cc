@@ -141,7 +141,7 @@ double DhUnits::ToSi(const TextTable::Row& row, size_t c, const TypedNumber& num
     return angle;
   }
   if (angles_.IsUndecided(number))
-    Fail(row, c, "'" + cell + "' may be in deg or in rad: other angles use pi, and this one does not",
+    Fail(row, c, "'" + cell + "' may be in deg or in rad, and other angles are in either",
          "state the unit in the header: alpha [rad], theta [deg]");
   return angles_.ToRad(number);
 }

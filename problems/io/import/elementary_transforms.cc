@@ -143,7 +143,7 @@ class TransformReader {
       return number.value;
     }
     if (angles_.IsUndecided(number))
-      Fail(place, name + " may be in deg or in rad: other angles use pi, and some are in deg",
+      Fail(place, name + " may be in deg or in rad, and other angles are in either",
            "one unit for all angles, or a degree sign");
     return angles_.ToRad(number);
   }

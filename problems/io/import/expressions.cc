@@ -26,6 +26,12 @@ bool Multiplies(const std::string& text) {
   return SearchPattern(text, kProduct);
 }
 
+// 1.57, 3.1416: no angle in degrees is meant by these digits.
+bool IsRightAngleInRad(double size) {
+  const double quarters = std::round(size / (0.5 * kPi));
+  return quarters > 0.0 && std::abs(size - quarters * 0.5 * kPi) < 2e-3;
+}
+
 // Every way to write it becomes one letter.
 std::string Replaced(std::string text, const std::string& from, const std::string& to) {
   for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
@@ -120,7 +126,8 @@ bool AnglesWithoutUnit::is_guess() const {
 
 bool AnglesWithoutUnit::IsUndecided(const TypedNumber& number) const {
   const double size = std::abs(number.value);
-  if (!uses_pi_ || number.uses_pi || number.is_degrees || size == 0.0 || size > kFullTurn) return false;
+  if (number.uses_pi || number.is_degrees || size == 0.0 || size > kFullTurn) return false;
+  if (!uses_pi_) return unit() == Unit::kDeg && IsRightAngleInRad(size);
   return unit() == Unit::kEach || (size > 4.0 && number.value == std::round(number.value));
 }
 
