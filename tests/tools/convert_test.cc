@@ -68,7 +68,7 @@ TEST_F(ConvertTest, ErrorsNameTheFileThatIsRead) {
 TEST_F(ConvertTest, ColumnsThatAreNotReadAreSaid) {
   const std::string table =
       Write("table.csv", "joint,a_mm,alpha_deg,d_mm,theta_deg,gear\n1,0,90,400,0,100\n2,5,0,0,0,-100\n");
-  const Outcome outcome = Run({"convert", table, Path("robot.yaml")});
+  const Outcome outcome = Run({"convert", table, Path("robot.yaml"), "--convention=standard"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("columns not read: 'gear'"));
 }

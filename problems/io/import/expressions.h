@@ -34,7 +34,8 @@ class AnglesWithoutUnit {
   Unit unit() const;
   // Nothing but the size of the numbers says so.
   bool is_guess() const;
-  // A number of which nothing says in which of two units it is, while others are in either; 1.5708 where others are deg.
+  // A number of which nothing says in which of two units it is, while others are in either; 1.5708 where all are in
+  // deg.
   bool IsUndecided(const TypedNumber& number) const;
   double ToRad(const TypedNumber& number) const;
   double largest() const { return largest_; }
