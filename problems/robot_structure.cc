@@ -39,6 +39,10 @@ void CheckCouplings(const Chain& chain) {
     if (chain.joints[coupling.joint].type != chain.joints[coupling.driver].type) {
       FailStructure(item, "a coupling joins two revolute or two prismatic joints");
     }
+    for (size_t other = 0; other < c; ++other) {
+      if (chain.couplings[other].joint == coupling.joint && chain.couplings[other].driver == coupling.driver)
+        FailStructure(item, "an earlier one joins the same joints: the two would add up");
+    }
   }
 }
 

@@ -225,11 +225,15 @@ std::string LeftOut(const Robot& robot) {
 }
 
 // Reads what is about to be written as any reader of it would.
-Robot ReadBack(const std::string& text, const std::string& out, const WriteOptions& written_by) {
+Robot ReadBack(const std::string& text, const WriteOptions& written_by) {
   RobotReadOptions options;
   if (!written_by.template_file.empty()) options.ends = written_by.read.ends;
   options.nominal_file = written_by.read.nominal_file;
-  return ReadAnyRobotText(text, out, options).robot;
+  try {
+    return ReadAnyRobotText(text, "", options).robot;
+  } catch (const InputError& error) {  // whose place is in a file that is never written
+    throw InputError({written_by.in, 0, ""}, "OUT could not be read again: " + std::string(error.what()));
+  }
 }
 
 // Where the chain of a URDF ends, and where it could.
@@ -270,7 +274,7 @@ int RunConvert(const CommandLine& line) {
   const RobotReading reading = ReadAnyRobot(in, options.read);
   const Written written = WrittenAs(reading.robot, out, options);
   constexpr double kSame = 1e-9;  // m
-  const Robot back = ReadBack(written.text, out, options);
+  const Robot back = ReadBack(written.text, options);
   const double difference = LargestDifference(reading.robot.chain, back.chain, FLAGS_seed);
   if (written.is_exact && difference > kSame) {
     throw Failure("the file written would differ from the robot read by " + FormatNumber(1e3 * difference) +

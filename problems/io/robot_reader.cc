@@ -53,7 +53,23 @@ std::vector<Joint> ReadJoints(const YamlValue& value) {
   return joints;
 }
 
-std::vector<Coupling> ReadCouplings(const YamlValue& value, const std::vector<Joint>& joints) {
+// What a joint adds for another is stated once: two statements would add up.
+void CheckStatedOnce(const YamlValue& item, const Coupling& coupling, const std::vector<Joint>& joints,
+                     const std::vector<Coupling>& in_urdf, const std::vector<Coupling>& before) {
+  const auto is_same = [&](const Coupling& other) {
+    return other.joint == coupling.joint && other.driver == coupling.driver;
+  };
+  const std::string pair = "'" + joints[coupling.driver].name + "' drives '" + joints[coupling.joint].name + "'";
+  if (std::any_of(in_urdf.begin(), in_urdf.end(), is_same)) {
+    item.Fail(pair + " in the URDF already, by <mimic>", "leave it out here: the two would add up");
+  }
+  if (std::any_of(before.begin(), before.end(), is_same)) {
+    item.Fail(pair + " above already", "one ratio per pair of joints: the two would add up");
+  }
+}
+
+std::vector<Coupling> ReadCouplings(const YamlValue& value, const std::vector<Joint>& joints,
+                                    const std::vector<Coupling>& in_urdf) {
   std::vector<Coupling> couplings;
   for (const YamlValue& item : value.Items()) {
     YamlMap map(item);
@@ -66,6 +82,7 @@ std::vector<Coupling> ReadCouplings(const YamlValue& value, const std::vector<Jo
     if (joints[coupling.joint].type != joints[coupling.driver].type) {
       item.Fail("a coupling joins two revolute or two prismatic joints");
     }
+    CheckStatedOnce(item, coupling, joints, in_urdf, couplings);
     couplings.push_back(coupling);
   }
   return couplings;
@@ -194,7 +211,7 @@ Robot ReadRobot(const YamlValue& root, const std::string& file,
   }
   if (name) robot.name = name->Text();
   std::vector<Coupling> couplings;
-  if (coupling) couplings = ReadCouplings(*coupling, joints);
+  if (coupling) couplings = ReadCouplings(*coupling, joints, robot.chain.couplings);
   ReadKinematics(kinematics, keys, couplings, joints, &robot);
   if (compliance) robot.compliances = ReadCompliances(*compliance, joints);
   if (compensator) robot.gravity_compensator = ReadGravityCompensator(*compensator, joints);

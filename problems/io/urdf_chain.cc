@@ -4,11 +4,14 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
 
 #include "problems/input_error.h"
 #include "problems/io/robot_checks.h"
+#include "problems/io/robot_units.h"
+#include "problems/io/urdf_numbers.h"
 #include "problems/limits.h"
 #include "problems/text.h"
 
@@ -56,7 +59,8 @@ bool StatesQuaternions(const std::string& text) {
   return false;
 }
 
-urdf::ModelInterfaceSharedPtr ParseModel(const std::string& text, const std::string& file) {
+urdf::ModelInterfaceSharedPtr ParseModel(const std::string& text, const std::string& file,
+                                         std::map<std::string, UrdfJointPlace>* places) {
   if (text.find("<xacro:") != std::string::npos) {
     throw InputError({file, 0, ""}, "this is a xacro file", "expand it first: xacro FILE.xacro > FILE.urdf");
   }
@@ -65,11 +69,12 @@ urdf::ModelInterfaceSharedPtr ParseModel(const std::string& text, const std::str
     throw InputError({file, 0, "origin"}, "an origin states its rotation as quat_xyzw, which is not read here",
                      "state rpy=\"roll pitch yaw\" (rad)");
   }
+  *places = CheckUrdfNumbers(text, file);
   CollectedMessages messages;
   urdf::ModelInterfaceSharedPtr model;
   std::string reason;
   try {
-    model = urdf::parseURDF(text);
+    model = urdf::parseURDF(WithPlainBlanks(text));
   } catch (const std::exception&) {
     reason = "a number or a name in it cannot be read";
   }
@@ -299,10 +304,37 @@ class ChainFinder {
   std::string file_;
 };
 
+// m and rad; a fixed joint before the first that moves may state where in a hall the robot stands.
+void CheckUnits(const UrdfChain& chain, const std::map<std::string, UrdfJointPlace>& places, const std::string& file) {
+  // Entities of a DTD within a name are expanded there and not by urdfdom: no place then.
+  const auto place_of = [&](const UrdfJoint& joint) {
+    const auto found = places.find(joint.name);
+    return found == places.end() ? UrdfJointPlace() : found->second;
+  };
+  Pose<double> flange;  // in the first joint's frame, all joints at zero
+  const UrdfJoint* longest = nullptr;
+  bool has_moved = false;
+  for (const UrdfJoint& joint : chain.joints) {
+    const UrdfJointPlace place = place_of(joint);
+    const InputError::Where where = {file, place.line, joint.name};
+    const Pose<double>& origin = joint.parent_from_joint;
+    for (int i = 0; i < 3; ++i)
+      CheckRadians(place.rpy[i], std::string(std::array{"roll", "pitch", "yaw"}[i]) + " of its origin (rpy)", where);
+    CheckLimitUnits(joint, where);
+    if (has_moved) {
+      flange = Product(flange, joint.is_upward ? Inverse(origin) : origin);
+      if (!longest || origin.translation.norm() > longest->parent_from_joint.translation.norm()) longest = &joint;
+    }
+    has_moved |= !joint.is_fixed();
+  }
+  if (longest) CheckReach(flange.translation.norm(), {file, place_of(*longest).line, longest->name});
+}
+
 }  // namespace
 
 UrdfChain ReadUrdfChain(const std::string& text, const std::string& file_in_messages, const UrdfEnds& ends) {
-  const urdf::ModelInterfaceSharedPtr model = ParseModel(text, file_in_messages);
+  std::map<std::string, UrdfJointPlace> places;
+  const urdf::ModelInterfaceSharedPtr model = ParseModel(text, file_in_messages, &places);
   const ChainFinder finder(*model, file_in_messages);
   UrdfChain chain;
   chain.robot_name = model->getName();
@@ -314,6 +346,7 @@ UrdfChain ReadUrdfChain(const std::string& text, const std::string& file_in_mess
     throw InputError({file_in_messages, 0, ""}, "no joint moves between the links '" + chain.ends.base_link +
                                                     "' and '" + chain.ends.tip_link + "'");
   }
+  CheckUnits(chain, places, file_in_messages);
   return chain;
 }
 

@@ -208,6 +208,11 @@ TEST(Structure, CouplingsAreThoseOfAFile) {
   EXPECT_EQ(with({2, 1, -1.0}), "");
   EXPECT_THAT(with({1, 1, -1.0}), HasSubstr("cannot drive itself"));
   EXPECT_THAT(with({2, 1, kNan}), HasSubstr("ratio"));
+  EXPECT_THAT(Refusal([&](Given* g) {
+                g->robot.chain.couplings = {{2, 1, -1.0}, {2, 1, 0.5}};
+                g->robot.dh.reset();
+              }),
+              HasSubstr("would add up"));
 }
 
 TEST(Structure, NamesCanBeWritten) {

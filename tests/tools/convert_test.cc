@@ -55,5 +55,23 @@ TEST_F(ConvertTest, EffectsAboutTheAxisOfAJointAre) {
   }
 }
 
+// An error of the file that is never written would name a place that nobody can look up.
+TEST_F(ConvertTest, ErrorsNameTheFileThatIsRead) {
+  const std::string text = Write("ets.txt", "Tz(0.4) Rz(q1)\nTx(0.1) Ry(q1) Tx(0.3)\n");
+  const Outcome outcome = Run({"convert", text, Path("robot.yaml")});
+  EXPECT_EQ(outcome.status, 2) << outcome.out;
+  EXPECT_THAT(outcome.err, HasSubstr(text + ":2: joint 1 moves two transforms"));
+  EXPECT_THAT(outcome.err, ::testing::Not(HasSubstr("robot.yaml")));
+  EXPECT_FALSE(Exists("robot.yaml"));
+}
+
+TEST_F(ConvertTest, ColumnsThatAreNotReadAreSaid) {
+  const std::string table =
+      Write("table.csv", "joint,a_mm,alpha_deg,d_mm,theta_deg,gear\n1,0,90,400,0,100\n2,5,0,0,0,-100\n");
+  const Outcome outcome = Run({"convert", table, Path("robot.yaml"), "--convention=standard"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("columns not read: 'gear'"));
+}
+
 }  // namespace
 }  // namespace sagitta::test

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 #include <sstream>
 
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/io/import/dh_columns.h"
+#include "problems/io/import/dh_units.h"
 #include "problems/io/import/expressions.h"
 #include "problems/io/import/header_words.h"
-#include "problems/io/import/mapped_columns.h"
 #include "problems/io/import/robot_reading.h"
 #include "problems/io/import/text_table.h"
 #include "problems/io/pattern.h"
@@ -22,68 +22,31 @@
 namespace sagitta {
 namespace {
 
-// What a column of a DH table can hold.
-enum class DhColumn { kA, kAlpha, kD, kTheta, kOffset, kBeta, kName, kType, kMin, kMax, kOther };
+// Where a row says which joint it is, and that it is one.
+struct RowName {
+  int line = 0;
+  std::string name;             // as typed
+  std::optional<int> variable;  // 2 of q2
+  bool states_type = false;
+};
 
-bool IsLength(DhColumn column) { return column == DhColumn::kA || column == DhColumn::kD; }
-bool IsAngle(DhColumn column) {
-  return column == DhColumn::kAlpha || column == DhColumn::kTheta || column == DhColumn::kBeta ||
-         column == DhColumn::kOffset;
+bool IsCount(const std::string& name) {
+  return !name.empty() && name.size() <= 6 && name.find_first_not_of("0123456789") == std::string::npos;
 }
 
-// "alpha_{i-1} [deg]": the name without its index. Indices one behind the joint's are Craig's.
-DhColumn ColumnOf(const std::string& header, bool* is_previous) {
-  std::string name = NameWithoutUnit(header);
-  const std::regex previous = MakePattern(R"([_ ]*[\{\(]?[ij_ n]*-+ *1[\}\)]?$)");
-  const std::regex index = MakePattern(R"([_ ]*[\{\(]?(i|j|n)[\}\)]?$)");
-  *is_previous = SearchPattern(name, previous) && ReplacePattern(name, previous, "") != name;
-  name = ReplacePattern(name, previous, "");
-  static const std::map<std::string, DhColumn> kNames = {{"a", DhColumn::kA},
-                                                         {"r", DhColumn::kA},
-                                                         {"length", DhColumn::kA},
-                                                         {"link length", DhColumn::kA},
-                                                         {"alpha", DhColumn::kAlpha},
-                                                         {"α", DhColumn::kAlpha},
-                                                         {"twist", DhColumn::kAlpha},
-                                                         {"link twist", DhColumn::kAlpha},
-                                                         {"d", DhColumn::kD},
-                                                         {"link offset", DhColumn::kD},
-                                                         {"theta", DhColumn::kTheta},
-                                                         {"θ", DhColumn::kTheta},
-                                                         {"joint angle", DhColumn::kTheta},
-                                                         {"q", DhColumn::kTheta},
-                                                         {"offset", DhColumn::kOffset},
-                                                         {"theta offset", DhColumn::kOffset},
-                                                         {"beta", DhColumn::kBeta},
-                                                         {"β", DhColumn::kBeta},
-                                                         {"joint", DhColumn::kName},
-                                                         {"link", DhColumn::kName},
-                                                         {"axis", DhColumn::kName},
-                                                         {"name", DhColumn::kName},
-                                                         {"j", DhColumn::kName},
-                                                         {"i", DhColumn::kName},
-                                                         {"nr", DhColumn::kName},
-                                                         {"no", DhColumn::kName},
-                                                         {"achse", DhColumn::kName},
-                                                         {"kinematics", DhColumn::kName},
-                                                         {"type", DhColumn::kType},
-                                                         {"sigma", DhColumn::kType},
-                                                         {"min", DhColumn::kMin},
-                                                         {"lower", DhColumn::kMin},
-                                                         {"qmin", DhColumn::kMin},
-                                                         {"max", DhColumn::kMax},
-                                                         {"upper", DhColumn::kMax},
-                                                         {"qmax", DhColumn::kMax}};
-  auto found = kNames.find(name);
-  if (found == kNames.end()) found = kNames.find(ReplacePattern(name, index, ""));
-  return found == kNames.end() ? DhColumn::kOther : found->second;
+// Rows behind the last joint, and sums.
+bool IsNoJoint(const std::string& name) {
+  static const std::set<std::string> kWords = {"tcp",   "tool", "flange",       "flansch",      "sum",   "summe",
+                                               "total", "ee",   "end effector", "end-effector", "gesamt"};
+  return kWords.count(LowerCaseOf(name)) > 0;
 }
 
-bool IsDhHeader(const std::vector<std::string>& header) {
-  std::set<DhColumn> columns;
-  bool ignored = false;
-  for (const std::string& name : header) columns.insert(ColumnOf(name, &ignored));
-  return columns.count(DhColumn::kA) && columns.count(DhColumn::kAlpha) && columns.count(DhColumn::kD);
+// A of A2, and 2.
+std::optional<std::pair<std::string, int>> CountedName(const std::string& name) {
+  const size_t last = name.find_last_not_of("0123456789");
+  const std::string count = name.substr(last == std::string::npos ? 0 : last + 1);
+  if (!IsCount(count)) return std::nullopt;
+  return std::pair(name.substr(0, name.size() - count.size()), std::stoi(count));
 }
 
 class DhReader {
@@ -91,15 +54,17 @@ class DhReader {
   DhReader(const TextTable& table, const RobotReadOptions& options) : table_(table), options_(options) {}
 
   RobotReading Read() {
-    for (const std::string& name : table_.header) {
-      bool previous = false;
-      columns_.push_back(ColumnOf(name, &previous));
-      has_previous_ |= previous;
-    }
+    columns_ = DhColumnsOf(table_, &has_previous_);
     reading_.format = "DH table (" + table_.separator + (table_.decimal_comma ? ", decimal comma)" : ")");
     reading_.guesses = table_.guesses;
-    FindUnits();
-    for (size_t r = 0; r < table_.rows.size(); ++r) ReadRow(table_.rows[r]);
+    const DhUnits units(table_, columns_, &reading_);
+    units_ = &units;
+    for (const TextTable::Row& row : table_.rows) ReadRow(row);
+    CheckEveryRowIsAJoint();
+    CheckOrder();
+    NameJoints();
+    units.ReadLimits(&joints_, &reading_);
+    NoteColumnsNotRead();
     ReadComments();
     SetConvention();
     reading_.robot = RobotOfTable(joints_, couplings_, dh_);
@@ -112,128 +77,89 @@ class DhReader {
     throw InputError({table_.path, row.line, table_.header[c]}, what, hint);
   }
 
-  // The unit of each column: in its name, else by the size of the numbers.
-  void FindUnits() {
-    for (size_t c = 0; c < columns_.size(); ++c) {
-      units_.push_back(nullptr);
-      const bool limit = columns_[c] == DhColumn::kMin || columns_[c] == DhColumn::kMax;
-      if (!IsLength(columns_[c]) && !IsAngle(columns_[c]) && !limit) continue;
-      const std::string unit = UnitInHeader(table_.header[c]);
-      if (unit.empty()) continue;
-      const bool fits = IsLengthUnit(unit) ? !IsAngle(columns_[c]) : IsAngleUnit(unit) && !IsLength(columns_[c]);
-      if (!fits) {
-        throw InputError({table_.path, table_.header_line, table_.header[c]},
-                         std::string(IsLength(columns_[c])  ? "a length"
-                                     : IsAngle(columns_[c]) ? "an angle"
-                                                            : "a limit") +
-                             " in " + unit,
-                         "lengths in mm, cm, m, um or in, angles in deg, rad, mrad or urad");
-      }
-      units_[c] = &UnitNamed(unit);
-    }
-    GuessUnit(true);
-    GuessUnit(false);
+  void NoteColumnsNotRead() {
+    const std::string columns = ColumnsNotRead(table_, columns_);
+    if (!columns.empty()) reading_.notes.push_back("columns not read: " + columns);
   }
 
-  void GuessUnit(bool lengths) {
-    double largest = 0.0;
-    bool uses_pi = false, is_degrees = false, any = false, whole = true;
-    for (size_t c = 0; c < columns_.size(); ++c) {
-      if (units_[c] || !(lengths ? IsLength(columns_[c]) : IsAngle(columns_[c]))) continue;
-      any = true;
-      for (const TextTable::Row& row : table_.rows) {
-        std::optional<TypedNumber> number = ParseTypedNumber(row.cells[c], table_.decimal_comma);
-        if (const auto joint = ParseJointExpression(row.cells[c], table_.decimal_comma)) number = joint->offset;
-        if (!number) continue;
-        largest = std::max(largest, std::abs(number->value));
-        uses_pi |= number->uses_pi;
-        is_degrees |= number->is_degrees;
-        whole &= number->value == std::round(number->value);
-      }
-    }
-    if (!any) return;
-    std::string unit;
-    if (lengths) {
-      unit = largest < 10.0 ? "m" : "mm";  // no link is 10 m long, and no arm is made of links below 10 mm
-    } else {
-      unit = uses_pi                                                                                   ? "rad"
-             : is_degrees || largest > 2.0 * M_PI + 1e-6 || largest == 0.0 || (whole && largest > 4.0) ? "deg"
-                                                                                                       : "rad";
-    }
-    for (size_t c = 0; c < columns_.size(); ++c) {
-      if (!units_[c] && (lengths ? IsLength(columns_[c]) : IsAngle(columns_[c]))) units_[c] = &UnitNamed(unit);
-    }
-    const bool certain = uses_pi || is_degrees || largest == 0.0;
-    if (!certain) {
-      reading_.guesses.push_back(std::string(lengths ? "lengths" : "angles") + " are in " + unit +
-                                 ": the header does not say, the largest is " + FormatNumber(largest));
-    }
-  }
-
-  // A column's number in SI; an expression with a joint variable gives its constant.
-  double Quantity(const TextTable::Row& row, size_t c, bool* is_variable) const {
+  // A cell in SI; an expression with a joint variable gives its constant.
+  double Quantity(const TextTable::Row& row, size_t c, RowName* name) const {
     const std::string& cell = row.cells[c];
     std::optional<TypedNumber> number = ParseTypedNumber(cell, table_.decimal_comma);
     if (const auto joint = number ? std::nullopt : ParseJointExpression(cell, table_.decimal_comma)) {
-      if (joint->sign < 0.0)
-        Fail(row, c, "'" + cell + "' turns the joint round",
-             "a DH row has q with a plus; turn the axis by alpha, or write a chain");
+      if (joint->sign < 0.0) FailTurnedRound(row, c);
       number = joint->offset;
-      *is_variable = true;
+      AddVariable(row, c, joint->index, name);
     }
     if (!number && (cell.empty() || cell == "-")) number = TypedNumber();
     if (!number)
       Fail(row, c, "'" + cell + "' is no number",
            "numbers, multiples of pi and joint variables like q1 + 90 are expected");
-    if (number->uses_pi && !IsLength(columns_[c])) return number->value;
-    if (number->is_degrees) return UnitNamed("deg").ToSi(number->value);
-    return units_[c]->ToSi(number->value);
+    return units_->ToSi(row, c, *number);
+  }
+
+  [[noreturn]] void FailTurnedRound(const TextTable::Row& row, size_t c) const {
+    Fail(row, c, "'" + row.cells[c] + "' turns the joint round",
+         "a DH row has q with a plus; turn the axis by alpha, or write a chain");
+  }
+
+  void AddVariable(const TextTable::Row& row, size_t c, int index, RowName* name) const {
+    const DhColumn column = columns_[c];
+    if (column == DhColumn::kA || column == DhColumn::kAlpha || column == DhColumn::kBeta)
+      Fail(row, c, "a joint variable stands where a constant is expected", "");
+    if (name->variable) Fail(row, c, "a second joint variable stands in this row", "one row per joint is expected");
+    name->variable = index;
   }
 
   void ReadRow(const TextTable::Row& row) {
     DhLink link;
     Joint joint;
+    RowName name;
+    name.line = row.line;
     bool slides = false;
     for (size_t c = 0; c < columns_.size(); ++c) {
-      const std::string& cell = row.cells[c];
-      bool variable = false;
+      const bool had_variable = name.variable.has_value();
       switch (columns_[c]) {
         case DhColumn::kA:
-          link.a = Quantity(row, c, &variable);
+          link.a = Quantity(row, c, &name);
           break;
         case DhColumn::kAlpha:
-          link.alpha = Quantity(row, c, &variable);
+          link.alpha = Quantity(row, c, &name);
           break;
         case DhColumn::kBeta:
-          link.beta = Quantity(row, c, &variable);
+          link.beta = Quantity(row, c, &name);
           break;
         case DhColumn::kD:
-          link.d = Quantity(row, c, &variable);
-          slides |= variable;
+          link.d = Quantity(row, c, &name);
+          slides |= name.variable && !had_variable;
           break;
         case DhColumn::kTheta:
         case DhColumn::kOffset:
-          link.theta += Quantity(row, c, &variable);
+        case DhColumn::kThetaOffset:
+          link.theta += Quantity(row, c, &name);
           break;
         case DhColumn::kName:
-          joint.name = cell;
+          name.name = row.cells[c];
           break;
         case DhColumn::kType:
           slides |= IsPrismatic(row, c);
+          name.states_type = !row.cells[c].empty();
           break;
-        default:
+        case DhColumn::kSign:
+          CheckSign(row, c);
+          break;
+        case DhColumn::kMin:
+        case DhColumn::kMax:
+        case DhColumn::kOther:
           break;
       }
-      const bool is_joint_column =
-          columns_[c] == DhColumn::kTheta || columns_[c] == DhColumn::kD || columns_[c] == DhColumn::kOffset;
-      if (variable && !is_joint_column) Fail(row, c, "a joint variable stands where a constant is expected", "");
     }
     joint.type = slides ? JointType::kPrismatic : JointType::kRevolute;
-    ReadLimits(row, &joint);
-    joint.name = JointName(joint.name);
+    if (slides) CheckOffsetOfSlide(row);
     link.joint = static_cast<int>(joints_.size());
     joints_.push_back(joint);
     dh_.links.push_back(link);
+    names_.push_back(name);
   }
 
   bool IsPrismatic(const TextTable::Row& row, size_t c) const {
@@ -243,28 +169,85 @@ class DhReader {
     Fail(row, c, "'" + row.cells[c] + "' is no kind of joint", "revolute or prismatic, R or P, 0 or 1");
   }
 
-  // Cells without number, or in the unit of the other kind of joint, state no limit.
-  void ReadLimits(const TextTable::Row& row, Joint* joint) const {
+  void CheckSign(const TextTable::Row& row, size_t c) const {
+    const std::string& cell = row.cells[c];
+    const std::optional<double> number = table_.Number(cell);
+    if (cell == "-" || (number && *number == -1.0)) FailTurnedRound(row, c);
+    if (cell.empty() || cell == "+" || cell == "+1" || (number && *number == 1.0)) return;
+    Fail(row, c, "'" + cell + "' is no sign", "1 or -1 is expected");
+  }
+
+  // Of the joint's value: of a slide a length.
+  void CheckOffsetOfSlide(const TextTable::Row& row) const {
     for (size_t c = 0; c < columns_.size(); ++c) {
-      const bool is_min = columns_[c] == DhColumn::kMin;
-      if ((!is_min && columns_[c] != DhColumn::kMax) || !units_[c]) continue;
-      const bool of_length = IsLengthUnit(units_[c]->suffix);
-      const std::optional<double> number = table_.Number(row.cells[c]);
-      if (!number || of_length != (joint->type == JointType::kPrismatic)) continue;
-      (is_min ? joint->min : joint->max) = units_[c]->ToSi(*number);
+      const std::optional<TypedNumber> number = ParseTypedNumber(row.cells[c], table_.decimal_comma);
+      if (columns_[c] != DhColumn::kOffset || !number || number->value == 0.0) continue;
+      Fail(row, c, "the joint slides, and its offset stands among angles", "add it to d");
     }
   }
 
-  // "Joint 1", "1", "" become j1; a name of one's own stays.
-  std::string JointName(const std::string& cell) const {
-    const std::string count = std::to_string(joints_.size() + 1);
-    const bool plain = cell.empty() || cell.find_first_not_of("0123456789") == std::string::npos;
-    std::string name = plain ? "j" + count : cell;
-    std::replace(name.begin(), name.end(), ' ', '_');
-    for (const Joint& joint : joints_) {
-      if (joint.name == name) throw InputError({table_.path, 0, ""}, "two joints are called '" + name + "'");
+  [[noreturn]] void FailRow(const RowName& row, const std::string& what, const std::string& hint) const {
+    throw InputError({table_.path, row.line, row.name}, what, hint);
+  }
+
+  // A flange or a sum below the table would become a joint of its own.
+  void CheckEveryRowIsAJoint() const {
+    const auto has_variable = [](const RowName& row) { return row.variable.has_value(); };
+    const auto is_counted = [](const RowName& row) { return IsCount(row.name); };
+    const bool variables = std::any_of(names_.begin(), names_.end(), has_variable);
+    const bool counts = std::any_of(names_.begin(), names_.end(), is_counted);
+    for (const RowName& row : names_) {
+      if (row.states_type) continue;
+      const std::string hint = "one row per joint; what lies behind the last one: # flange: xyz_mm X Y Z rpy_deg R P Y";
+      if (variables && !row.variable)
+        FailRow(
+            row, "the row has no joint variable, others have one",
+            "q1, q2 … in every row that moves, or a column type; what lies behind the last joint: # flange: xyz_mm X "
+            "Y Z rpy_deg R P Y");
+      if (IsNoJoint(row.name) || (counts && !IsCount(row.name)))
+        FailRow(row, "'" + row.name + "' is no joint" + (counts ? ": other rows have numbers" : ""), hint);
     }
-    return name;
+  }
+
+  // Rows are in the order of the chain; numbers that say otherwise belong to another order.
+  void CheckOrder() {
+    const RowName* first_variable = nullptr;
+    size_t first = 0;
+    for (size_t r = 0; r < names_.size(); ++r) {
+      const RowName& row = names_[r];
+      if (IsCount(row.name) && IsCount(names_[0].name))
+        CheckCount(r, std::stoi(names_[0].name), std::stoi(row.name), row);
+      if (row.variable && first_variable) CheckCount(r - first, *first_variable->variable, *row.variable, row);
+      if (row.variable && !first_variable) first_variable = &row, first = r;
+    }
+    for (size_t r = 1; r < names_.size(); ++r) {
+      const auto before = CountedName(names_[r - 1].name), here = CountedName(names_[r].name);
+      if (!before || !here || before->first != here->first || before->second < here->second) continue;
+      reading_.guesses.push_back("the rows are in the order of the chain: " + names_[r - 1].name + " lies before " +
+                                 names_[r].name);
+    }
+  }
+
+  void CheckCount(size_t rows_on, int first, int count, const RowName& row) const {
+    const int expected = first + static_cast<int>(rows_on);
+    if (count == expected) return;
+    FailRow(row, "joint " + std::to_string(count) + " stands where joint " + std::to_string(expected) + " is expected",
+            "one row per joint, from the base to the flange");
+  }
+
+  // 1, 2 … become j1, j2 …, as do 0, 1 …; a name of one's own stays.
+  void NameJoints() {
+    const int start = IsCount(names_[0].name) ? std::max(1, std::stoi(names_[0].name)) : 1;
+    for (size_t j = 0; j < joints_.size(); ++j) {
+      const std::string& cell = names_[j].name;
+      const bool plain = cell.empty() || IsCount(cell);
+      std::string name = plain ? "j" + std::to_string(start + static_cast<int>(j)) : cell;
+      std::replace(name.begin(), name.end(), ' ', '_');
+      for (size_t other = 0; other < j; ++other) {
+        if (joints_[other].name == name) FailRow(names_[j], "two joints are called '" + name + "'", "");
+      }
+      joints_[j].name = name;
+    }
   }
 
   void ReadComments() {
@@ -292,6 +275,11 @@ class DhReader {
     const std::optional<double> number = ParseNumber(ratio);
     if (coupling.joint < 0 || coupling.driver < 0 || !number) {
       throw InputError({table_.path, 0, "coupling"}, "'" + text + "' is no coupling", "# coupling: JOINT DRIVER RATIO");
+    }
+    for (const Coupling& other : couplings_) {
+      if (other.joint != coupling.joint || other.driver != coupling.driver) continue;
+      throw InputError({table_.path, 0, "coupling"}, "'" + driver + "' drives '" + joint + "' twice",
+                       "one ratio per pair of joints: the two would add up");
     }
     coupling.ratio = *number;
     couplings_.push_back(coupling);
@@ -344,10 +332,11 @@ class DhReader {
   const RobotReadOptions& options_;
   RobotReading reading_;
   std::vector<DhColumn> columns_;
-  std::vector<const Unit*> units_;
+  const DhUnits* units_ = nullptr;
   bool has_previous_ = false;
   std::string words_, name_;
   std::vector<Joint> joints_;
+  std::vector<RowName> names_;  // of the rows, as joints_
   std::vector<Coupling> couplings_;
   DhTable dh_;
 };

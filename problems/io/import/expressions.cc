@@ -1,9 +1,12 @@
 #include "problems/io/import/expressions.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "models/constants.h"
 #include "problems/io/import/text_table.h"
 #include "problems/io/pattern.h"
+#include "problems/io/robot_units.h"
 #include "problems/limits.h"
 
 namespace sagitta {
@@ -17,6 +20,18 @@ std::string WithoutBlanks(const std::string& text) {
   return kept;
 }
 
+// 2*3 and q2*90: a star between digits is no sign that can be left out, and q2 90 is not q290.
+bool Multiplies(const std::string& text) {
+  static const std::regex kProduct = MakePattern(R"([0-9.]\s*\*[\s*]*[0-9.])");
+  return SearchPattern(text, kProduct);
+}
+
+// 1.57, 3.1416: no angle in degrees is meant by these digits.
+bool IsRightAngleInRad(double size) {
+  const double quarters = std::round(size / (0.5 * kPi));
+  return quarters > 0.0 && std::abs(size - quarters * 0.5 * kPi) < 2e-3;
+}
+
 // Every way to write it becomes one letter.
 std::string Replaced(std::string text, const std::string& from, const std::string& to) {
   for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
@@ -28,7 +43,7 @@ std::string Replaced(std::string text, const std::string& from, const std::strin
 
 std::optional<TypedNumber> ParseTypedNumber(const std::string& typed, bool decimal_comma) {
   TypedNumber number;
-  if (typed.size() > limits::kWordBytes) return std::nullopt;
+  if (typed.size() > limits::kWordBytes || Multiplies(typed)) return std::nullopt;
   std::string text = WithoutBlanks(typed);
   for (const char* minus : {"−", "–"}) text = Replaced(text, minus, "-");
   for (const char* degrees : {"°", "deg"}) {
@@ -58,7 +73,8 @@ std::optional<TypedNumber> ParseTypedNumber(const std::string& typed, bool decim
 }
 
 std::optional<JointExpression> ParseJointExpression(const std::string& typed, bool decimal_comma) {
-  if (typed.size() > limits::kWordBytes) return std::nullopt;
+  static const std::regex kTwoNumbers = MakePattern(R"([0-9]\s+[0-9])");
+  if (typed.size() > limits::kWordBytes || Multiplies(typed) || SearchPattern(typed, kTwoNumbers)) return std::nullopt;
   const std::string text = WithoutBlanks(Replaced(Replaced(typed, "θ", "theta"), "−", "-"));
   static const std::regex kVariable =
       MakePattern(R"(([+-]?)(?:q|t|th|theta|d|j)_?\{?\(?([0-9]{1,6})\)?\}?([+-].+)?)", true);
@@ -83,6 +99,41 @@ std::optional<JointExpression> ParseJointExpression(const std::string& typed, bo
   if (!number) return std::nullopt;
   expression.offset = *number;
   return expression;
+}
+
+void AnglesWithoutUnit::Add(const TypedNumber& number) {
+  uses_pi_ |= number.uses_pi;
+  is_degrees_ |= number.is_degrees;
+  if (number.uses_pi) return;
+  const double size = std::abs(number.value);
+  largest_ = std::max(largest_, size);
+  if (number.is_degrees) return;
+  all_whole_ &= number.value == std::round(number.value);
+  any_small_ |= size > 0.0 && size <= kFullTurn;
+}
+
+AnglesWithoutUnit::Unit AnglesWithoutUnit::unit() const {
+  const bool some_degrees = is_degrees_ || largest_ > kFullTurn;
+  if (uses_pi_) return some_degrees ? Unit::kEach : Unit::kRad;
+  // Whole numbers above 4 are degrees of small angles: nobody types 5 or 6 rad.
+  return some_degrees || largest_ == 0.0 || (all_whole_ && largest_ > 4.0) ? Unit::kDeg : Unit::kRad;
+}
+
+bool AnglesWithoutUnit::is_guess() const {
+  if (uses_pi_ || largest_ == 0.0) return false;
+  return !is_degrees_ || any_small_;
+}
+
+bool AnglesWithoutUnit::IsUndecided(const TypedNumber& number) const {
+  const double size = std::abs(number.value);
+  if (number.uses_pi || number.is_degrees || size == 0.0 || size > kFullTurn) return false;
+  if (!uses_pi_) return unit() == Unit::kDeg && IsRightAngleInRad(size);
+  return unit() == Unit::kEach || (size > 4.0 && number.value == std::round(number.value));
+}
+
+double AnglesWithoutUnit::ToRad(const TypedNumber& number) const {
+  const bool is_rad = number.uses_pi || (unit() == Unit::kRad && !number.is_degrees);
+  return is_rad ? number.value : number.value * kDegree;
 }
 
 }  // namespace sagitta

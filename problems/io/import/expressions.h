@@ -23,4 +23,26 @@ struct JointExpression {
 };
 std::optional<JointExpression> ParseJointExpression(const std::string& text, bool decimal_comma = false);
 
+// Angles of a text that does not state their unit, together: the unit of all, or of each where there is no doubt. With
+// pi it is rad; with a degree sign, or beyond a full turn, deg.
+class AnglesWithoutUnit {
+ public:
+  void Add(const TypedNumber& number);
+
+  // kEach: with pi in rad, the others in deg.
+  enum class Unit { kRad, kDeg, kEach };
+  Unit unit() const;
+  // Nothing but the size of the numbers says so.
+  bool is_guess() const;
+  // A number of which nothing says in which of two units it is, while others are in either; 1.5708 where all are in
+  // deg.
+  bool IsUndecided(const TypedNumber& number) const;
+  double ToRad(const TypedNumber& number) const;
+  double largest() const { return largest_; }
+
+ private:
+  bool uses_pi_ = false, is_degrees_ = false, all_whole_ = true, any_small_ = false;
+  double largest_ = 0.0;  // without pi
+};
+
 }  // namespace sagitta

@@ -17,6 +17,7 @@
 #include "problems/io/import/robot_reading.h"
 #include "problems/io/pattern.h"
 #include "problems/io/robot_file.h"
+#include "problems/io/robot_units.h"
 #include "problems/io/trimmed.h"
 #include "problems/io/units.h"
 #include "problems/io/urdf_robot.h"
@@ -97,6 +98,24 @@ std::vector<Joint> UrJoints(size_t count) {
   return joints;
 }
 
+// Along z, the axis before, origins may run far where axes are nearly parallel.
+void CheckOrigin(const Vector3<double>& xyz, const Vector3<double>& rpy, const InputError::Where& where) {
+  for (int i = 0; i < 2; ++i) CheckMetres(xyz[i], std::string(1, "xy"[i]), where);
+  for (int i = 0; i < 3; ++i) CheckRadians(rpy[i], std::array{"roll", "pitch", "yaw"}[i], where);
+}
+
+// The nominal lists, m and rad; of the differences, d may be 100 m.
+void CheckUnits(const ConfLists& lists, const std::string& path) {
+  for (const auto& [name, list] : lists) {
+    const bool is_length = name == "a" || name == "d", is_angle = name == "alpha" || name == "theta";
+    for (size_t i = 0; i < list.size(); ++i) {
+      const std::string number = "number " + std::to_string(i + 1);
+      if (is_length) CheckMetres(list[i], number, {path, 0, name});
+      if (is_angle) CheckRadians(list[i], number, {path, 0, name});
+    }
+  }
+}
+
 // The table that the deltas belong to.
 Robot NominalOf(const ConfLists& lists, const std::string& path, const std::string& nominal_file) {
   if (lists.count("a") && lists.count("d") && lists.count("alpha")) {
@@ -158,6 +177,7 @@ RobotReading ReadUrCalibration(const std::string& text, const std::string& path)
     for (int i = 0; i < 3; ++i) rpy[i] = map.Get(std::array{"roll", "pitch", "yaw"}[i]).Number();
     joint.parent_from_joint.rotation = RotationFromRpy(rpy);
     map.Finish();
+    CheckOrigin(joint.parent_from_joint.translation, rpy, {path, 0, name.link});
     chain.joints.push_back(joint);
   }
   kinematics.Finish();
@@ -176,6 +196,7 @@ bool LooksLikeUrConf(const std::string& text) {
 RobotReading ReadUrConf(const std::string& text, const std::string& path, const RobotReadOptions& options) {
   const ConfLists lists = ReadConfLists(text, path);
   CheckTogether(lists, {"a", "d", "alpha"}, path);
+  CheckUnits(lists, path);
   CheckTogether(lists, {"delta_theta", "delta_a", "delta_d", "delta_alpha"}, path);
   RobotReading reading;
   Robot robot = NominalOf(lists, path, options.nominal_file);
