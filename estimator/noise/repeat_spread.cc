@@ -54,6 +54,15 @@ double ChanceOfSquares(const std::optional<RepeatScatter>& repeats, double squar
   return FSurvival(squares / m / ratio.factor, m, ratio.dof);
 }
 
+double DofOfSizes(const Vector3<double>& sigma, double dof_per_axis) {
+  const double squares = sigma.squaredNorm();
+  return dof_per_axis * squares * squares / sigma.cwiseAbs2().squaredNorm();
+}
+
+double DofOfSizes(const std::optional<RepeatScatter>& repeats) {
+  return repeats ? DofOfSizes(repeats->sigma, repeats->dof) : std::numeric_limits<double>::infinity();
+}
+
 Eigen::VectorXd DofByRepeats(const CalibrationProblem& problem, const Estimate& estimate) {
   const RepeatScatter& repeats = *problem.repeat_scatter;
   const double of_points = 3.0 * repeats.dof, of_rotations = repeats.rotation_dof;

@@ -28,6 +28,12 @@ RatioOfSpreads RatioByRepeats(const std::optional<RepeatScatter>& repeats, doubl
 // Chance of a sum of m squared whitened residuals that is larger still.
 double ChanceOfSquares(const std::optional<RepeatScatter>& repeats, double squares, double m);
 
+// Of squared lengths of points, m, which the axis that scatters most decides:
+//
+//   var(sum s_k^2) = sum 2 s_k^4 / nu = 2 (sum s_k^2)^2 / dof;   infinite where sigmas are stated
+double DofOfSizes(const std::optional<RepeatScatter>& repeats);
+double DofOfSizes(const Vector3<double>& sigma, double dof_per_axis);
+
 // Student's degrees of freedom of each estimated coordinate where repeats give the noise. Rotations have a variance of
 // their own: with C_r = C J_r' J_r C that of C which is theirs, J_r their whitened rows,
 //
