@@ -140,7 +140,8 @@ void ResolveRepeats(CalibrationProblem* problem) {
 
 void SayRotationSigmas(CalibrationProblem* problem) {
   const bool is_stated = problem->sigma_is_stated();
-  if (is_stated && problem->repeat_scatter && problem->repeat_scatter->rotation_sigma.minCoeff() > 0.0) return;
+  const std::optional<RepeatScatter>& repeats = problem->repeat_scatter;
+  if (is_stated && repeats && repeats->rotation_sigma.minCoeff() > 0.0) return;
   int unstated = 0, stated = 0;
   for (const Observation& observation : problem->data().observations) {
     if (observation.is_point()) continue;
@@ -151,9 +152,11 @@ void SayRotationSigmas(CalibrationProblem* problem) {
                      "add sigma_x_mm, sigma_y_mm, sigma_z_mm, or state noise: {sigma_mm: …}");
   }
   if (unstated == 0) return;
+  const bool is_open = repeats && stated == 0;  // too few repeats of rotations
   problem->mutable_data()->warnings.push_back(
       std::to_string(unstated) + " poses state no standard deviation of their rotation: " +
-      (is_stated ? "calibrate assumes 1 mrad, that of 1 mm over 1 m, diagnose estimates it" : "it is estimated") +
+      (is_stated && !is_open ? "calibrate assumes 1 mrad, that of 1 mm over 1 m, diagnose estimates it"
+                             : "it is estimated where the readings determine it") +
       "; add the column sigma_rot_urad");
 }
 

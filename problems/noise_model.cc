@@ -1,6 +1,7 @@
 #include "problems/noise_model.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <tuple>
@@ -53,14 +54,31 @@ bool IsDiagonal(const NoiseRoots& roots) {
   return std::all_of(roots.begin(), roots.end(), [](const Matrix3<double>& s) { return s.isDiagonal(1e-9); });
 }
 
+namespace {
+
+// Each axis by itself, all three together, or none, as their degrees of freedom allow.
+void SetRotationSigma(const Vector3<double>& squares, int dof_per_axis, RepeatScatter* scatter) {
+  scatter->rotation_dof = 3.0 * dof_per_axis;
+  if (3 * dof_per_axis < kLeastSpreadDof) return;
+  scatter->rotation_axes_differ = dof_per_axis >= kLeastSpreadDof;
+  scatter->rotation_sigma = scatter->rotation_axes_differ
+                                ? Vector3<double>((squares / dof_per_axis).cwiseSqrt())
+                                : Vector3<double>::Constant(std::sqrt(squares.sum() / scatter->rotation_dof));
+}
+
+}  // namespace
+
 std::optional<RepeatScatter> PooledRepeats(const Measurements& data) {
   struct Group {
     const Observation* first = nullptr;
     std::vector<Vector3<double>> from_first;  // rotations: angles, small enough to add
   };
   std::map<std::tuple<int, std::string, int, std::string, int, ReadingKind>, Group> groups;
+  double readings = 0.0, rotations = 0.0;
   for (const Observation& observation : data.observations) {
     if (observation.excluded || data.IsValidation(observation)) continue;
+    readings += 1.0;
+    rotations += observation.is_point() ? 0.0 : 1.0;
     const Shot& shot = data.shots[observation.shot];
     Group& group =
         groups[{shot.configuration, shot.visit, observation.marker, shot.load, shot.station, observation.kind}];
@@ -83,12 +101,26 @@ std::optional<RepeatScatter> PooledRepeats(const Measurements& data) {
   }
   if (scatter.dof == 0) return std::nullopt;
   scatter.sigma = (squares / scatter.dof).cwiseSqrt();
-  if (rotation_dof > 0) scatter.rotation_sigma = (rotation_squares / rotation_dof).cwiseSqrt();
+  scatter.rotation_share = rotations / std::max(1.0, readings);
+  SetRotationSigma(rotation_squares, rotation_dof, &scatter);
   return scatter;
 }
 
+std::vector<KnownSpread> SpreadsOf(const RepeatScatter& repeats) {
+  const double points = 1.0 - repeats.rotation_share;
+  std::vector<KnownSpread> spreads(3, {points / 3.0, static_cast<double>(repeats.dof)});
+  // A spread of residuals makes their squares what they are: nothing of these scatters with it.
+  if (!(repeats.rotation_sigma.minCoeff() > 0.0) || repeats.rotation_is_estimated) return spreads;
+  const int axes = repeats.rotation_axes_differ ? 3 : 1;
+  spreads.insert(spreads.end(), axes, {repeats.rotation_share / axes, repeats.rotation_dof / axes});
+  return spreads;
+}
+
 double SigmaDof(const std::optional<RepeatScatter>& repeats) {
-  return repeats ? 3.0 * repeats->dof : std::numeric_limits<double>::infinity();
+  if (!repeats) return std::numeric_limits<double>::infinity();
+  double inverse = 0.0;
+  for (const KnownSpread& spread : SpreadsOf(*repeats)) inverse += spread.share * spread.share / spread.dof;
+  return 1.0 / inverse;
 }
 
 }  // namespace sagitta

@@ -40,16 +40,33 @@ Matrix3<double> StatedRoot(const Experiment& experiment, const Measurements& dat
 bool IsStated(const Matrix3<double>& root);
 bool IsDiagonal(const NoiseRoots& roots);
 
+// Least degrees of freedom f of a spread that rotations are weighed by: of 1 / s^2, the weight, standard deviation over
+// mean are sqrt(2 / (f - 4)), a half here.
+constexpr int kLeastSpreadDof = 12;
+
 // Spread of repeated shots of equal (config, visit, marker, load, station), pooled over all of them, per axis: what the
 // instrument alone does, the robot stands still meanwhile. Calibration rows only.
 struct RepeatScatter {
-  Vector3<double> sigma = Vector3<double>::Zero();           // m
-  int dof = 0;                                               // of each axis: observations - groups
-  Vector3<double> rotation_sigma = Vector3<double>::Zero();  // rad; 0: no rotation was read twice
+  Vector3<double> sigma = Vector3<double>::Zero();  // m
+  int dof = 0;                                      // of each axis: observations - groups
+  // rad, of each axis, or of all three together where one has less than kLeastSpreadDof; 0: left open, as three have
+  // less, or no rotation was read twice.
+  Vector3<double> rotation_sigma = Vector3<double>::Zero();
+  double rotation_dof = 0.0;           // of all three axes; where it was left open what the repeats have
+  bool rotation_axes_differ = false;   // each has a sigma of its own
+  bool rotation_is_estimated = false;  // left open by the repeats, found from residuals with rotation_dof
+  double rotation_share = 0.0;         // of the readings that are fitted
 };
 // Empty without repeats.
 std::optional<RepeatScatter> PooledRepeats(const Measurements& data);
-// How well one factor on the three sigmas is known: the repeats' degrees of freedom; infinite where sigmas are stated.
+
+// Spreads that squared residuals are divided by: which share of the readings, and how many degrees of freedom each has.
+struct KnownSpread {
+  double share = 1.0, dof = 0.0;
+};
+std::vector<KnownSpread> SpreadsOf(const RepeatScatter& repeats);
+// How well one factor on all of them is known: with w_k the shares,  var(sum w_k s_k^2 / sigma_k^2) = 2 / dof =
+// sum w_k^2 2 / dof_k.  Infinite where sigmas are stated.
 double SigmaDof(const std::optional<RepeatScatter>& repeats);
 
 }  // namespace sagitta

@@ -14,6 +14,7 @@
 #include "estimator/agreement/splits.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/sandwich.h"
+#include "estimator/noise/repeat_spread.h"
 #include "estimator/report/agreement_words.h"
 #include "estimator/statistics/distributions.h"
 #include "estimator/statistics/median.h"
@@ -32,7 +33,7 @@ struct Differences : PartDifference {
 };
 
 // d' (C_a + C_b)^-1 d, solved in correlations because units differ: chi2_m where the noise is stated, F(m, nu) where it
-// was estimated from the residuals.
+// was estimated from the residuals, of both parts, or from repeats, once for both (repeat_spread.h).
 double TestAtOnce(const Whole& whole, const PartFit& a, const PartFit& b, bool sandwich, const Differences& found) {
   const auto m = static_cast<double>(found.value.size());
   const Eigen::VectorXd scale = found.covariance.diagonal().cwiseSqrt();
@@ -42,7 +43,7 @@ double TestAtOnce(const Whole& whole, const PartFit& a, const PartFit& b, bool s
   const Eigen::VectorXd z = found.value.cwiseQuotient(scale);
   const double squares = z.dot(factor.solve(z));
   if (factor.info() != Eigen::Success || !factor.isPositive() || !std::isfinite(squares)) return 1.0;
-  if (!sandwich && !whole.is_scaled) return ChiSquareSurvival(squares, m);
+  if (!sandwich && !whole.is_scaled) return ChanceOfSquares(whole.problem.repeat_scatter, squares, m);
   if (!sandwich) return FSurvival(squares / m, m, a.freedom + b.freedom);
   // Hotelling: clusters are the sample.
   const double n = a.sandwich.clusters + b.sandwich.clusters - static_cast<double>(a.columns.size() + b.columns.size());
@@ -71,7 +72,11 @@ Differences DifferencesOfParts(const Whole& whole, const PartFit& a, const PartF
   found.covariance = ca(in_a, in_a) + cb(in_b, in_b);
   for (size_t i = 0; i < in_a.size(); ++i) {
     const int ia = in_a[i], ib = in_b[i];
-    const double t = StudentQuantile(0.975, WelchDof(ca(ia, ia), dof_a[ia], cb(ib, ib), dof_b[ib]));
+    // Two spreads of residuals are independent; that of repeats is one and the same.
+    const bool is_shared = !sandwich && !whole.is_scaled && whole.problem.repeat_scatter;
+    const double dof =
+        is_shared ? SigmaDof(whole.problem.repeat_scatter) : WelchDof(ca(ia, ia), dof_a[ia], cb(ib, ib), dof_b[ib]);
+    const double t = StudentQuantile(0.975, dof);
     found.over_interval.push_back(std::abs(found.value[i]) / (t * std::sqrt(found.covariance(i, i))));
   }
   found.p_value = TestAtOnce(whole, a, b, sandwich, found);

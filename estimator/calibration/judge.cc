@@ -20,6 +20,7 @@
 #include "estimator/least_squares/normal_equations.h"
 #include "estimator/least_squares/sandwich.h"
 #include "estimator/least_squares/spring_tie_cost.h"
+#include "estimator/noise/repeat_spread.h"
 #include "estimator/noise/weighting.h"
 #include "estimator/report/calibration_words.h"
 #include "estimator/statistics/distributions.h"
@@ -62,10 +63,9 @@ void JudgeNoise(const CalibrationProblem& problem, const FittedRows& fitted, Est
   estimate->chi2 = sum;
   const double dof = estimate->dof;
   if (dof <= 0) return;
-  // chi-square / dof against F(dof, nu): nu the degrees of freedom of the stated noise, infinite unless it was read off
-  // repeats.
+  // chi-square / dof is F(dof, infinity), unless the noise was read off repeats.
   sigma.a_posteriori = std::sqrt(sum / dof);
-  sigma.p_value = FSurvival(sum / dof, dof, SigmaDof(problem.repeat_scatter));
+  sigma.p_value = ChanceOfSquares(problem.repeat_scatter, sum, dof);
   sigma.scaled = sigma.a_posteriori > 1.0 && sigma.p_value < problem.experiment().significance;
 }
 
@@ -295,7 +295,7 @@ bool JudgeCovariance(const CalibrationProblem& problem, const Linearization& lin
   estimate->interval_dof = Eigen::VectorXd::Constant(estimate->estimated.size(), ModelDof(*estimate));
   estimate->intervals = IntervalReport();
   if (problem.repeat_scatter && !estimate->sigma.scaled) {
-    estimate->interval_dof.setConstant(SigmaDof(problem.repeat_scatter));
+    estimate->interval_dof = DofByRepeats(problem, *estimate);
   }
   if (problem.experiment().method.covariance != CovarianceKind::kSandwich || scale == 0.0) return true;
   const RobustCovariance robust = SandwichOfFit(problem, linearization, solution, *estimate);

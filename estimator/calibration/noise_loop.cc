@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/calibration/marker_remedy.h"
@@ -39,8 +40,12 @@ bool WeightsFollow(const Experiment& experiment) {
 // What the rounds carry.
 struct Loop {
   CalibrationProblem problem;  // at the noise of this round
-  NoiseRoots base;             // roots before weights and components
-  bool stated = false;         // something states the instrument's noise
+  CalibrationProblem given;
+  NoiseRoots base;               // roots before weights and components
+  bool are_open = false;         // rotations
+  bool rotations_apart = false;  // their noise is found in the rounds, points' stated or not
+  double rotation = 1.0;         // times base that rotations scatter, where no component says it
+  bool stated = false;           // something states the instrument's noise
   LossKind loss = LossKind::kNone;
   std::vector<double> weights;  // of the calibration observations
   std::vector<Outlier> outliers;
@@ -49,8 +54,10 @@ struct Loop {
   NoiseRoots spread;  // of residuals
   NoiseReport report;
 
-  explicit Loop(const CalibrationProblem& given) : problem(given), base(NoiseOfAll(given, kTinySigma)) {
+  explicit Loop(const CalibrationProblem& as_given)
+      : problem(as_given), given(as_given), base(NoiseOfAll(as_given, kTinySigma)) {
     stated = given.sigma_is_stated();
+    are_open = RotationsAreOpen(given);
     loss = given.experiment().method.loss;
     report.loss = given.experiment().method.loss;
     report.loss_tuning = loss == LossKind::kNone ? 0.0 : LossTuning(loss);
@@ -66,6 +73,19 @@ double WeightInFit(LossKind loss, double weight) {
   const double there = LossWeight(LossKind::kHuber, kFar);
   if (loss == LossKind::kHuber && weight < there) weight *= weight / there;
   return std::max(kLeast, weight);
+}
+
+// By component or robust ratio: those of points and of rotations, before weights.
+NoiseRoots RootsFound(const Loop& loop) {
+  const bool by_components = EstimatesComponents(loop.problem.experiment());
+  const double of_rotations = by_components && loop.rotations_apart ? loop.choice.rotation
+                              : loop.rotations_apart                ? loop.rotation
+                                                                    : loop.choice.instrument;
+  NoiseRoots roots = loop.base;
+  for (size_t i = 0; i < roots.size(); ++i) {
+    roots[i] *= loop.problem.data().observations[i].is_point() ? loop.choice.instrument : of_rotations;
+  }
+  return roots;
 }
 
 // Roots over the root of the weights: the next round's least squares.
@@ -92,9 +112,10 @@ CalibrationProblem Cleaned(const Loop& loop, const NoiseRoots& roots) {
 double UpdateComponents(const Estimate& estimate, int round, Loop* loop, NoiseRoots* roots) {
   if (!EstimatesComponents(loop->problem.experiment())) return 0.0;
   const CalibrationProblem at_base = Cleaned(*loop, loop->base);
+  loop->choice.rotations_apart = loop->rotations_apart;
   const double change = FindComponents(at_base, estimate.parameters, loop->stated, round, &loop->choice);
   loop->problem.latent = loop->choice.latent;
-  for (Matrix3<double>& root : *roots) root *= loop->choice.instrument;
+  *roots = RootsFound(*loop);
   return change;
 }
 
@@ -120,21 +141,35 @@ double UpdateSpread(const Estimate& estimate, Loop* loop, NoiseRoots* roots) {
   return change;
 }
 
+// What rotations scatter by over what points do, where no component says it; returns its change.
+double UpdateRatio(const Estimate& estimate, const PointCheck& check, Loop* loop, NoiseRoots* roots) {
+  if (!loop->rotations_apart || EstimatesComponents(loop->problem.experiment())) return 0.0;
+  const double ratio = RobustRatio(loop->problem, estimate.parameters, check);
+  loop->rotation *= ratio;
+  *roots = RootsFound(*loop);
+  return std::abs(std::log(ratio));
+}
+
 // Weights at this fit; returns the largest change of their roots.
-double UpdateWeights(const Estimate& estimate, const NoiseRoots& roots, Loop* loop, double* scale) {
+double UpdateWeights(const Estimate& estimate, Loop* loop, NoiseRoots* roots, double* scale) {
   *scale = 1.0;
   if (loop->loss == LossKind::kNone) return 0.0;
   CalibrationProblem& problem = loop->problem;
   const std::vector<int> observations = problem.CalibrationObservations();
-  NoiseRoots noise;
-  for (const int i : observations) noise.push_back(roots[i]);
-  PointCheck check = CheckPoints(problem, estimate.parameters, noise, loop->weights, loop->report.robust_scale);
+  const auto check_at = [&](double at) {
+    NoiseRoots noise;
+    for (const int i : observations) noise.push_back((*roots)[i]);
+    return CheckPoints(problem, estimate.parameters, noise, loop->weights, at);
+  };
+  PointCheck check = check_at(loop->report.robust_scale);
+  const double ratio_change = UpdateRatio(estimate, check, loop, roots);
+  if (ratio_change > 0.0) check = check_at(loop->report.robust_scale);
   // Median of u^2 / expected over that of chi2_3, times the scale that u was divided by.
   *scale = loop->report.robust_scale * RobustScale(check);
   // Where components are estimated they set the scale; where sigmas are stated it only grows.
   if (loop->stated && !EstimatesComponents(problem.experiment())) *scale = std::max(1.0, *scale);
-  check = CheckPoints(problem, estimate.parameters, noise, loop->weights, *scale);
-  double change = std::abs(*scale / loop->report.robust_scale - 1.0);
+  check = check_at(*scale);
+  double change = std::max(ratio_change, std::abs(*scale / loop->report.robust_scale - 1.0));
   for (size_t k = 0; k < observations.size(); ++k) {
     const double weight = LossWeight(loop->loss, check.distance[k]);
     change = std::max(change, std::abs(std::sqrt(weight) - std::sqrt(loop->weights[k])));
@@ -147,11 +182,15 @@ double UpdateWeights(const Estimate& estimate, const NoiseRoots& roots, Loop* lo
 
 // The noise at a fit; true when it stands still.
 bool Update(const Estimate& estimate, int round, Loop* loop) {
-  NoiseRoots roots = loop->base;
+  if (round == 0) {
+    const CalibrationProblem& problem = loop->problem;
+    loop->rotations_apart = loop->are_open && RotationsAreDetermined(problem, estimate.parameters);
+  }
+  NoiseRoots roots = RootsFound(*loop);
   const double component_change = UpdateComponents(estimate, round, loop, &roots);
   const double spread_change = UpdateSpread(estimate, loop, &roots);
   double scale = 1.0;
-  const double weight_change = UpdateWeights(estimate, roots, loop, &scale);
+  const double weight_change = UpdateWeights(estimate, loop, &roots, &scale);
   loop->problem.resolved_noise = roots;
   ApplyWeights(loop->problem.CalibrationObservations(), scale, loop);
   if (UsesResiduals(loop->problem.experiment())) {
@@ -192,33 +231,70 @@ Eigen::VectorXd IntervalDof(const Loop& loop, const Estimate& estimate) {
     return Eigen::VectorXd::Constant(estimate.covariance.rows(), std::max(1, estimate.dof));
   }
   if (loop.choice.interval_dof.size() == estimate.covariance.rows()) return loop.choice.interval_dof;
-  return Eigen::VectorXd::Constant(estimate.covariance.rows(), std::numeric_limits<double>::infinity());
+  return estimate.interval_dof;
 }
 
-void ToMetres(VarianceComponent* instrument) {
-  for (double* number : {&instrument->value, &instrument->sigma, &instrument->low, &instrument->high}) {
-    *number *= kTinySigma;
+// From factors on the roots before the rounds to what they scatter by.
+void ToUnits(const Loop& loop, std::vector<VarianceComponent>* components) {
+  if (!loop.stated) ScaleComponent(kTinySigma, &(*components)[0]);
+  for (size_t i = 0; i < loop.base.size() && loop.rotations_apart; ++i) {
+    if (loop.problem.data().observations[i].is_point()) continue;
+    return ScaleComponent(loop.base[i](0, 0), &(*components)[1]);
   }
+}
+
+// Rotations that repeats left open, as found.
+void SetRotations(double sigma, double freedom, CalibrationProblem* problem) {
+  RepeatScatter& repeats = *problem->repeat_scatter;
+  repeats.rotation_sigma.setConstant(sigma);
+  repeats.rotation_dof = freedom;
+  repeats.rotation_is_estimated = true;
+}
+
+// With a loss, by the readings that are judged: outliers are out of them, others count in full. `judged` has the ratio.
+void JudgeRotations(Loop* loop, CalibrationProblem* judged, Estimate* estimate) {
+  NoiseReport& report = loop->report;
+  if (loop->stated) {
+    ComputeStatistics(*judged, estimate);
+    const auto scatter = FindRotationScatter(loop->given, *judged, *estimate);
+    if (!scatter) return;
+    judged->resolved_noise = scatter->roots;
+    SetRotations(scatter->spread / scatter->unit, scatter->freedom, judged);
+    return;
+  }
+  std::optional<TwoNoises> noises = TwoSpreads(*judged, *estimate);
+  if (!noises) {
+    judged->resolved_noise.clear();
+    return;
+  }
+  judged->resolved_noise = noises->roots;
+  const FreedomOfTwo freedom = FindFreedom(*judged, estimate->parameters);
+  SetIntervals(freedom, &noises->components);
+  loop->choice.interval_dof = freedom.of_intervals;
+  report.components = noises->components;
+  report.instrument_is_factor = false;
+  report.instrument_rms = report.components[0].value;
 }
 
 // Judged without weights: chi2, residuals and hold-out are those of the noise that was found.
 CalibrationProblem JudgeRound(Loop* loop, Estimate* estimate) {
   const Experiment& experiment = loop->problem.experiment();
   CalibrationProblem judged = loop->problem;
-  judged.resolved_noise = loop->base;
-  for (Matrix3<double>& root : judged.resolved_noise) root *= loop->choice.instrument;
+  judged.resolved_noise = RootsFound(*loop);
+  const bool by_ratio = loop->rotations_apart && !EstimatesComponents(experiment);
   if (UsesResiduals(experiment)) {
     judged.resolved_noise = loop->spread;
     judged.weight_roots = ResidualWeights(experiment, loop->spread);
-  } else if (!loop->stated && !EstimatesComponents(experiment)) {
+  } else if (!loop->stated && !EstimatesComponents(experiment) && !by_ratio) {
     judged.resolved_noise.clear();  // one common sigma, estimated
   }
   if (loop->loss != LossKind::kNone) FinishRobust(loop, &judged, estimate);
+  if (by_ratio) JudgeRotations(loop, &judged, estimate);
   ComputeStatistics(judged, estimate);
   if (EstimatesComponents(experiment)) {
     FinishComponents(judged, estimate->parameters, &loop->choice, &loop->report);
     loop->report.instrument_is_factor = loop->stated;
-    if (!loop->stated) ToMetres(&loop->report.components[0]);
+    ToUnits(*loop, &loop->report.components);
   }
   if (WeightsFollow(experiment) && estimate->covariance.size() > 0) {
     const Eigen::MatrixXd factor = FollowedByWeights(judged, *estimate, loop->groups, loop->report.groups);
@@ -258,11 +334,27 @@ ResolvedEstimate EstimateOnce(CalibrationProblem problem, const JointOptions& op
 
 constexpr int kScatterRounds = 3;  // residuals that hardly change: of unequal weights first, then of nearly equal ones
 
+// Two spreads in a row that differ by less than kSettledResiduals: from f degrees of freedom they are known to
+// sqrt(1 / (2 f)), ten times as much with the thousands that a campaign has at most.
+bool IsSettled(double before, double now) { return std::abs(std::log(now / before)) < kSettledResiduals; }
+
+// Student's distribution: the variances were found from these rows.
+void JudgeTwoNoises(ResolvedEstimate* found) {
+  Estimate& estimate = found->estimate;
+  const FreedomOfTwo freedom = FindFreedom(found->problem, estimate.parameters);
+  SetIntervals(freedom, &estimate.noise_report.components);
+  if (estimate.intervals.method == CovarianceKind::kSandwich) return;  // it does not use them
+  ReplaceCovariance(found->problem, Eigen::MatrixXd(estimate.covariance), freedom.of_intervals, &estimate);
+}
+
 // Points and rotations weighed by the spread of each, where nothing states any noise.
 ResolvedEstimate EstimateWithTwoNoises(ResolvedEstimate plain, const JointOptions& options) {
-  for (int round = 0; round < kScatterRounds; ++round) {
+  double ratio = 0.0;
+  for (int round = 0; round < kMostNoiseRounds; ++round) {
     const std::optional<TwoNoises> noises = FindTwoNoises(plain.problem, plain.estimate);
     if (!noises) break;
+    const double before = std::exchange(ratio, noises->components[1].value / noises->components[0].value);
+    if (round > 0 && IsSettled(before, ratio)) break;
     CalibrationProblem weighed = plain.problem;
     weighed.resolved_noise = noises->roots;
     ResolvedEstimate next = EstimateOnce(std::move(weighed), options);
@@ -272,10 +364,7 @@ ResolvedEstimate EstimateWithTwoNoises(ResolvedEstimate plain, const JointOption
     plain.estimate.noise_report.instrument_is_factor = false;
     plain.estimate.noise_report.instrument_rms = noises->components[0].value;
   }
-  if (plain.problem.resolved_noise.empty()) return plain;
-  // Student's distribution: the variances were found from these rows.
-  const Eigen::VectorXd dof = Eigen::VectorXd::Constant(plain.estimate.covariance.rows(), plain.estimate.dof);
-  ReplaceCovariance(plain.problem, Eigen::MatrixXd(plain.estimate.covariance), dof, &plain.estimate);
+  if (HasTwoNoises(plain.estimate.noise_report)) JudgeTwoNoises(&plain);
   return plain;
 }
 
@@ -295,21 +384,26 @@ ResolvedEstimate EstimateWithRobotScatter(ResolvedEstimate plain, const JointOpt
   return plain;
 }
 
-// Rotations weighed by what they scatter, where the stated noise is not what is left.
+// Rotations weighed by what they scatter, where the stated noise is not what is left or repeats left them open. Whether
+// it is so is asked once, at what is stated: by their own spread they always look right.
 ResolvedEstimate EstimateWithRotationScatter(ResolvedEstimate plain, const JointOptions& options) {
-  if (!options.judge) return plain;
+  if (!options.judge || !RotationsScatterOtherwise(plain.problem, plain.estimate)) return plain;
   const CalibrationProblem stated = plain.problem;
   const std::vector<std::string> words = plain.estimate.noise_report.words;
-  for (int round = 0; round < kScatterRounds; ++round) {
-    const std::optional<RotationScatter> scatter = FindRotationScatter(stated, plain.estimate);
+  double spread = 0.0;
+  for (int round = 0; round < kMostNoiseRounds; ++round) {
+    const std::optional<RotationScatter> scatter = FindRotationScatter(stated, plain.problem, plain.estimate);
     if (!scatter) break;
+    const double before = std::exchange(spread, scatter->spread / scatter->unit);
+    if (round > 0 && IsSettled(before, spread)) break;
     CalibrationProblem weighed = stated;
     weighed.resolved_noise = scatter->roots;
+    if (stated.repeat_scatter) SetRotations(spread, scatter->freedom, &weighed);
     ResolvedEstimate next = EstimateOnce(std::move(weighed), options);
     if (!IsUsable(next.estimate.status)) break;
     plain = std::move(next);
     plain.estimate.noise_report.words = words;
-    plain.estimate.noise_report.words.push_back(RotationScatterInWords(scatter->spread));
+    if (!stated.repeat_scatter) plain.estimate.noise_report.words.push_back(RotationScatterInWords(scatter->spread));
   }
   return plain;
 }
@@ -331,20 +425,10 @@ bool FindsNoise(const CalibrationProblem& problem) {
          experiment.method.loss != LossKind::kNone;
 }
 
-ResolvedEstimate EstimateWithNoise(CalibrationProblem problem, const JointOptions& options) {
-  CheckOptions(options);
-  CheckRowsAreRead(problem);
-  if (!FindsNoise(problem)) {
-    ResolvedEstimate plain = EstimatePlainly(std::move(problem), options);
-    DescribeNoise(plain.problem, &plain.estimate);
-    return plain;
-  }
-  if (WeighsOtherwise(problem)) {
-    problem.weight_roots = RootsOfWeights(problem.experiment(), NoiseOfAll(problem, kTinySigma));
-    ResolvedEstimate result = EstimateOnce(std::move(problem), options);
-    DescribeNoise(result.problem, &result.estimate);
-    return result;
-  }
+namespace {
+
+// Fit -> noise -> fit.
+ResolvedEstimate EstimateInRounds(const CalibrationProblem& problem, const JointOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   Loop loop(problem);
   const ParameterSet aligned = Align(options, &loop);
@@ -373,6 +457,42 @@ ResolvedEstimate EstimateWithNoise(CalibrationProblem problem, const JointOption
   result.estimate.noise_report = loop.report;
   result.estimate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   DescribeNoise(result.problem, &result.estimate);
+  return result;
+}
+
+// As the keys of the experiment ask for.
+ResolvedEstimate EstimateByKeys(CalibrationProblem problem, const JointOptions& options) {
+  CheckOptions(options);
+  CheckRowsAreRead(problem);
+  if (!FindsNoise(problem)) {
+    ResolvedEstimate plain = EstimatePlainly(std::move(problem), options);
+    DescribeNoise(plain.problem, &plain.estimate);
+    return plain;
+  }
+  if (WeighsOtherwise(problem)) {
+    problem.weight_roots = RootsOfWeights(problem.experiment(), NoiseOfAll(problem, kTinySigma));
+    ResolvedEstimate result = EstimateOnce(std::move(problem), options);
+    DescribeNoise(result.problem, &result.estimate);
+    return result;
+  }
+  return EstimateInRounds(problem, options);
+}
+
+// Rotations whose noise was to be found and was not.
+bool AreStillOpen(const ResolvedEstimate& found) {
+  const std::optional<RepeatScatter>& repeats = found.problem.repeat_scatter;
+  return RotationComponent(found.estimate.noise_report) == nullptr &&
+         !(repeats && repeats->rotation_sigma.minCoeff() > 0.0);
+}
+
+}  // namespace
+
+ResolvedEstimate EstimateWithNoise(CalibrationProblem problem, const JointOptions& options) {
+  const bool are_open = options.judge && RotationsAreOpen(problem);
+  ResolvedEstimate result = EstimateByKeys(std::move(problem), options);
+  if (are_open && IsUsable(result.estimate.status) && AreStillOpen(result)) {
+    SayRotationsAreAssumed(result.problem.repeat_scatter.has_value(), &result.estimate);
+  }
   return result;
 }
 

@@ -11,6 +11,7 @@
 
 #include "estimator/explanations/drivers.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/noise/repeat_spread.h"
 #include "estimator/noise/rigid_bodies.h"
 #include "estimator/noise/rotation_noise.h"
 #include "estimator/noise/variance_components.h"
@@ -174,11 +175,12 @@ bool IsSigmaStated(const CalibrationProblem& problem) {
   return problem.sigma_is_stated() && problem.experiment().noise.from != NoiseSpec::From::kVarianceComponents;
 }
 
-// scale^2 = sum / dof: F with dof and the degrees of freedom of the stated sigma.
+// scale^2 = sum / dof: c F(dof, nu) as the stated sigma is known (repeat_spread.h).
 NoiseScale ScaleOf(double sum, int dof, const CalibrationProblem& stated) {
-  const double of_sigma = SigmaDof(stated.repeat_scatter), scale = std::sqrt(sum / dof);
-  return {scale, scale / std::sqrt(FQuantile(0.975, dof, of_sigma)), scale / std::sqrt(FQuantile(0.025, dof, of_sigma)),
-          dof};
+  const RatioOfSpreads ratio = RatioByRepeats(stated.repeat_scatter, dof);
+  const double scale = std::sqrt(sum / dof);
+  const auto end = [&](double level) { return scale / std::sqrt(ratio.factor * FQuantile(level, dof, ratio.dof)); };
+  return {scale, end(0.975), end(0.025), dof};
 }
 
 // Of what rigid motions leave.

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "estimator/diagnosis/noise_check.h"
+#include "estimator/noise/repeat_spread.h"
 #include "estimator/statistics/distributions.h"
 
 namespace sagitta {
@@ -163,9 +164,7 @@ void NameLeftOut(const DiagnosedModel& model, const std::vector<int>& outliers, 
 double LackOfFit(const CalibrationProblem& stated, const DiagnosedModel& model, const NoiseFinding& noise) {
   const Estimate& estimate = model.estimate;
   if (estimate.dof <= 0) return kNotKnown;
-  const double of_sigma = SigmaDof(stated.repeat_scatter);
-  const double reduced = estimate.chi2 / estimate.dof;
-  if (!noise.scale_differs) return FSurvival(reduced, estimate.dof, of_sigma);
+  if (!noise.scale_differs) return ChanceOfSquares(stated.repeat_scatter, estimate.chi2, estimate.dof);
   // Joints move bodies as a whole: what rigid bodies leave is the instrument alone, and the two sums are independent.
   const auto rigid = InstrumentNoiseScale(*model.problem, model.estimate.parameters);
   if (!rigid) return kNotKnown;

@@ -14,8 +14,9 @@ namespace sagitta {
 
 // One standard deviation found by REML.
 struct VarianceComponent {
-  std::string name;              // "instrument", "joints", "prismatic joints", or a joint
+  std::string name;              // "instrument", "rotations", "joints", "prismatic joints", or a joint
   std::vector<int> joints;       // that share it; empty: the instrument
+  bool of_rotations = false;     // the instrument's of rotations, rad; that before it is then of points
   bool is_prismatic = false;     // m instead of rad
   bool estimated = false;        // else as stated
   double value = 0.0;            // rad or m; the instrument: factor on the root it scales

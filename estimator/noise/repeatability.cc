@@ -63,7 +63,8 @@ int CountEstimated(const std::vector<DeviationGroup>& groups) {
 }
 
 void SetVariances(const RemlFit& fit, std::vector<DeviationGroup>* groups) {
-  for (size_t g = 0; g < groups->size(); ++g) (*groups)[g].variance = fit.variances[g + 1];
+  const Eigen::VectorXd of_groups = fit.variances.tail(static_cast<Eigen::Index>(groups->size()));
+  for (size_t g = 0; g < groups->size(); ++g) (*groups)[g].variance = of_groups[static_cast<Eigen::Index>(g)];
 }
 
 LatentModel LatentOf(const CalibrationProblem& problem, const std::vector<DeviationGroup>& groups) {
@@ -112,7 +113,10 @@ std::string GroupName(const CalibrationProblem& problem, const DeviationGroup& g
 VarianceComponent RepeatabilityComponent(const RestrictedLikelihood& reml, const RemlFit& fit,
                                          const RepeatabilityChoice& choice, int i) {
   VarianceComponent component;
-  component.estimated = i == 0 ? choice.estimate_instrument : choice.groups[i - 1].estimated;
+  const int of_readings = reml.num_noises();
+  component.of_rotations = i == 1 && of_readings == 2;
+  component.estimated =
+      i == 0 ? choice.estimate_instrument : component.of_rotations || choice.groups[i - of_readings].estimated;
   component.value = std::sqrt(fit.variances[i]);
   component.low = component.high = component.value;
   if (!component.estimated) return component;
@@ -122,9 +126,17 @@ VarianceComponent RepeatabilityComponent(const RestrictedLikelihood& reml, const
   return component;
 }
 
-// RMS per coordinate of the calibration rows: the instrument's reading, and what deviating joints move.
+}  // namespace
+
+void ScaleComponent(double factor, VarianceComponent* component) {
+  for (double* number : {&component->value, &component->sigma, &component->low, &component->high}) *number *= factor;
+}
+
+namespace {
+
+// RMS per coordinate of the calibration points: the instrument's reading, and what deviating joints move.
 void MeasureShares(const CalibrationProblem& problem, const ParameterSet& parameters, NoiseReport* report) {
-  const std::vector<int> rows = problem.CalibrationObservations();
+  const std::vector<int> rows = problem.data().PointsAmong(problem.CalibrationObservations());
   const NoiseRoots noise = ObservationNoise(problem, rows, kFallbackSigma);
   const Linearization raw = Linearize(problem, parameters, rows, {}, noise, LatentTreatment::kIgnore);
   double instrument = 0.0, robot = 0.0;
@@ -146,7 +158,7 @@ double FindComponents(const CalibrationProblem& problem, const ParameterSet& par
                       int round, RepeatabilityChoice* choice) {
   choice->estimate_instrument =
       !sigma_is_stated || problem.experiment().noise.from == NoiseSpec::From::kVarianceComponents;
-  const RestrictedLikelihood reml(problem, parameters);
+  const RestrictedLikelihood reml(problem, parameters, choice->rotations_apart);
   RemlFit fit;
   if (round < kChoosingRounds) {
     std::vector<DeviationGroup> common = MakeGroups(problem, false, reml.Levers());
@@ -180,31 +192,32 @@ double FindComponents(const CalibrationProblem& problem, const ParameterSet& par
   SetVariances(fit, &choice->groups);
   const LatentModel latent = LatentOf(problem, choice->groups);
   const double instrument = std::sqrt(fit.variances[0]);
-  const double change = std::max(ChangeOf(choice->latent, latent, problem.robot().num_joints()),
-                                 RelativeChange(choice->instrument, instrument));
+  const double rotation = std::sqrt(fit.variances[reml.num_noises() - 1]);
+  const double change =
+      std::max({ChangeOf(choice->latent, latent, problem.robot().num_joints()),
+                RelativeChange(choice->instrument, instrument), RelativeChange(choice->rotation, rotation)});
   choice->latent = latent;
   choice->instrument = instrument;
+  choice->rotation = rotation;
   return fit.converged ? change : 1.0;
 }
 
 void FinishComponents(const CalibrationProblem& problem, const ParameterSet& parameters, RepeatabilityChoice* choice,
                       NoiseReport* report) {
-  const RestrictedLikelihood reml(problem, parameters);
+  const RestrictedLikelihood reml(problem, parameters, choice->rotations_apart);
   const RemlFit fit = reml.Maximise(choice->estimate_instrument, choice->groups);
   choice->interval_dof = reml.Satterthwaite(fit, choice->groups);
   report->per_joint = choice->per_joint;
   report->gain_per_joint = choice->gain;
   report->penalty = choice->penalty;
   report->components.clear();
-  for (size_t i = 0; i <= choice->groups.size(); ++i) {
-    VarianceComponent component = RepeatabilityComponent(reml, fit, *choice, static_cast<int>(i));
-    if (i == 0) {
-      component.name = "instrument";
-      for (double* number : {&component.value, &component.sigma, &component.low, &component.high}) {
-        *number *= choice->instrument;
-      }
+  for (int i = 0; i < fit.variances.size(); ++i) {
+    VarianceComponent component = RepeatabilityComponent(reml, fit, *choice, i);
+    if (i < reml.num_noises()) {
+      component.name = component.of_rotations ? "rotations" : "instrument";
+      ScaleComponent(component.of_rotations ? choice->rotation : choice->instrument, &component);
     } else {
-      const DeviationGroup& group = choice->groups[i - 1];
+      const DeviationGroup& group = choice->groups[i - reml.num_noises()];
       component.name = GroupName(problem, group, choice->per_joint);
       component.joints = group.joints;
       component.is_prismatic = IsPrismatic(problem, group.joints[0]);

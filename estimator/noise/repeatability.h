@@ -22,6 +22,8 @@ struct RepeatabilityChoice {
   double gain = 0.0;  // deviance, one per joint against common
   double penalty = 0.0;
   double instrument = 1.0;       // factor on the roots
+  bool rotations_apart = false;  // rotations have one of their own, estimated
+  double rotation = 1.0;         // it; else that of the instrument
   LatentModel latent;            // with the deviations found
   Eigen::VectorXd interval_dof;  // Student, of each estimated coordinate; set by FinishComponents
 };
@@ -31,6 +33,9 @@ struct RepeatabilityChoice {
 // made in the first rounds only, so that it cannot alternate.
 double FindComponents(const CalibrationProblem& problem, const ParameterSet& parameters, bool sigma_is_stated,
                       int round, RepeatabilityChoice* choice);
+
+// Value and interval in another unit.
+void ScaleComponent(double factor, VarianceComponent* component);
 
 // Intervals and sizes at the optimum; `problem` is whitened by what was found.
 void FinishComponents(const CalibrationProblem& problem, const ParameterSet& parameters, RepeatabilityChoice* choice,

@@ -3,15 +3,28 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/least_squares/linearization.h"
 #include "estimator/noise/residual_noise.h"
 #include "estimator/noise/robot_scatter.h"
+#include "estimator/noise/variance_components.h"
 #include "estimator/statistics/distributions.h"
+#include "estimator/statistics/median.h"
 #include "models/matrix_functions.h"
 
 namespace sagitta {
 namespace {
 
 constexpr int kLeastDof = 30;  // a standard deviation from fewer is known worse than to an eighth
+// Of rotations alone: Student's t with less has neither mean nor, beyond any quantile, an interval.
+constexpr double kLeastOfRotations = 1.0;
+constexpr double kSmallestFreedom = 0.05;  // of a reading that the fit runs through
+constexpr int kScaleSteps = 200;
+constexpr double kSettledScale = 1e-12;  // relative, of a square
+
+bool HasRotations(const CalibrationProblem& problem) {
+  const std::vector<int> all = problem.CalibrationObservations();
+  return problem.data().PointsAmong(all).size() < all.size();
+}
 
 bool IsLeftOpen(const CalibrationProblem& problem, const Estimate& estimate) {
   const Experiment& experiment = problem.experiment();
@@ -19,81 +32,179 @@ bool IsLeftOpen(const CalibrationProblem& problem, const Estimate& estimate) {
          experiment.method.weights == Weights::kSigma && experiment.method.loss == LossKind::kNone;
 }
 
-// Degrees of freedom by its share of the rows: f s^2 / sigma^2 is chi-square with f.
-VarianceComponent ComponentOfRotations(const NoiseGroup& group, const Estimate& estimate) {
-  const double f = std::max(1.0, static_cast<double>(group.rows) * estimate.dof / estimate.rows);
-  VarianceComponent component;
-  component.name = group.name;
-  component.estimated = true;
-  component.value = group.sigma;
-  component.sigma = group.sigma / std::sqrt(2.0 * f);
-  component.low = group.sigma * std::sqrt(f / ChiSquareQuantile(0.975, f));
-  component.high = group.sigma * std::sqrt(f / ChiSquareQuantile(0.025, f));
-  return component;
+// f s^2 / sigma^2 is chi-square with f.
+void SetInterval(double f, VarianceComponent* component) {
+  const double least = std::max(kLeastOfRotations, f);
+  component->sigma = component->value / std::sqrt(2.0 * least);
+  component->low = component->value * std::sqrt(least / ChiSquareQuantile(0.975, least));
+  component->high = component->value * std::sqrt(least / ChiSquareQuantile(0.025, least));
 }
 
-// Points, then rotations, with the roots that they make; empty where that is not to be asked.
+// Points, then rotations, with the roots that they make; empty where one of them is not shown.
 std::vector<NoiseGroup> SpreadOfEach(const CalibrationProblem& problem, const Estimate& estimate, NoiseRoots* roots) {
-  if (!IsLeftOpen(problem, estimate)) return {};
+  if (!HasRotations(problem)) return {};
   RowGroups groups{{}, {"points", "rotations"}};
   for (const Observation& observation : problem.data().observations) {
     groups.group.insert(groups.group.end(), 3, observation.is_point() ? 0 : 1);
   }
-  if (*std::max_element(groups.group.begin(), groups.group.end()) == 0) return {};
   std::vector<NoiseGroup> found;
   *roots = SpreadOfResiduals(problem, estimate, groups, &found);
-  if (found.size() < 2) return {};  // all rotations are held out
+  if (found.size() < 2 || found[1].freedom < kLeastOfRotations) return {};
   if (std::min(found[0].sigma, found[1].sigma) <= kResidualFloor) return {};
   return found;
 }
 
-// Root mean square of S^-1 r, of the coordinates that the fit leaves.
-double WhitenedSpreadOfPoints(const CalibrationProblem& problem, const Estimate& estimate) {
+// Root mean square of S^-1 r, of the coordinates that the fit leaves of these points.
+double WhitenedSpreadOfPoints(const CalibrationProblem& stated, const std::vector<int>& points,
+                              const Estimate& estimate) {
   double sum = 0.0, rows = 0.0;
-  for (const int i : problem.data().PointsAmong(problem.CalibrationObservations())) {
-    const Vector3<double> residual = problem.data().observations[i].point_in_station - estimate.predicted.col(i);
-    sum += (problem.SqrtCovariance(i).inverse() * residual).squaredNorm();
+  for (const int i : points) {
+    const Vector3<double> residual = stated.data().observations[i].point_in_station - estimate.predicted.col(i);
+    sum += (stated.SqrtCovariance(i).inverse() * residual).squaredNorm();
     rows += 3.0;
   }
   return std::sqrt(sum / (rows * estimate.dof / estimate.rows));
 }
 
+// 1 - h of each reading that is fitted, the mean over its axes.
+std::vector<double> FreedomOfReadings(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  const std::vector<int> rows = problem.CalibrationObservations();
+  const std::vector<int> columns = parameters.EstimatedCoordinates();
+  Linearization here = Linearize(problem, parameters, rows, columns, FitRoots(problem, rows, kFallbackSigma));
+  AppendPriors(parameters, &here);
+  std::vector<double> freedom(rows.size(), 1.0);
+  if (columns.empty()) return freedom;
+  const Eigen::MatrixXd covariance = SolveLinearization(here).covariance;
+  for (size_t k = 0; k < rows.size(); ++k) {
+    const Eigen::MatrixXd own = here.jacobian.middleRows<3>(3 * static_cast<Eigen::Index>(k));
+    freedom[k] = std::max(kSmallestFreedom, 1.0 - (own * covariance).cwiseProduct(own).sum() / 3.0);
+  }
+  return freedom;
+}
+
+// s^2 of proposal 2, of squares of distances; 0: they are zero.
+double HuberSquare(const std::vector<double>& squares) {
+  const double limit = kHuberTuning * kHuberTuning;
+  // E min(X, c) of X = chi2_3: 3 P(chi2_5 < c) + c P(chi2_3 > c).
+  const double clean = 3.0 * (1.0 - ChiSquareSurvival(limit, 5.0)) + limit * ChiSquareSurvival(limit, 3.0);
+  double square = Median(squares) / ChiSquareQuantile(0.5, 3.0);
+  for (int step = 0; step < kScaleSteps && square > 0.0; ++step) {
+    double sum = 0.0;
+    for (const double own : squares) sum += std::min(own / square, limit);
+    const double factor = sum / (clean * static_cast<double>(squares.size()));
+    square *= factor;
+    if (std::abs(factor - 1.0) < kSettledScale) break;
+  }
+  return square;
+}
+
 }  // namespace
+
+bool RotationsAreOpen(const CalibrationProblem& problem) {
+  const std::vector<Observation>& rows = problem.data().observations;
+  if (!HasRotations(problem)) return false;
+  if (problem.sigma_is_stated() && !problem.repeat_scatter) return false;
+  if (problem.repeat_scatter && problem.repeat_scatter->rotation_sigma.minCoeff() > 0.0) return false;
+  return std::none_of(rows.begin(), rows.end(),
+                      [](const Observation& row) { return !row.is_point() && row.rotation().sigma.minCoeff() > 0.0; });
+}
+
+bool RotationsAreDetermined(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  const std::vector<int> all = problem.CalibrationObservations();
+  const auto rotations = all.size() - problem.data().PointsAmong(all).size();
+  size_t targets = 0;
+  for (const bool oriented : problem.data().OrientedMarkers()) targets += oriented ? 1 : 0;
+  const auto left = 3 * static_cast<int>(all.size()) - static_cast<int>(parameters.EstimatedCoordinates().size());
+  return rotations > targets && left >= kLeastDof;
+}
 
 std::optional<TwoNoises> FindTwoNoises(const CalibrationProblem& problem, const Estimate& estimate) {
   using From = NoiseSpec::From;
   const From from = problem.experiment().noise.from;
   if (from != From::kDefault && from != From::kSigma && from != From::kRows) return std::nullopt;
+  if (!IsLeftOpen(problem, estimate)) return std::nullopt;
+  return TwoSpreads(problem, estimate);
+}
+
+std::optional<TwoNoises> TwoSpreads(const CalibrationProblem& problem, const Estimate& estimate) {
   TwoNoises noises;
   const std::vector<NoiseGroup> found = SpreadOfEach(problem, estimate, &noises.roots);
   if (found.empty()) return std::nullopt;
-  for (const NoiseGroup& group : found) noises.components.push_back(ComponentOfRotations(group, estimate));
+  for (const NoiseGroup& group : found) {
+    VarianceComponent component;
+    component.name = group.name;
+    component.of_rotations = !noises.components.empty();
+    component.estimated = true;
+    component.value = group.sigma;
+    SetInterval(group.freedom, &component);
+    noises.components.push_back(component);
+  }
   return noises;
 }
 
-std::optional<RotationScatter> FindRotationScatter(const CalibrationProblem& problem, const Estimate& estimate) {
-  if (problem.experiment().noise.from != NoiseSpec::From::kDefault) return std::nullopt;
+FreedomOfTwo FindFreedom(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  const RestrictedLikelihood reml(problem, parameters, true);
+  const RemlFit fit = reml.Maximise(true, {});
+  // var(s^2) = 2 sigma^4 / f.
+  const auto freedom = [&fit](int i) {
+    return fit.covariance(i, i) > 0.0 ? 2.0 * fit.variances[i] * fit.variances[i] / fit.covariance(i, i) : 0.0;
+  };
+  return {freedom(0), freedom(1), reml.Satterthwaite(fit, {})};
+}
+
+void SetIntervals(const FreedomOfTwo& freedom, std::vector<VarianceComponent>* components) {
+  SetInterval(freedom.points, &(*components)[0]);
+  SetInterval(freedom.rotations, &(*components)[1]);
+}
+
+double RobustRatio(const CalibrationProblem& problem, const ParameterSet& parameters, const PointCheck& check) {
+  const std::vector<double> freedom = FreedomOfReadings(problem, parameters);
+  std::vector<double> squares[2];
+  for (size_t k = 0; k < check.observations.size(); ++k) {
+    const bool is_point = problem.data().observations[check.observations[k]].is_point();
+    squares[is_point ? 0 : 1].push_back(check.distance[k] * check.distance[k] / freedom[k]);
+  }
+  if (squares[0].empty() || squares[1].empty()) return 1.0;
+  const double points = HuberSquare(squares[0]), rotations = HuberSquare(squares[1]);
+  return points > 0.0 && rotations > 0.0 ? std::sqrt(rotations / points) : 1.0;
+}
+
+bool RotationsScatterOtherwise(const CalibrationProblem& problem, const Estimate& estimate) {
+  if (!IsLeftOpen(problem, estimate)) return false;
+  if (problem.repeat_scatter) return RotationsAreOpen(problem);
   const SigmaReport& sigma = estimate.sigma;
-  if (!sigma.scaled || sigma.a_posteriori * sigma.a_posteriori < kInstrumentIsNotTheNoise) return std::nullopt;
+  return problem.experiment().noise.from == NoiseSpec::From::kDefault && sigma.scaled &&
+         sigma.a_posteriori * sigma.a_posteriori >= kInstrumentIsNotTheNoise;
+}
+
+std::optional<RotationScatter> FindRotationScatter(const CalibrationProblem& stated, const CalibrationProblem& weighed,
+                                                   const Estimate& estimate) {
   RotationScatter found;
-  const std::vector<NoiseGroup> spread = SpreadOfEach(problem, estimate, &found.roots);
+  const std::vector<NoiseGroup> spread = SpreadOfEach(weighed, estimate, &found.roots);
   if (spread.empty()) return std::nullopt;
   found.spread = spread[1].sigma;
-  const double unit = WhitenedSpreadOfPoints(problem, estimate);
+  found.freedom = spread[1].freedom;
+  found.unit = WhitenedSpreadOfPoints(stated, weighed.data().PointsAmong(weighed.CalibrationObservations()), estimate);
+  const bool is_open = RotationsAreOpen(stated);
   for (size_t i = 0; i < found.roots.size(); ++i) {
-    const Matrix3<double> root = problem.SqrtCovariance(static_cast<int>(i));
+    const Matrix3<double> root = stated.SqrtCovariance(static_cast<int>(i));
     found.roots[i] = root;
-    if (problem.data().observations[i].is_point()) continue;
-    const Matrix3<double> scatter = found.spread * found.spread * Matrix3<double>::Identity();
-    found.roots[i] = LowerRoot(root * root.transpose() + scatter) / unit;
+    if (stated.data().observations[i].is_point()) continue;
+    Matrix3<double> covariance = found.spread * found.spread * Matrix3<double>::Identity();
+    if (!is_open) covariance += root * root.transpose();
+    found.roots[i] = LowerRoot(covariance) / found.unit;
   }
   return found;
 }
 
 const VarianceComponent* RotationComponent(const NoiseReport& report) {
-  // Of components by REML the first alone has no joints.
-  const bool has_two = report.components.size() == 2 && report.components[1].joints.empty();
-  return has_two ? &report.components[1] : nullptr;
+  const auto found = std::find_if(report.components.begin(), report.components.end(),
+                                  [](const VarianceComponent& component) { return component.of_rotations; });
+  return found == report.components.end() ? nullptr : &*found;
+}
+
+bool HasTwoNoises(const NoiseReport& report) {
+  return report.components.size() == 2 && RotationComponent(report) != nullptr;
 }
 
 }  // namespace sagitta

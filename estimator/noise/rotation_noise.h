@@ -3,15 +3,26 @@
 //
 //   s_k^2 = sum r^2 / sum (1 - h),   k = points (m), rotations (rad),   h the leverage of a row at these weights,
 //
-// Helmert's variance components of two groups, whose fixed point is found by fitting again.
+// Helmert's variance components of two groups, whose fixed point is found by fitting again. With a loss outliers must
+// not decide, and s_k is Huber's scale of the whitened distances d (Huber 1981, section 6.4, proposal 2):
+//
+//   mean of min((d / s_k)^2 / (1 - h), c^2) = its mean on clean data, E min(chi2_3, c^2)
+//
+// With variance components rotations have one of their own (variance_components.h).
 #pragma once
 
 #include <optional>
 
 #include "estimator/estimate/estimate.h"
+#include "estimator/noise/robust.h"
 #include "problems/calibration_problem.h"
 
 namespace sagitta {
+
+// Rotations were read whose noise nothing states: nor that of points, or repeats that of points alone.
+bool RotationsAreOpen(const CalibrationProblem& problem);
+// And the readings determine it: enough are left by the unknowns, at least one rotation more than targets.
+bool RotationsAreDetermined(const CalibrationProblem& problem, const ParameterSet& parameters);
 
 struct TwoNoises {
   std::vector<VarianceComponent> components;  // of points, m per coordinate, then of rotations, rad per axis
@@ -21,6 +32,22 @@ struct TwoNoises {
 // At a usable estimate; empty where noise is looked for otherwise, where no rotation was read, and where the residuals
 // show none of either kind.
 std::optional<TwoNoises> FindTwoNoises(const CalibrationProblem& problem, const Estimate& estimate);
+// The same whatever the experiment asks for: its loss is in what `problem` excludes.
+std::optional<TwoNoises> TwoSpreads(const CalibrationProblem& problem, const Estimate& estimate);
+
+// Degrees of freedom f, f s^2 / sigma^2 being chi-square, of both where rows are weighed by them; and Satterthwaite's
+// of each estimated coordinate.
+struct FreedomOfTwo {
+  double points = 0.0, rotations = 0.0;
+  Eigen::VectorXd of_intervals;
+};
+FreedomOfTwo FindFreedom(const CalibrationProblem& problem, const ParameterSet& parameters);
+// Their intervals of 95 %.
+void SetIntervals(const FreedomOfTwo& freedom, std::vector<VarianceComponent>* components);
+
+// Scale of rotations over that of points, robustly; `check` at these parameters and the noise of `problem`. 1: not
+// known.
+double RobustRatio(const CalibrationProblem& problem, const ParameterSet& parameters, const PointCheck& check);
 
 // Where noise is stated and the residuals are several times as large (kInstrumentIsNotTheNoise), one factor on both
 // kinds is that of neither: the robot, not the instrument, scatters, and what it does to points and to rotations nobody
@@ -30,13 +57,23 @@ std::optional<TwoNoises> FindTwoNoises(const CalibrationProblem& problem, const 
 //   root of (S_i S_i' + s^2 I) / w^2:
 //
 // points stay the unit of chi-square, rotations scatter as much in theirs.
+//
+// Where repeats leave rotations open nothing is stated of these: S_i = 0.
 struct RotationScatter {
-  double spread = 0.0;  // s, rad
-  NoiseRoots roots;     // of all observations of the data; of points those of `problem`
+  double spread = 0.0;   // s, rad
+  double freedom = 0.0;  // its degrees
+  double unit = 1.0;     // w
+  NoiseRoots roots;      // of all observations of the data; of points those of `stated`
 };
-std::optional<RotationScatter> FindRotationScatter(const CalibrationProblem& problem, const Estimate& estimate);
+// Whether that is so, at the estimate by what is stated.
+bool RotationsScatterOtherwise(const CalibrationProblem& problem, const Estimate& estimate);
+// estimate: of `weighed`, which has the rows as they are weighed by now.
+std::optional<RotationScatter> FindRotationScatter(const CalibrationProblem& stated, const CalibrationProblem& weighed,
+                                                   const Estimate& estimate);
 
-// The second of them in a report; null where the report has none.
+// That of rotations in a report; null where it has none.
 const VarianceComponent* RotationComponent(const NoiseReport& report);
+// Points and rotations are all that it has: each kind is weighed by the spread of its residuals.
+bool HasTwoNoises(const NoiseReport& report);
 
 }  // namespace sagitta

@@ -74,18 +74,19 @@ double FalsePosition(const Function& f, double inside, double outside, double th
 }
 
 // D = -2 ln L: its second derivatives are twice the information. Of variances that are free and not at their least.
-Eigen::MatrixXd CovarianceOf(const Eigen::VectorXd& variances, const std::vector<bool>& is_free,
+// noises: how many of them are of readings.
+Eigen::MatrixXd CovarianceOf(const Eigen::VectorXd& variances, int noises, const std::vector<bool>& is_free,
                              const Eigen::MatrixXd& hessian) {
   const long n = variances.size();
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
   std::vector<int> inner;
   for (int i = 0; i < n; ++i) {
-    if (is_free[i] && variances[i] > (i == 0 ? kSmallestInstrument : 0.0)) inner.push_back(i);
+    if (is_free[i] && variances[i] > (i < noises ? kSmallestInstrument : 0.0)) inner.push_back(i);
   }
   if (inner.empty()) return covariance;
   const Eigen::MatrixXd info = 0.5 * hessian(inner, inner);
   const Eigen::MatrixXd inverse = info.ldlt().solve(Eigen::MatrixXd::Identity(inner.size(), inner.size()).eval());
-  const auto unit = [](int i) { return i == 0 ? 1.0 : kReference * kReference; };
+  const auto unit = [noises](int i) { return i < noises ? 1.0 : kReference * kReference; };
   for (size_t r = 0; r < inner.size(); ++r) {
     for (size_t c = 0; c < inner.size(); ++c) {
       covariance(inner[r], inner[c]) = inverse(r, c) * unit(inner[r]) * unit(inner[c]);
@@ -96,7 +97,9 @@ Eigen::MatrixXd CovarianceOf(const Eigen::VectorXd& variances, const std::vector
 
 }  // namespace
 
-RestrictedLikelihood::RestrictedLikelihood(const CalibrationProblem& problem, const ParameterSet& parameters) {
+RestrictedLikelihood::RestrictedLikelihood(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                           bool rotations_apart)
+    : num_noises_(rotations_apart ? 2 : 1) {
   const CalibrationProblem reference = WithReferenceDeviations(problem);
   const std::vector<int> observations = reference.CalibrationObservations();
   Linearization all = Linearize(reference, parameters, observations, parameters.EstimatedCoordinates(),
@@ -113,24 +116,64 @@ RestrictedLikelihood::RestrictedLikelihood(const CalibrationProblem& problem, co
   rows << all.jacobian, all.residual;
   const auto priors = rows.bottomRows(all.num_rows() - measured);
   prior_ = priors.transpose() * priors;
-  rest_ = Eigen::MatrixXd::Zero(columns_ + 1, columns_ + 1);
+  rest_.assign(num_noises_, {Eigen::MatrixXd::Zero(columns_ + 1, columns_ + 1), 0});
   rows_.resize(measured, columns_ + 1);
   int touched = 0;
   for (const auto& [visit, indices] : RowsByVisit(reference, observations)) {
-    const Eigen::MatrixXd deviation = all.latent(indices, Eigen::all);
-    // L = Q [R; 0]: V = a 1 + L v L' is block diagonal in the rotated rows Q'r, Q'J, and a 1 alone below R. Those rows
-    // are summed once, whatever the variances.
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(deviation);
-    const Eigen::MatrixXd own = TransposedQ(qr, rows(indices, Eigen::all));
-    const int count = static_cast<int>(std::min(deviation.rows(), deviation.cols()));
-    visits_.push_back({touched, qr.matrixQR().topRows(count).triangularView<Eigen::Upper>()});
-    rows_.middleRows(touched, count) = own.topRows(count);
-    touched += count;
-    const auto below = own.bottomRows(own.rows() - count);
-    rest_ += below.transpose() * below;
-    rest_rows_ += static_cast<int>(below.rows());
+    std::vector<int> kinds[2];
+    for (const int row : indices) {
+      const bool is_point = reference.data().observations[observations[row / 3]].is_point();
+      kinds[rotations_apart && !is_point].push_back(row);
+    }
+    AddVisit(rows, all.latent, kinds[0], kinds[1], &touched);
   }
   rows_.conservativeResize(touched, Eigen::NoChange);
+}
+
+// Of either kind L = Q [R; 0]: V is block diagonal in the rotated rows Q'r, Q'J, and its variance times 1 alone below
+// R. Those rows are summed once, whatever the variances.
+void RestrictedLikelihood::AddVisit(const Rows& rows, const Eigen::MatrixXd& deviation,
+                                    const std::vector<int>& of_points, const std::vector<int>& of_rotations,
+                                    int* touched) {
+  Visit visit{*touched, 0, Eigen::MatrixXd(0, deviation.cols())};
+  for (int kind = 0; kind < num_noises_; ++kind) {
+    const std::vector<int>& indices = kind == 0 ? of_points : of_rotations;
+    if (indices.empty()) continue;
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(deviation(indices, Eigen::all));
+    const Eigen::MatrixXd own = TransposedQ(qr, rows(indices, Eigen::all));
+    const auto count = static_cast<int>(std::min(static_cast<Eigen::Index>(indices.size()), deviation.cols()));
+    visit.deviation.conservativeResize(visit.deviation.rows() + count, Eigen::NoChange);
+    visit.deviation.bottomRows(count) = qr.matrixQR().topRows(count).triangularView<Eigen::Upper>();
+    if (kind == 0) visit.of_points = count;
+    rows_.middleRows(*touched, count) = own.topRows(count);
+    *touched += count;
+    const auto below = own.bottomRows(own.rows() - count);
+    rest_[kind].products += below.transpose() * below;
+    rest_[kind].rows += static_cast<int>(below.rows());
+  }
+  visits_.push_back(std::move(visit));
+}
+
+Eigen::VectorXd RestrictedLikelihood::OwnVariances(const Visit& visit, const Eigen::VectorXd& variances) const {
+  Eigen::VectorXd own = Eigen::VectorXd::Constant(visit.deviation.rows(), variances[num_noises_ - 1]);
+  own.head(visit.of_points).setConstant(variances[0]);
+  return own;
+}
+
+Eigen::MatrixXd RestrictedLikelihood::FactorOf(const Visit& visit, int i,
+                                               const std::vector<DeviationGroup>& groups) const {
+  if (i >= num_noises_) return visit.deviation(Eigen::all, groups[i - num_noises_].joints);
+  const Eigen::Index rows = visit.deviation.rows();
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(rows, rows);
+  return i == 0 ? identity.leftCols(visit.of_points) : identity.rightCols(rows - visit.of_points);
+}
+
+std::vector<bool> RestrictedLikelihood::FreeOnes(bool estimate_instrument,
+                                                 const std::vector<DeviationGroup>& groups) const {
+  std::vector<bool> is_free(num_noises_, true);
+  is_free[0] = estimate_instrument;
+  for (const DeviationGroup& group : groups) is_free.push_back(group.estimated);
+  return is_free;
 }
 
 // V = L L', visit by visit, and L^-1 [J r].
@@ -146,10 +189,10 @@ RestrictedLikelihood::Whitened RestrictedLikelihood::Whiten(const Eigen::VectorX
   result.rows = rows_;
   for (const Visit& visit : visits_) {
     const Eigen::Index rows = visit.deviation.rows();
-    Eigen::MatrixXd v = variances[0] * Eigen::MatrixXd::Identity(rows, rows);
+    Eigen::MatrixXd v = OwnVariances(visit, variances).asDiagonal();
     for (size_t g = 0; g < groups.size(); ++g) {
       const Eigen::MatrixXd moved = visit.deviation(Eigen::all, groups[g].joints);
-      v += variances[g + 1] * moved.lazyProduct(moved.transpose());
+      v += variances[num_noises_ + static_cast<Eigen::Index>(g)] * moved.lazyProduct(moved.transpose());
     }
     result.roots.emplace_back(v);
     result.roots.back().matrixL().solveInPlace(result.rows.middleRows(visit.first, rows));
@@ -163,7 +206,12 @@ RestrictedLikelihood::Evaluation RestrictedLikelihood::Evaluate(const Eigen::Vec
                                                                 bool with_derivatives) const {
   const Whitened whitened = Whiten(variances, groups);
   // [J r]'V^-1 [J r] of all rows.
-  const Eigen::MatrixXd products = SelfProduct(whitened.rows) + rest_ / variances[0] + prior_;
+  Eigen::MatrixXd products = SelfProduct(whitened.rows) + prior_;
+  double log_det = whitened.log_det;
+  for (int i = 0; i < num_noises_; ++i) {
+    products += rest_[i].products / variances[i];
+    log_det += rest_[i].rows * std::log(variances[i]);
+  }
   const Eigen::MatrixXd normal = products.topLeftCorner(columns_, columns_);
   const Eigen::VectorXd product = products.col(columns_).head(columns_);
   // N = J'V^-1 J, x = N^-1 J'V^-1 r:  r'P r = r'V^-1 r - x'J'V^-1 r,  ln|N| = 2 sum ln diag chol(N).
@@ -171,11 +219,11 @@ RestrictedLikelihood::Evaluation RestrictedLikelihood::Evaluate(const Eigen::Vec
   Evaluation result;
   result.fitted = root.solve(product);
   const double chi2 = products(columns_, columns_) - product.dot(result.fitted);
-  result.deviance = whitened.log_det + rest_rows_ * std::log(variances[0]) + chi2;
+  result.deviance = log_det + chi2;
   result.deviance += LogDeterminant(root);
   if (!with_derivatives) return result;
   result.inverse = InverseOfPositive(normal);
-  Differentiate(whitened, variances[0], groups, &result);
+  Differentiate(whitened, variances, groups, &result);
   return result;
 }
 
@@ -183,13 +231,13 @@ RestrictedLikelihood::Evaluation RestrictedLikelihood::Evaluate(const Eigen::Vec
 // L^-1 J and L^-1 r - L^-1 J x = L'e of a visit, and F_i standing for L^-1 F_i:
 //
 //   tr(V^-1 V_i) = |F_i|^2,  e'V_i e = |F_i'L'e|^2,  J'V^-1 V_i V^-1 J = |F_i'(L^-1 J)|^2,  L^-1 V_i e = F_i F_i'L'e
-void RestrictedLikelihood::Differentiate(const Whitened& whitened, double a, const std::vector<DeviationGroup>& groups,
-                                         Evaluation* result) const {
-  const auto n = static_cast<Eigen::Index>(groups.size()) + 1;
+void RestrictedLikelihood::Differentiate(const Whitened& whitened, const Eigen::VectorXd& variances,
+                                         const std::vector<DeviationGroup>& groups, Evaluation* result) const {
+  const Eigen::Index n = variances.size();
   Eigen::VectorXd combination(columns_ + 1);  // [J r] to the residuals that are left
   combination << -result->fitted, 1.0;
   const Eigen::VectorXd left = whitened.rows * combination;
-  Eigen::MatrixXd moved(left.size(), n);  // L^-1 V_i e
+  Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(left.size(), n);  // L^-1 V_i e
   result->gradient = Eigen::VectorXd::Zero(n);
   std::vector<SumOfRows> seen;
   for (Eigen::Index i = 0; i < n; ++i) seen.emplace_back(columns_);
@@ -198,8 +246,8 @@ void RestrictedLikelihood::Differentiate(const Whitened& whitened, double a, con
     const Eigen::Index rows = visit.deviation.rows();
     const auto own_left = left.segment(visit.first, rows);
     for (Eigen::Index i = 0; i < n; ++i) {
-      Eigen::MatrixXd factor = Eigen::MatrixXd::Identity(rows, rows);
-      if (i > 0) factor = visit.deviation(Eigen::all, groups[static_cast<size_t>(i) - 1].joints);
+      Eigen::MatrixXd factor = FactorOf(visit, static_cast<int>(i), groups);
+      if (factor.cols() == 0) continue;
       whitened.roots[s].matrixL().solveInPlace(factor);
       const Eigen::VectorXd along = factor.transpose() * own_left;
       result->gradient[i] += factor.squaredNorm() - along.squaredNorm();
@@ -213,12 +261,15 @@ void RestrictedLikelihood::Differentiate(const Whitened& whitened, double a, con
   result->derivative.clear();
   for (SumOfRows& sum : seen) result->derivative.push_back(sum.Total());
   // Rows that no deviation touches: V = a, V_0 = 1, e = (r - J x) / a.
-  const Eigen::VectorXd rest_pull = rest_ * combination;
-  const double rest_left = combination.dot(rest_pull);
-  result->gradient[0] += rest_rows_ / a - rest_left / (a * a);
-  result->derivative[0] += rest_.topLeftCorner(columns_, columns_) / (a * a);
-  pull.col(0) += rest_pull.head(columns_) / (a * a);
-  info(0, 0) += rest_left / (a * a * a);
+  for (int i = 0; i < num_noises_; ++i) {
+    const double a = variances[i];
+    const Eigen::VectorXd rest_pull = rest_[i].products * combination;
+    const double rest_left = combination.dot(rest_pull);
+    result->gradient[i] += rest_[i].rows / a - rest_left / (a * a);
+    result->derivative[i] += rest_[i].products.topLeftCorner(columns_, columns_) / (a * a);
+    pull.col(i) += rest_pull.head(columns_) / (a * a);
+    info(i, i) += rest_left / (a * a * a);
+  }
   for (Eigen::Index i = 0; i < n; ++i) {
     result->gradient[i] -= result->inverse.cwiseProduct(result->derivative[static_cast<size_t>(i)]).sum();
   }
@@ -229,7 +280,7 @@ void RestrictedLikelihood::Differentiate(const Whitened& whitened, double a, con
 
 bool RestrictedLikelihood::Minimise(const std::vector<bool>& is_free, const std::vector<DeviationGroup>& groups,
                                     Eigen::VectorXd* variances) const {
-  const auto lowest = [](int i) { return i == 0 ? kSmallestInstrument : 0.0; };
+  const auto lowest = [this](int i) { return i < num_noises_ ? kSmallestInstrument : 0.0; };
   Evaluation here = Evaluate(*variances, groups, true);
   for (int iteration = 0; iteration < kMaxNewton; ++iteration) {
     std::vector<int> moving;
@@ -254,7 +305,7 @@ bool RestrictedLikelihood::Minimise(const std::vector<bool>& is_free, const std:
       for (size_t m = 0; m < moving.size(); ++m) {
         const int i = moving[m];
         // Never below a tenth in one step, but for variances that are as good as none.
-        const double floor = i == 0 || trial[i] > 1e-4 ? 0.1 * trial[i] : 0.0;
+        const double floor = i < num_noises_ || trial[i] > 1e-4 ? 0.1 * trial[i] : 0.0;
         trial[i] = std::max({trial[i] + scale * step[m], floor, lowest(i)});
         promised -= gradient[m] * (trial[i] - (*variances)[i]);
       }
@@ -272,9 +323,11 @@ bool RestrictedLikelihood::Minimise(const std::vector<bool>& is_free, const std:
 }
 
 Eigen::VectorXd RestrictedLikelihood::StartVariances(const std::vector<DeviationGroup>& groups) const {
-  Eigen::VectorXd variances(groups.size() + 1);
-  variances[0] = 1.0;
-  for (size_t g = 0; g < groups.size(); ++g) variances[g + 1] = groups[g].variance / (kReference * kReference);
+  const auto count = static_cast<Eigen::Index>(groups.size());
+  Eigen::VectorXd variances = Eigen::VectorXd::Ones(num_noises_ + count);
+  for (Eigen::Index g = 0; g < count; ++g) {
+    variances[num_noises_ + g] = groups[static_cast<size_t>(g)].variance / (kReference * kReference);
+  }
   return variances;
 }
 
@@ -285,38 +338,47 @@ double RestrictedLikelihood::Deviance(double instrument, const std::vector<Devia
 }
 
 RemlFit RestrictedLikelihood::Maximise(bool estimate_instrument, const std::vector<DeviationGroup>& groups) const {
-  std::vector<bool> is_free = {estimate_instrument};
-  for (const DeviationGroup& group : groups) is_free.push_back(group.estimated);
+  const std::vector<bool> is_free = FreeOnes(estimate_instrument, groups);
   RemlFit fit;
   fit.variances = BestStart(is_free, groups);
   fit.converged = Minimise(is_free, groups, &fit.variances);
   const Evaluation here = Evaluate(fit.variances, groups, true);
   fit.deviance = here.deviance;
-  fit.covariance = CovarianceOf(fit.variances, is_free, here.hessian);
+  fit.covariance = CovarianceOf(fit.variances, num_noises_, is_free, here.hessian);
   fit.variances.tail(static_cast<long>(groups.size())) *= kReference * kReference;
   return fit;
+}
+
+double RestrictedLikelihood::MeanSquare(int noise) const {
+  const Rest& rest = rest_[noise];
+  double square = rest.products(columns_, columns_), rows = rest.rows;
+  // Too few rows that no deviation touches.
+  const bool are_few = num_noises_ == 1 ? rest.rows < dof_ / 4 : rest.rows == 0;
+  for (size_t s = 0; s < visits_.size() && are_few; ++s) {
+    const Visit& visit = visits_[s];
+    const int count = static_cast<int>(visit.deviation.rows());
+    const int first = noise == 0 ? 0 : visit.of_points, own = noise == 0 ? visit.of_points : count - visit.of_points;
+    square += rows_.block(visit.first + first, columns_, own, 1).squaredNorm();
+    rows += own;
+  }
+  return std::max(10.0 * kSmallestInstrument, square / std::max(1.0, rows));
 }
 
 // Several starts of all free deviations together: the deviance can have two valleys (instrument or robot).
 Eigen::VectorXd RestrictedLikelihood::BestStart(const std::vector<bool>& is_free,
                                                 const std::vector<DeviationGroup>& groups) const {
   Eigen::VectorXd given = StartVariances(groups);
-  if (is_free[0]) {
-    double square = rest_(columns_, columns_), rows = rest_rows_;
-    if (rest_rows_ < dof_ / 4) {  // too few rows that no deviation touches
-      square += rows_.col(columns_).squaredNorm();
-      rows += static_cast<double>(rows_.rows());
-    }
-    given[0] = std::max(10.0 * kSmallestInstrument, square / std::max(1.0, rows));
+  for (int i = 0; i < num_noises_; ++i) {
+    if (is_free[i]) given[i] = MeanSquare(i);
   }
   std::vector<double> starts = {-1.0};
-  if (std::count(is_free.begin() + 1, is_free.end(), true) > 0) starts = {-1.0, 0.01, 1.0, 25.0, 400.0};
+  if (std::count(is_free.begin() + num_noises_, is_free.end(), true) > 0) starts = {-1.0, 0.01, 1.0, 25.0, 400.0};
   Eigen::VectorXd best = given;
   double lowest = std::numeric_limits<double>::infinity();
   for (const double start : starts) {
     Eigen::VectorXd trial = given;
-    for (size_t i = 1; i < is_free.size(); ++i) {
-      if (is_free[i] && start >= 0.0) trial[i] = start;
+    for (size_t i = static_cast<size_t>(num_noises_); i < is_free.size(); ++i) {
+      if (is_free[i] && start >= 0.0) trial[static_cast<Eigen::Index>(i)] = start;
     }
     const double deviance = Evaluate(trial, groups, false).deviance;
     if (!(deviance < lowest)) continue;
@@ -329,17 +391,16 @@ Eigen::VectorXd RestrictedLikelihood::BestStart(const std::vector<bool>& is_free
 void RestrictedLikelihood::ProfileInterval(const RemlFit& fit, bool estimate_instrument,
                                            const std::vector<DeviationGroup>& groups, int i, double* low,
                                            double* high) const {
-  std::vector<bool> is_free = {estimate_instrument};
-  for (const DeviationGroup& group : groups) is_free.push_back(group.estimated);
+  std::vector<bool> is_free = FreeOnes(estimate_instrument, groups);
   is_free[i] = false;
-  const double unit = i == 0 ? 1.0 : kReference;  // of the standard deviation
+  const double unit = i < num_noises_ ? 1.0 : kReference;  // of the standard deviation
   Eigen::VectorXd optimum = fit.variances;
   optimum.tail(groups.size()) /= kReference * kReference;
   const double reach = NormalQuantile(0.975);
   // Root of the deviance's rise less its 95 % value: nearly straight in the standard deviation.
   const auto excess = [&](double sigma) {
     Eigen::VectorXd variances = optimum;
-    variances[i] = std::max(sigma * sigma, i == 0 ? kSmallestInstrument : 0.0);
+    variances[i] = std::max(sigma * sigma, i < num_noises_ ? kSmallestInstrument : 0.0);
     Minimise(is_free, groups, &variances);
     return std::sqrt(std::max(0.0, Evaluate(variances, groups, false).deviance - fit.deviance)) - reach;
   };
@@ -379,7 +440,7 @@ Eigen::VectorXd RestrictedLikelihood::Satterthwaite(const RemlFit& fit,
   const Evaluation here = Evaluate(variances, groups, true);
   const int n = static_cast<int>(variances.size());
   Eigen::VectorXd unit = Eigen::VectorXd::Constant(n, 1.0 / (kReference * kReference));
-  unit[0] = 1.0;
+  unit.head(num_noises_).setOnes();
   const Eigen::MatrixXd covariance = unit.asDiagonal() * fit.covariance * unit.asDiagonal();
   // d C_cc / d v_i = (C J'V^-1 V_i V^-1 J C)_cc
   Eigen::MatrixXd slopes(columns_, n);

@@ -42,15 +42,33 @@ std::string SourceName(const CalibrationProblem& problem, const SigmaReport& sig
   }
 }
 
+std::string OfEachAxis(const Vector3<double>& numbers) {
+  return "x " + Significant(numbers.x(), 3) + ", y " + Significant(numbers.y(), 3) + ", z " +
+         Significant(numbers.z(), 3);
+}
+
+// Empty where nothing is known of rotations.
+std::string RotationRepeatWords(const RepeatScatter& scatter) {
+  const Vector3<double> urad = 1e6 * scatter.rotation_sigma;
+  if (!(urad.minCoeff() > 0.0)) return "";
+  const std::string dof = " (" + Fixed(scatter.rotation_dof, 0) + " degrees of freedom of all axes together)";
+  if (scatter.rotation_is_estimated) {
+    return " Too few rotations were read twice: that of rotations is the spread of their residuals, " +
+           Significant(urad.x(), 3) + " µrad of every axis" + dof + ".";
+  }
+  if (!scatter.rotation_axes_differ)
+    return " Of rotations " + Significant(urad.x(), 3) + " µrad of every axis" + dof + ".";
+  return " Of rotations " + OfEachAxis(urad) + " µrad" + dof + ".";
+}
+
 std::string RepeatWords(const RepeatScatter& scatter) {
-  const Vector3<double> um = 1e6 * scatter.sigma;
-  return "The noise is the spread of repeated shots: x " + Significant(um.x(), 3) + ", y " + Significant(um.y(), 3) +
-         ", z " + Significant(um.z(), 3) + " µm (" + std::to_string(scatter.dof) +
-         " degrees of freedom per axis). What repeats share, as the robot's own error, is not in it.";
+  return "The noise is the spread of repeated shots: " + OfEachAxis(1e6 * scatter.sigma) + " µm (" +
+         std::to_string(scatter.dof) + " degrees of freedom per axis)." + RotationRepeatWords(scatter) +
+         " What repeats share, as the robot's own error, is not in it.";
 }
 
 std::string ComponentWords(const VarianceComponent& component, bool instrument_is_factor) {
-  const bool is_instrument = component.joints.empty();
+  const bool is_instrument = component.joints.empty() && !component.of_rotations;
   const double unit = is_instrument && instrument_is_factor ? 1.0 : 1e6;
   const char* of_instrument = instrument_is_factor ? " times the stated noise" : " µm";
   const std::string name = is_instrument ? of_instrument : (component.is_prismatic ? " µm" : " µrad");
@@ -238,6 +256,12 @@ std::string RotationScatterInWords(double spread) {
          " mrad, and rotations are weighed by both.";
 }
 
+void SayRotationsAreAssumed(bool by_repeats, Estimate* estimate) {
+  estimate->warnings.push_back("the readings are too few to determine what rotations scatter by: 1 mrad is assumed" +
+                               std::string(by_repeats ? "" : " where points scatter by 1 mm") +
+                               "; add the column sigma_rot_urad, or measure more poses");
+}
+
 namespace {
 
 std::string TwoNoisesInWords(const VarianceComponent& point, const VarianceComponent& rotation) {
@@ -256,9 +280,9 @@ void DescribeNoise(const CalibrationProblem& problem, Estimate* estimate) {
     report.words.push_back(RepeatWords(*problem.repeat_scatter));
     DescribeUnnamedArrivals(problem, &report);
   }
-  if (const VarianceComponent* rotation = RotationComponent(report)) {
+  if (HasTwoNoises(report)) {
     report.source = "estimated";
-    report.words.push_back(TwoNoisesInWords(report.components[0], *rotation));
+    report.words.push_back(TwoNoisesInWords(report.components[0], *RotationComponent(report)));
   } else if (!report.components.empty()) {
     DescribeComponents(problem, &report);
   }

@@ -11,6 +11,8 @@ namespace sagitta {
 // tau: what every coordinate scatters by in addition to the stated sigmas, m (noise/robot_scatter.h).
 std::string RobotScatterInWords(double tau);
 std::string RotationScatterInWords(double spread);
+// Warns that the readings do not determine what rotations scatter by. by_repeats: the noise of points is known.
+void SayRotationsAreAssumed(bool by_repeats, Estimate* estimate);
 
 // What outliers share: `hits` of `outliers` are of a category that has `share` of the rows; they lie between two
 // values.

@@ -70,13 +70,24 @@ Json ComponentsToJson(const CalibrationProblem& problem, const NoiseReport& repo
                {"robot_rms_mm", 1e3 * report.robot_rms}};
   json["components"] = Json::array();
   for (const VarianceComponent& component : report.components) {
-    json["components"].push_back(ComponentToJson(component, component.joints.empty() && report.instrument_is_factor));
-    if (&component == RotationComponent(report)) json["components"].back()["unit"] = "urad";
+    json["components"].push_back(
+        ComponentToJson(component, component.joints.empty() && !component.of_rotations && report.instrument_is_factor));
+    if (component.of_rotations) json["components"].back()["unit"] = "urad";
     if (component.joints.size() < 2) continue;
     Json joints = Json::array();
     for (const int j : component.joints) joints.push_back(problem.robot().chain.joints[j].name);
     json["components"].back()["joints"] = joints;
   }
+  return json;
+}
+
+Json RepeatsToJson(const RepeatScatter& repeats) {
+  const Vector3<double> um = 1e6 * repeats.sigma, urad = 1e6 * repeats.rotation_sigma;
+  Json json = {{"sigma_um", Json::array({um.x(), um.y(), um.z()})}, {"dof_per_axis", repeats.dof}};
+  if (!(urad.minCoeff() > 0.0)) return json;
+  json["rotation_sigma_urad"] = Json::array({urad.x(), urad.y(), urad.z()});
+  json["rotation_dof"] = repeats.rotation_dof;
+  json["rotation_from"] = repeats.rotation_is_estimated ? "residuals" : "repeats";
   return json;
 }
 
@@ -91,9 +102,7 @@ Json NoiseToJson(const CalibrationProblem& problem, const Estimate& estimate) {
                {"converged", report.converged}};
   if (!report.components.empty()) json["variance"] = ComponentsToJson(problem, report);
   if (problem.repeat_scatter) {
-    const Vector3<double> um = 1e6 * problem.repeat_scatter->sigma;
-    json["repeats"] = {{"sigma_um", Json::array({um.x(), um.y(), um.z()})},
-                       {"dof_per_axis", problem.repeat_scatter->dof}};
+    json["repeats"] = RepeatsToJson(*problem.repeat_scatter);
   }
   if (!report.groups.empty()) {
     json["groups"] = Json::array();
@@ -235,7 +244,8 @@ Json DirectionsToJson(const std::vector<Direction>& directions) {
 // Where nothing states any noise, points and rotations have one sigma each, estimated: weighed by these as if stated.
 Json SigmaToJson(const Estimate& estimate) {
   const SigmaReport& sigma = estimate.sigma;
-  const VarianceComponent* rotation = RotationComponent(estimate.noise_report);
+  const VarianceComponent* rotation =
+      HasTwoNoises(estimate.noise_report) ? RotationComponent(estimate.noise_report) : nullptr;
   const bool scaled = sigma.scaled && !estimate.intervals.is_empirical();
   const bool stated = sigma.stated && rotation == nullptr;
   Json json = {{"a_posteriori", sigma.a_posteriori}, {"scaled", scaled}, {"stated", stated}};

@@ -7,6 +7,7 @@
 
 #include "estimator/estimate/agreement_report.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/noise/repeat_spread.h"
 #include "estimator/report/inspection_known_words.h"
 #include "estimator/results/estimate_json.h"
 #include "estimator/results/intervals_json.h"
@@ -76,7 +77,15 @@ class EstimateReader {
     if (!sigma) return 0.0;
     const auto stated = sigma->Find("stated"), scaled = sigma->Find("scaled");
     const bool is_stated = !stated || stated->json() == true, is_scaled = scaled && scaled->json() == true;
-    return is_scaled || !is_stated ? known_.dof : 0.0;
+    return is_scaled || !is_stated ? known_.dof : FreedomOfRepeats();
+  }
+
+  // Of the squared lengths of points; 0: no repeats say how these scatter.
+  double FreedomOfRepeats() const {
+    const auto noise = root_.Find("noise"), repeats = noise ? noise->Find("repeats") : std::nullopt;
+    if (!repeats) return 0.0;
+    const Vector3<double> sigma = repeats->Get("sigma_um").Triple();
+    return sigma.minCoeff() > 0.0 ? DofOfSizes(sigma, repeats->Get("dof_per_axis").PositiveNumber()) : 0.0;
   }
 
   // What it is, and that it is a result and not the record of a failure.

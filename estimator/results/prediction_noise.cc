@@ -37,6 +37,48 @@ std::optional<Vector3<double>> SpreadPerAxis(const NoiseReport& report) {
   return squares.cwiseQuotient(rows).cwiseSqrt();
 }
 
+// "S2/x": the group of an axis.
+Json SpreadToJson(const NoiseSpec& spec, const NoiseReport& report) {
+  std::map<std::string, Vector3<double>> spread;
+  for (const NoiseGroup& group : report.groups) {
+    const std::string name = group.name.substr(0, group.name.size() - 2);
+    spread.try_emplace(name, Vector3<double>::Zero()).first->second[group.name.back() - 'x'] = group.sigma;
+  }
+  Json json = {{"by", WordOf(spec.group)}, {"sigma_axis_mm", Json::object()}};
+  for (const auto& [name, sigma] : spread) {
+    json["sigma_axis_mm"][name] = {1e3 * sigma.x(), 1e3 * sigma.y(), 1e3 * sigma.z()};
+  }
+  return json;
+}
+
+// Readings to come are of the same stations and markers, and at other configurations.
+bool GroupsComeAgain(const NoiseSpec& spec) {
+  return spec.from == From::kResiduals &&
+         (spec.group == ResidualGroup::kStationAxis || spec.group == ResidualGroup::kMarkerAxis);
+}
+
+void ReadSpread(const JsonValue& json, PredictionNoise* noise) {
+  const JsonValue by = json.Get("by");
+  for (const ResidualGroup group : {ResidualGroup::kStationAxis, ResidualGroup::kMarkerAxis}) {
+    if (by.Text() == WordOf(group)) noise->spread_by = group;
+  }
+  if (!noise->spread_by) by.Fail("station-axis or marker-axis is expected");
+  for (const auto& [name, sigma] : json.Get("sigma_axis_mm").Entries()) {
+    noise->spread[name] = sigma.Triple() / 1e3;
+    if (noise->spread[name].minCoeff() < 0.0) sigma.Fail("a standard deviation is not below 0");
+  }
+}
+
+// Of a point that states none; nothing: it is not known so.
+std::optional<Vector3<double>> SpreadOf(const PredictionNoise& noise, const Measurements& data,
+                                        const Observation& row) {
+  if (!noise.spread_by) return noise.sigma_axis;
+  const bool by_station = *noise.spread_by == ResidualGroup::kStationAxis;
+  const auto found =
+      noise.spread.find(by_station ? data.stations[data.shots[row.shot].station] : data.markers[row.marker]);
+  return found == noise.spread.end() ? noise.sigma_axis : found->second;
+}
+
 std::optional<Vector3<double>> SigmaPerAxis(const CalibrationProblem& problem, const Estimate& estimate) {
   if (problem.repeat_scatter) return problem.repeat_scatter->sigma;
   return SpreadPerAxis(estimate.noise_report);
@@ -58,6 +100,26 @@ void ReadInstrument(const JsonValue& json, NoiseSpec* noise) {
   noise->angle_per_m = micrometres("angle_um_per_m");
 }
 
+// stated: by row, instrument or one sigma of points, or zero. Where repeats give the noise of points, they go before
+// what rows state.
+Matrix3<double> RotationRoot(const PredictionNoise& noise, const Observation& row, const Matrix3<double>& stated) {
+  const bool is_known = noise.sigma_rotation.minCoeff() > 0.0, states = row.rotation().sigma.minCoeff() > 0.0;
+  if (is_known && !(states && IsStated(stated))) return noise.sigma_rotation.asDiagonal();
+  if (IsStated(stated) || !noise.sigma_axis) return stated;
+  if (states) return row.rotation().sigma.asDiagonal();
+  return kUnstatedRotationSigma * Matrix3<double>::Identity();
+}
+
+// rad, of every axis of rotations; 0: rows state it, or it is assumed.
+double SigmaOfRotations(const Estimate& estimate, double of_points) {
+  if (const VarianceComponent* rotation = RotationComponent(estimate.noise_report)) return rotation->value;
+  const VarianceComponent* instrument = InstrumentComponent(estimate);
+  const bool is_estimated =
+      instrument != nullptr ? !estimate.noise_report.instrument_is_factor : !estimate.sigma.stated;
+  // One estimated sigma of points goes for rotations over 1 m (problems/noise_model.h).
+  return is_estimated && estimate.fit.rotations > 0 && std::isfinite(of_points) ? of_points : 0.0;
+}
+
 }  // namespace
 
 Json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& estimate) {
@@ -70,8 +132,14 @@ Json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& es
   if (const auto axes = SigmaPerAxis(problem, estimate)) {
     json["sigma_axis_mm"] = {1e3 * axes->x(), 1e3 * axes->y(), 1e3 * axes->z()};
   }
-  if (const VarianceComponent* rotation = RotationComponent(estimate.noise_report)) {
-    json["sigma_rot_urad"] = 1e6 * rotation->value;
+  if (GroupsComeAgain(problem.experiment().noise) && !estimate.noise_report.groups.empty()) {
+    json["spread"] = SpreadToJson(problem.experiment().noise, estimate.noise_report);
+  }
+  if (const double rotation = SigmaOfRotations(estimate, common); rotation > 0.0) {
+    json["sigma_rot_urad"] = 1e6 * rotation;
+  } else if (problem.repeat_scatter && problem.repeat_scatter->rotation_sigma.minCoeff() > 0.0) {
+    const Vector3<double> urad = 1e6 * problem.repeat_scatter->rotation_sigma;
+    json["sigma_rot_axis_urad"] = {urad.x(), urad.y(), urad.z()};
   }
   const VarianceComponent* instrument = InstrumentComponent(estimate);
   const bool is_factor = instrument != nullptr && estimate.noise_report.instrument_is_factor;
@@ -102,7 +170,14 @@ PredictionNoise ReadPredictionNoise(const JsonValue& json, Experiment* experimen
     noise.sigma_axis = axes->Triple() / 1e3;
     if (noise.sigma_axis->minCoeff() < 0.0) axes->Fail("a standard deviation is not below 0");
   }
-  if (const auto rotation = json.Find("sigma_rot_urad")) noise.sigma_rotation = rotation->PositiveNumber() / 1e6;
+  if (const auto spread = json.Find("spread")) ReadSpread(*spread, &noise);
+  if (const auto rotation = json.Find("sigma_rot_urad")) {
+    noise.sigma_rotation.setConstant(rotation->PositiveNumber() / 1e6);
+  }
+  if (const auto axes = json.Find("sigma_rot_axis_urad")) {
+    noise.sigma_rotation = axes->Triple() / 1e6;
+    if (!(noise.sigma_rotation.minCoeff() > 0.0)) axes->Fail("a standard deviation is above 0");
+  }
   if (const auto factor = json.Find("instrument_factor")) noise.instrument_factor = factor->NotNegativeNumber();
   if (const auto groups = json.Find("groups")) {
     for (const JsonValue& group : groups->Items()) {
@@ -132,9 +207,12 @@ NoiseRoots PredictionRoots(const CalibrationProblem& problem, const PredictionNo
   for (size_t i = 0; i < data.observations.size(); ++i) {
     Matrix3<double> root = StatedRoot(problem.experiment(), data, data.observations[i], points.col(i));
     const Observation& observation = data.observations[i];
-    const bool is_open = !observation.is_point() && !(observation.rotation().sigma.minCoeff() > 0.0);
-    if (!IsStated(root) && noise.sigma_axis) root = noise.sigma_axis->asDiagonal();
-    if (is_open && noise.sigma_rotation > 0.0) root = noise.sigma_rotation * Matrix3<double>::Identity();
+    if (observation.is_point()) {
+      const std::optional<Vector3<double>> spread = SpreadOf(noise, data, observation);
+      if (!IsStated(root) && spread) root = spread->asDiagonal();
+    } else {
+      root = RotationRoot(noise, observation, root);
+    }
     root = noise.instrument_factor * ScaledRoot({problem.experiment(), data, observation, points.col(i), root}, scaled);
     if (noise.scatter > 0.0 && observation.is_point() && IsStated(root)) {
       root = LowerRoot(root * root.transpose() + noise.scatter * noise.scatter * Matrix3<double>::Identity());

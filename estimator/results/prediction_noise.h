@@ -2,8 +2,10 @@
 // show. Whatever the noise model was, it is written as something that gives a covariance at any point.
 #pragma once
 
+#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <string>
 
 #include "estimator/estimate/estimate.h"
 #include "problems/calibration_problem.h"
@@ -24,12 +26,16 @@ struct PredictionNoise {
   double instrument_factor = 1.0;  // of the instrument alone, rows' sigmas included: by which it is not as stated
   // m, where neither row, instrument nor one sigma says it: spread of repeats, of residuals
   std::optional<Vector3<double>> sigma_axis;
-  double freedom = 0.0;         // degrees of freedom that it was estimated with; 0: it was stated
-  double sigma_rotation = 0.0;  // rad, of rotations that state none; 0: as everywhere (problems/noise_model.h)
+  // The same of the readings of one station or of one marker, by its name.
+  std::optional<ResidualGroup> spread_by;
+  std::map<std::string, Vector3<double>> spread;
+  double freedom = 0.0;  // degrees of freedom that it was estimated with; 0: it was stated
+  // rad, of each axis of rotations that state none; zero: as everywhere (problems/noise_model.h).
+  Vector3<double> sigma_rotation = Vector3<double>::Zero();
 };
 
-// {"sigma_mm", "sigma_axis_mm", "sigma_rot_urad", "instrument", "instrument_factor", "groups", "scale", "scatter_mm",
-// "repeatability_urad", "repeatability_um"}; `scale` is 1 where there is a scatter.
+// {"sigma_mm", "sigma_axis_mm", "spread", "sigma_rot_urad", "sigma_rot_axis_urad", "instrument", "instrument_factor",
+// "groups", "scale", "scatter_mm", "repeatability_urad", "repeatability_um"}; `scale` is 1 where there is a scatter.
 nlohmann::ordered_json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& estimate);
 
 // The inverse; sigma, instrument and repeatability go to `experiment`. Throws InputError.

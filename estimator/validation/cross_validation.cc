@@ -18,6 +18,7 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/normal_equations.h"
 #include "estimator/least_squares/parallel.h"
+#include "estimator/noise/repeat_spread.h"
 #include "problems/io/files.h"
 #include "problems/split.h"
 
@@ -465,7 +466,7 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStr
   const PredictedSquares predicted = squares.Total();
   result.folds = plan.count();
   result.unseen = MeasureUnseen(problem, quoted, errors);
-  ComparePrediction(predicted, estimate, &result.unseen);
+  ComparePrediction(predicted, estimate, &result.unseen, DofOfSizes(problem.repeat_scatter));
   if (estimate.predicted_aligned.cols() == 0) return result;
   const Division aligned{estimate.aligned, AlignedColumns(estimate.aligned), estimate.predicted_aligned};
   std::optional<DividedFit> alignment = Divide(problem, estimate, aligned, sums_of(aligned));

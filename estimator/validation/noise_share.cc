@@ -15,7 +15,7 @@ constexpr double kConsiderable = 0.5;  // of the RMS: a quarter of the mean squa
 // apart from the noise of the instrument.
 bool IsNoiseOfResiduals(const Estimate& estimate) {
   const NoiseReport& report = estimate.noise_report;
-  return RotationComponent(report) != nullptr || (!estimate.sigma.stated && report.components.empty());
+  return HasTwoNoises(report) || (!estimate.sigma.stated && report.components.empty());
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include "estimator/least_squares/normal_equations.h"
 #include "estimator/least_squares/row_stream.h"
 #include "estimator/least_squares/sample.h"
+#include "estimator/noise/repeat_spread.h"
 #include "estimator/report/validation_words.h"
 #include "estimator/statistics/distributions.h"
 #include "estimator/statistics/median.h"
@@ -61,7 +62,7 @@ UnseenPoints JudgeHoldout(const CalibrationProblem& problem, const Estimate& est
         });
   });
   if (!valid) return holdout;
-  ComparePrediction(sums.Squares(RootWithHeld(estimate)), estimate, &holdout);
+  ComparePrediction(sums.Squares(RootWithHeld(estimate)), estimate, &holdout, DofOfSizes(problem.repeat_scatter));
   return holdout;
 }
 

@@ -74,7 +74,8 @@ Gain CompareRms(const UnseenPoints& before, const UnseenPoints& after, double si
   return gain;
 }
 
-void ComparePrediction(const PredictedSquares& predicted, const Estimate& estimate, UnseenPoints* unseen) {
+void ComparePrediction(const PredictedSquares& predicted, const Estimate& estimate, UnseenPoints* unseen,
+                       double of_stated) {
   if (unseen->points == 0 || !(predicted.trace > 0.0) || !std::isfinite(predicted.trace)) return;
   unseen->predicted_rms = std::sqrt(predicted.trace / (3.0 * unseen->points));
   unseen->freedom = predicted.Freedom();
@@ -82,7 +83,7 @@ void ComparePrediction(const PredictedSquares& predicted, const Estimate& estima
   const double ratio = 3.0 * unseen->points * unseen->rms * unseen->rms / predicted.trace;
   const bool noise_is_estimated = !estimate.sigma.stated || estimate.sigma.scaled;
   if (noise_is_estimated && estimate.dof < 1) return;
-  const double of_noise = noise_is_estimated ? estimate.dof : std::numeric_limits<double>::infinity();
+  const double of_noise = noise_is_estimated ? estimate.dof : of_stated;
   unseen->p_value = ChanceOf(predicted, ratio, of_noise);
   unseen->p_mostly_unknown = ChanceOf(predicted, ratio / (kMostlyUnknown * kMostlyUnknown), of_noise);
 }

@@ -1,6 +1,7 @@
 // How large the errors are on points that the estimate has not seen, and what it predicted for them.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -61,7 +62,9 @@ struct Gain {
 Gain CompareRms(const UnseenPoints& before, const UnseenPoints& after, double significance, double least);
 
 // Sets predicted_rms and p_value; nothing where the noise is not known.
-void ComparePrediction(const PredictedSquares& predicted, const Estimate& estimate, UnseenPoints* unseen);
+// of_stated: degrees of freedom of the noise where it is stated (DofOfSizes).
+void ComparePrediction(const PredictedSquares& predicted, const Estimate& estimate, UnseenPoints* unseen,
+                       double of_stated = std::numeric_limits<double>::infinity());
 
 // Times of the stated noise, instrument's and joints', that the estimate goes by.
 double TimesStated(const Estimate& estimate);

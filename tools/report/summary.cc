@@ -114,7 +114,7 @@ Section NoiseSection(const CalibrationProblem& problem, const Estimate& estimate
   } else if (!estimate.sigma.stated) {
     section.paragraphs = {"No standard deviation is stated; one for all coordinates is estimated: " +
                           Millimetres(estimate.sigma.estimated) + " mm (" + dof + ")" + OfRotationsToo(estimate) + "."};
-  } else if (RotationComponent(estimate.noise_report)) {
+  } else if (HasTwoNoises(estimate.noise_report)) {
     section.paragraphs.clear();  // by construction chi-square is what it should be; the report's words say the rest
   } else {
     section.paragraphs = {"Chi-square " + Significant(estimate.chi2, 5) + " at " + dof + ", reduced " +
