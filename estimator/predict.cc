@@ -3,6 +3,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <set>
 
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/inspection/known_lint.h"
@@ -170,6 +171,38 @@ std::string LeftOpenInWords(const KnownRobot& known, const Measurements& rows, c
 
 namespace {
 
+// Whether a learnt function of time or temperature is asked for a shot beyond where it was learnt, by more than a
+// thousandth of its range.
+bool IsBeyondLearnt(const EffectSpec& spec, const ShotConditions& shot) {
+  if (spec.effect.rfind("learnt_", 0) != 0 || spec.settings.count("to") == 0) return false;
+  const std::string by = spec.TextSetting("by", "");
+  const bool is_warm = by == "temperature_K", is_late = by == "time_s";
+  if (!(is_warm ? shot.has_temperature : is_late && shot.has_time)) return false;
+  const double from = spec.NumberSetting("from", 0.0), to = spec.NumberSetting("to", 0.0);
+  const double now = is_warm ? shot.temperature : shot.time, slack = 1e-3 * (to - from);
+  return now < from - slack || now > to + slack;
+}
+
+std::string BeyondLearntInWords(const KnownRobot& known, const Measurements& rows) {
+  const bool any = std::any_of(known.robot.effects.begin(), known.robot.effects.end(),
+                               [](const EffectSpec& effect) { return effect.settings.count("by") > 0; });
+  if (!any) return "";
+  const CalibrationProblem problem = PredictionProblem(known, rows);
+  std::set<std::string> effects;
+  size_t beyond = 0;
+  for (const Observation& row : rows.observations) {
+    bool is_beyond = false;
+    for (const EffectSpec& effect : known.robot.effects) {
+      if (!IsBeyondLearnt(effect, problem.shot_inputs()[row.shot].conditions)) continue;
+      effects.insert(effect.effect + " of " + effect.target);
+      is_beyond = true;
+    }
+    beyond += is_beyond && row.is_point();
+  }
+  if (beyond == 0) return "";
+  return RowsBeyondLearnt(beyond, rows.NumRows(), std::vector<std::string>(effects.begin(), effects.end()));
+}
+
 // Of rows that have readings. `predict` does not judge an estimate, but numbers that its own rows contradict are not
 // handed out without a word.
 std::string ContradictedInWords(const Measurements& rows, const Prediction& prediction) {
@@ -185,8 +218,9 @@ std::string ContradictedInWords(const Measurements& rows, const Prediction& pred
 std::vector<std::string> WarningsOf(const KnownRobot& known, const Measurements& rows, const Prediction& prediction) {
   CheckAreOf(rows, prediction.covariances.size(), "WarningsOf");
   std::vector<std::string> warnings;
-  for (const std::string& words : {ContradictedInWords(rows, prediction), LeftOpenInWords(known, rows, prediction),
-                                   OutsideMeasuredInWords(known, rows.configurations), MemoryInWords(known)}) {
+  for (const std::string& words :
+       {ContradictedInWords(rows, prediction), LeftOpenInWords(known, rows, prediction),
+        OutsideMeasuredInWords(known, rows.configurations), BeyondLearntInWords(known, rows), MemoryInWords(known)}) {
     if (!words.empty()) warnings.push_back(words);
   }
   return warnings;

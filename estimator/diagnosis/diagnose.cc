@@ -225,7 +225,7 @@ class Session {
   DiagnosedModel JudgedWith(const std::vector<SelectedEffect>& effects) const {
     const DiagnosedModel quick = Extend(lacking_, CandidatesOf(effects), joint_);
     if (!IsUsable(quick.estimate.status)) return quick;
-    const ParameterSet aligned = AlignedWith(effects, quick.problem->parameters, d_.baseline.estimate.aligned);
+    const ParameterSet aligned = AlignedAs(d_.baseline.estimate.aligned, quick.problem->parameters);
     return JudgeFully(quick.problem, quick.estimate.parameters, aligned, joint_);
   }
 

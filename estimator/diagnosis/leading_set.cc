@@ -72,7 +72,7 @@ RefittedSet WithoutFunctions(const SearchInput& input, const LeadingSet& found) 
 void DecideHeldAnew(const SearchInput& input, RefittedSet* effects) {
   DiagnosedModel& with = effects->with_effects;
   if (!effects->IsUsable() || HeldCoordinates(input.baseline.estimate.parameters).empty()) return;
-  const ParameterSet aligned = AlignedWith(effects->effects, with.problem->parameters, input.baseline.estimate.aligned);
+  const ParameterSet aligned = AlignedAs(input.baseline.estimate.aligned, with.problem->parameters);
   const DiagnosedModel judged = JudgeFully(with.problem, with.estimate.parameters, aligned, input.joint);
   if (IsUsable(judged.estimate.status)) with = judged;
 }

@@ -72,7 +72,8 @@ class Learner {
     if (added_.empty()) return std::nullopt;
     LearntModel learnt;
     const ParameterSet& start = with.estimate.parameters;
-    learnt.model = JudgeFully(with.problem, start, start, joint_);
+    const ParameterSet nominal = AlignedAs(baseline.estimate.aligned, with.problem->parameters);
+    learnt.model = JudgeFully(with.problem, start, nominal, joint_);
     if (!IsUsable(learnt.model.estimate.status)) return std::nullopt;
     VLOG(1) << "diagnosis: with what was learnt untouched rows are off by " << 1e3 * HoldoutRms(learnt.model)
             << " mm, without by " << 1e3 * HoldoutRms(final_) << ", as believed by " << 1e3 * HoldoutRms(baseline);

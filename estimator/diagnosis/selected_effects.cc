@@ -364,13 +364,12 @@ std::vector<ScreenedCandidate> Screen(const Evidence& evidence, const DiagnosedM
   return screened;
 }
 
-ParameterSet AlignedWith(const std::vector<SelectedEffect>& effects, const ParameterSet& extended,
-                         const ParameterSet& nominal) {
+ParameterSet AlignedAs(const ParameterSet& nominal, const ParameterSet& extended) {
   ParameterSet aligned = extended;
   Eigen::VectorXd delta = Eigen::VectorXd::Zero(aligned.num_coordinates());
   for (int i = 0; i < aligned.num_coordinates(); ++i) {
     const Coordinate& coordinate = aligned.coordinates()[i];
-    if (IsOfAny(effects, coordinate) && !IsSpringShape(coordinate)) delta[i] = -aligned.Value(i);
+    if (nominal.FindCoordinate(coordinate.name) < 0 && !IsSpringShape(coordinate)) delta[i] = -aligned.Value(i);
   }
   aligned.Plus(delta);
   aligned.CopyByName(nominal);

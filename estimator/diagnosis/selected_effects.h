@@ -67,10 +67,9 @@ double CorrectedP(double reduction, int parameters, double scatter, int dof, boo
 // What each candidate alone does with the believed model, to first order, most evident first.
 std::vector<ScreenedCandidate> Screen(const Evidence& evidence, const DiagnosedModel& baseline);
 
-// What the extended model was before anything was fitted: the aligned nominal robot, effects neutral. A spring without
-// rate does nothing, whatever its shape.
-ParameterSet AlignedWith(const std::vector<SelectedEffect>& effects, const ParameterSet& extended,
-                         const ParameterSet& nominal);
+// The aligned nominal robot in the parameters of an extended model: what it does not have is zero, but for the shape of
+// a spring, which pulls nothing where its rate is zero.
+ParameterSet AlignedAs(const ParameterSet& nominal, const ParameterSet& extended);
 bool IsEstimated(const EffectSpec& spec, const Estimate& estimate);
 
 // P that values as far from 0 come about by chance, by the full estimator's covariance: what it says against an effect.

@@ -1,5 +1,7 @@
 #include "estimator/report/results_words.h"
 
+#include <fmt/format.h>
+
 #include "estimator/report/compensation_words.h"
 #include "estimator/results/estimate_json.h"
 #include "estimator/results/remembering_effects.h"
@@ -47,6 +49,13 @@ std::string WhatFiguresCarry(const KnownRobot& known) {
         "joints scatter).";
   }
   return words;
+}
+
+std::string RowsBeyondLearnt(size_t beyond, size_t rows, const std::vector<std::string>& effects) {
+  return fmt::format(
+      "{} of {} rows {} at a time or temperature beyond where {} {} learnt: the standard deviations do not "
+      "hold there, what was learnt stays as it was at the end or fades",
+      beyond, rows, beyond == 1 ? "is" : "are", Enumerate(effects, 4), effects.size() == 1 ? "was" : "were");
 }
 
 std::string PosesOutsideMeasured(size_t outside, size_t poses, const std::vector<std::string>& joints) {

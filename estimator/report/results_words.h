@@ -18,6 +18,8 @@ std::string WhatFiguresCarry(const KnownRobot& known);
 std::string WhatTheWayDoes(const KnownRobot& known);
 
 // Poses outside the joint ranges of the calibration; joints: "j1 by 100 deg".
+// Rows at times or temperatures that no learnt function was learnt at.
+std::string RowsBeyondLearnt(size_t beyond, size_t rows, const std::vector<std::string>& effects);
 std::string PosesOutsideMeasured(size_t outside, size_t poses, const std::vector<std::string>& joints);
 std::string TargetOutsideMeasured(const std::vector<std::string>& joints);
 std::string TargetsOutsideMeasured(size_t outside);

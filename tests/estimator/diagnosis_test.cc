@@ -313,6 +313,13 @@ TEST(Diagnosis, WhatHasNoNameIsLearntAndPredicts) {
   const LearntModel& learnt = *diagnosis.learnt;
   EXPECT_GT(learnt.gap.closed, 0.8);
   EXPECT_LT(HoldoutRms(learnt.model), 0.6 * HoldoutRms(diagnosis.final));
+  // What it corrects is the nominal robot, as aligned before anything was fitted, and nothing was learnt of that.
+  const ParameterSet& aligned = learnt.model.estimate.aligned;
+  for (int i = 0; i < aligned.num_coordinates(); ++i) {
+    const int own = diagnosis.baseline.estimate.aligned.FindCoordinate(aligned.coordinates()[i].name);
+    EXPECT_EQ(aligned.Value(i), own < 0 ? 0.0 : diagnosis.baseline.estimate.aligned.Value(own))
+        << aligned.coordinates()[i].name;
+  }
   // Predictions allow for what it does not follow.
   Estimate estimate = learnt.model.estimate;
   const Trust judged = JudgeByHoldout(*learnt.model.problem, &estimate);

@@ -159,7 +159,9 @@ TEST(OpenRotations, RoundsEndWhereTheSpreadStandsStill) {
   EXPECT_FALSE(found.estimate.sigma.scaled);
   for (size_t i = 0; i < known.estimate.table.size(); ++i) {
     const ParameterEstimate &a = known.estimate.table[i], &b = found.estimate.table[i];
-    if (a.free) EXPECT_NEAR(b.sigma, a.sigma, 0.15 * a.sigma) << a.name;
+    if (a.free) {
+      EXPECT_NEAR(b.sigma, a.sigma, 0.15 * a.sigma) << a.name;
+    }
   }
 }
 
