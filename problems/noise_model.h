@@ -64,6 +64,7 @@ std::optional<RepeatScatter> PooledRepeats(const Measurements& data);
 struct KnownSpread {
   double share = 1.0, dof = 0.0;
 };
+// Of points per axis, and of rotations where repeats give theirs.
 std::vector<KnownSpread> SpreadsOf(const RepeatScatter& repeats);
 // How well one factor on all of them is known: with w_k the shares,  var(sum w_k s_k^2 / sigma_k^2) = 2 / dof =
 // sum w_k^2 2 / dof_k.  Infinite where sigmas are stated.

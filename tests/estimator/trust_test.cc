@@ -311,7 +311,9 @@ TEST(NoiseShare, TheSpreadOfResidualsIsNoInstrument) {
   estimate.sigma.stated = true;
   EXPECT_FALSE(ShareOfNoise(estimate, points, unseen).of_residuals);
   estimate.noise_report.components.resize(2);  // points, rotations: weights that count as stated
+  estimate.noise_report.components[1].of_rotations = true;
   EXPECT_TRUE(ShareOfNoise(estimate, points, unseen).of_residuals);
+  estimate.noise_report.components[1].of_rotations = false;
   estimate.noise_report.components[1].joints = {0, 1};
   EXPECT_FALSE(ShareOfNoise(estimate, points, unseen).of_residuals);
 }
