@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "problems/calibration_problem.h"
 #include "problems/input_error.h"
 #include "tests/support/kr270_experiment.h"
@@ -83,6 +85,19 @@ TEST(NoiseModel, RepeatsArePooledPerAxis) {
 }
 
 // Another visit, load, station or marker is no repeat.
+// Three axes with n degrees of freedom each; of two spreads by their shares (Satterthwaite 1946).
+TEST(NoiseModel, DegreesOfFreedomOfRepeatsAreThoseOfTheirAxes) {
+  EXPECT_TRUE(std::isinf(SigmaDof(std::nullopt)));
+  RepeatScatter repeats;
+  repeats.sigma.setConstant(1e-5);
+  repeats.dof = 7;
+  EXPECT_NEAR(SigmaDof(repeats), 21.0, 1e-12);
+  repeats.rotation_sigma.setConstant(1e-4);
+  repeats.rotation_dof = 5.0;
+  repeats.rotation_share = 0.4;
+  EXPECT_NEAR(SigmaDof(repeats), 1.0 / (0.6 * 0.6 / 21.0 + 0.4 * 0.4 / 5.0), 1e-12);
+}
+
 TEST(NoiseModel, AnotherArrivalIsNoRepeat) {
   Measurements data = Repeated();
   data.shots.back().visit = "2";
