@@ -171,10 +171,15 @@ std::string LeftOpenInWords(const KnownRobot& known, const Measurements& rows, c
 
 namespace {
 
+// Learnt over a range of something.
+bool IsLearntFunction(const EffectSpec& spec) {
+  return spec.effect.rfind("learnt_", 0) == 0 && spec.settings.count("to") > 0;
+}
+
 // Whether a learnt function of time or temperature is asked for a shot beyond where it was learnt, by more than a
 // thousandth of its range.
 bool IsBeyondLearnt(const EffectSpec& spec, const ShotConditions& shot) {
-  if (spec.effect.rfind("learnt_", 0) != 0 || spec.settings.count("to") == 0) return false;
+  if (!IsLearntFunction(spec)) return false;
   const std::string by = spec.TextSetting("by", "");
   const bool is_warm = by == "temperature_K", is_late = by == "time_s";
   if (!(is_warm ? shot.has_temperature : is_late && shot.has_time)) return false;
@@ -184,15 +189,14 @@ bool IsBeyondLearnt(const EffectSpec& spec, const ShotConditions& shot) {
 }
 
 std::string BeyondLearntInWords(const KnownRobot& known, const Measurements& rows) {
-  const bool any = std::any_of(known.robot.effects.begin(), known.robot.effects.end(),
-                               [](const EffectSpec& effect) { return effect.settings.count("by") > 0; });
-  if (!any) return "";
+  const std::vector<EffectSpec>& all = known.robot.effects;
+  if (std::none_of(all.begin(), all.end(), IsLearntFunction)) return "";
   const CalibrationProblem problem = PredictionProblem(known, rows);
   std::set<std::string> effects;
   size_t beyond = 0;
   for (const Observation& row : rows.observations) {
     bool is_beyond = false;
-    for (const EffectSpec& effect : known.robot.effects) {
+    for (const EffectSpec& effect : all) {
       if (!IsBeyondLearnt(effect, problem.shot_inputs()[row.shot].conditions)) continue;
       effects.insert(effect.effect + " of " + effect.target);
       is_beyond = true;

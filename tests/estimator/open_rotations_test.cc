@@ -21,26 +21,7 @@ constexpr double kPoint = 5e-5, kRotation = 6e-4;  // m, rad: 0.05 mm with 0.6 m
 constexpr int kConfigurations = 60;
 
 Measurements Poses(double point, double rotation, double scatter_of_point = kPoint) {
-  test::Kr270Design design;
-  design.configurations = kConfigurations;
-  const test::Kr270Truth truth = test::TurnedTruth();
-  const test::TargetTruth target;
-  NormalNumbers normal(29);
-  Measurements data = test::PoseRows(design);
-  for (Observation& row : data.observations) {
-    row.sigma.setConstant(point);
-    row.mutable_rotation()->sigma.setConstant(row.is_point() ? 0.0 : rotation);
-    if (!row.is_point()) continue;
-    const Pose<double> exact =
-        test::ExactPose(truth, target, data.ConfigurationOf(row).q, data.shots[row.shot].station);
-    Vector3<double> off, turn;
-    for (int i = 0; i < 3; ++i) off[i] = scatter_of_point * normal();
-    for (int i = 0; i < 3; ++i) turn[i] = kRotation * normal();
-    Observation& partner = data.observations[row.partner];
-    row.point_in_station = partner.point_in_station = exact.translation + off;
-    partner.mutable_rotation()->in_station = RotationFromVector(turn) * exact.rotation;
-  }
-  return data;
+  return test::NoisyPoses(kConfigurations, {point, rotation}, {scatter_of_point, kRotation}, 29);
 }
 
 // The first `pairs` configurations are shot once more, with noise of its own.

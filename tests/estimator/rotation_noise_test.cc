@@ -21,26 +21,7 @@ constexpr int kConfigurations = 60;
 
 // Sixty poses with that noise; `point` and `rotation`: what the rows state; `turned`: what rotations scatter by.
 Measurements NoisyPoses(double point, double rotation, double turned = kRotation) {
-  test::Kr270Design design;
-  design.configurations = kConfigurations;
-  const test::Kr270Truth truth = test::TurnedTruth();
-  const test::TargetTruth target;
-  NormalNumbers normal(83);
-  Measurements data = test::PoseRows(design);
-  for (Observation& row : data.observations) {
-    row.sigma.setConstant(point);
-    row.mutable_rotation()->sigma.setConstant(row.is_point() ? 0.0 : rotation);
-    if (!row.is_point()) continue;
-    const Pose<double> exact =
-        test::ExactPose(truth, target, data.ConfigurationOf(row).q, data.shots[row.shot].station);
-    Vector3<double> off, turn;
-    for (int i = 0; i < 3; ++i) off[i] = kPoint * normal();
-    for (int i = 0; i < 3; ++i) turn[i] = turned * normal();
-    Observation& partner = data.observations[row.partner];
-    row.point_in_station = partner.point_in_station = exact.translation + off;
-    partner.mutable_rotation()->in_station = RotationFromVector(turn) * exact.rotation;
-  }
-  return data;
+  return test::NoisyPoses(kConfigurations, {point, rotation}, {kPoint, turned}, 83);
 }
 
 Estimate EstimateOf(double point, double rotation) {

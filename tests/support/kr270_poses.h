@@ -52,4 +52,32 @@ inline Kr270Truth TurnedTruth() {
   return truth;
 }
 
+// Of points, m, and of rotations, rad.
+struct PoseNoise {
+  double point, rotation;
+};
+
+// One pose per configuration of a robot whose base is turned, with noise; `stated` stands in the rows.
+inline Measurements NoisyPoses(int configurations, const PoseNoise& stated, const PoseNoise& scatter, unsigned seed) {
+  Kr270Design design;
+  design.configurations = configurations;
+  const Kr270Truth truth = TurnedTruth();
+  const TargetTruth target;
+  NormalNumbers normal(seed);
+  Measurements data = PoseRows(design);
+  for (Observation& row : data.observations) {
+    row.sigma.setConstant(stated.point);
+    row.mutable_rotation()->sigma.setConstant(row.is_point() ? 0.0 : stated.rotation);
+    if (!row.is_point()) continue;
+    const Pose<double> exact = ExactPose(truth, target, data.ConfigurationOf(row).q, data.shots[row.shot].station);
+    Vector3<double> off, turn;
+    for (int i = 0; i < 3; ++i) off[i] = scatter.point * normal();
+    for (int i = 0; i < 3; ++i) turn[i] = scatter.rotation * normal();
+    Observation& partner = data.observations[row.partner];
+    row.point_in_station = partner.point_in_station = exact.translation + off;
+    partner.mutable_rotation()->in_station = RotationFromVector(turn) * exact.rotation;
+  }
+  return data;
+}
+
 }  // namespace sagitta::test
