@@ -9,6 +9,7 @@
 #include "estimator/inspection/known_lint.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/report/inspection_known_words.h"
+#include "estimator/results/measured_conditions.h"
 #include "estimator/results/measured_joints.h"
 #include "estimator/results/remembering_effects.h"
 #include "estimator/results/residuals_csv.h"
@@ -117,15 +118,16 @@ void JudgeErrors(const KnownRobot& known, const Measurements& rows, const Predic
   if (after > kWorse * before) validation->warnings.push_back(WorseThanNominalOnThese(after, before));
 }
 
-// RMS to expect over coordinates of points: parameters, repeatability, instrument; 0 where nothing states the noise of
-// a row.
-double ExpectedRms(const Measurements& rows, const std::vector<int>& judging, const Prediction& prediction) {
+// RMS to expect over coordinates of points: parameters, repeatability, instrument, and with_rest what the calibration
+// left on unseen points; 0 where nothing states the noise of a row.
+double ExpectedRms(const Measurements& rows, const std::vector<int>& judging, const Prediction& prediction,
+                   bool with_rest = false) {
   double sum = 0.0;
   int points = 0;
   for (const int k : judging) {
     if (!rows.observations[k].is_point()) continue;
     if (!IsStated(prediction.instrument[k])) return 0.0;
-    sum += ExpectedSquare(prediction, k);
+    sum += ExpectedSquare(prediction, k) + (with_rest ? prediction.covariances[k].model.trace() : 0.0);
     ++points;
   }
   return std::isfinite(sum) && points > 0 ? std::sqrt(sum / (3.0 * points)) : 0.0;
@@ -142,9 +144,10 @@ PredictedSquares SquaresOf(const CalibrationProblem& problem, const KnownRobot& 
   return together;
 }
 
-double PValueOf(const KnownRobot& known, const Validation& validation, const PredictedSquares& together) {
-  if (!(validation.predicted_rms > 0.0 && together.trace_of_square > 0.0)) return 1.0;
-  const double ratio = std::pow(validation.after.rms / validation.predicted_rms, 2);
+// That coordinates are off by `rms` and more where `expected` is predicted.
+double PValueOf(const KnownRobot& known, double rms, double expected, const PredictedSquares& together) {
+  if (!(expected > 0.0 && together.trace_of_square > 0.0)) return 1.0;
+  const double ratio = std::pow(rms / expected, 2);
   if (!std::isfinite(ratio * together.Freedom())) return 1.0;
   const bool is_estimated = known.noise.freedom > 0.0;
   return ChanceOf(together, ratio, is_estimated ? known.noise.freedom : std::numeric_limits<double>::infinity());
@@ -171,42 +174,6 @@ std::string LeftOpenInWords(const KnownRobot& known, const Measurements& rows, c
 
 namespace {
 
-// Learnt over a range of something.
-bool IsLearntFunction(const EffectSpec& spec) {
-  return spec.effect.rfind("learnt_", 0) == 0 && spec.settings.count("to") > 0;
-}
-
-// Whether a learnt function of time or temperature is asked for a shot beyond where it was learnt, by more than a
-// thousandth of its range.
-bool IsBeyondLearnt(const EffectSpec& spec, const ShotConditions& shot) {
-  if (!IsLearntFunction(spec)) return false;
-  const std::string by = spec.TextSetting("by", "");
-  const bool is_warm = by == "temperature_K", is_late = by == "time_s";
-  if (!(is_warm ? shot.has_temperature : is_late && shot.has_time)) return false;
-  const double from = spec.NumberSetting("from", 0.0), to = spec.NumberSetting("to", 0.0);
-  const double now = is_warm ? shot.temperature : shot.time, slack = 1e-3 * (to - from);
-  return now < from - slack || now > to + slack;
-}
-
-std::string BeyondLearntInWords(const KnownRobot& known, const Measurements& rows) {
-  const std::vector<EffectSpec>& all = known.robot.effects;
-  if (std::none_of(all.begin(), all.end(), IsLearntFunction)) return "";
-  const CalibrationProblem problem = PredictionProblem(known, rows);
-  std::set<std::string> effects;
-  size_t beyond = 0;
-  for (const Observation& row : rows.observations) {
-    bool is_beyond = false;
-    for (const EffectSpec& effect : all) {
-      if (!IsBeyondLearnt(effect, problem.shot_inputs()[row.shot].conditions)) continue;
-      effects.insert(effect.effect + " of " + effect.target);
-      is_beyond = true;
-    }
-    beyond += is_beyond && row.is_point();
-  }
-  if (beyond == 0) return "";
-  return RowsBeyondLearnt(beyond, rows.NumRows(), std::vector<std::string>(effects.begin(), effects.end()));
-}
-
 // Of rows that have readings. `predict` does not judge an estimate, but numbers that its own rows contradict are not
 // handed out without a word.
 std::string ContradictedInWords(const Measurements& rows, const Prediction& prediction) {
@@ -222,11 +189,13 @@ std::string ContradictedInWords(const Measurements& rows, const Prediction& pred
 std::vector<std::string> WarningsOf(const KnownRobot& known, const Measurements& rows, const Prediction& prediction) {
   CheckAreOf(rows, prediction.covariances.size(), "WarningsOf");
   std::vector<std::string> warnings;
-  for (const std::string& words :
-       {ContradictedInWords(rows, prediction), LeftOpenInWords(known, rows, prediction),
-        OutsideMeasuredInWords(known, rows.configurations), BeyondLearntInWords(known, rows), MemoryInWords(known)}) {
+  for (const std::string& words : {ContradictedInWords(rows, prediction), LeftOpenInWords(known, rows, prediction),
+                                   OutsideMeasuredInWords(known, rows.configurations), MemoryInWords(known)}) {
     if (!words.empty()) warnings.push_back(words);
   }
+  if (!known.measured_conditions.are_stated) return warnings;
+  const std::vector<std::string> beyond = BeyondMeasuredInWords(known, PredictionProblem(known, rows));
+  warnings.insert(warnings.end(), beyond.begin(), beyond.end());
   return warnings;
 }
 
@@ -270,14 +239,20 @@ Validation Validate(const KnownRobot& known, const Measurements& rows) {
   validation.before = MeasureReadings(rows, judging, nominal(Eigen::all, judging));
   validation.after = MeasureReadings(rows, judging, validation.predicted(Eigen::all, judging));
   validation.predicted_rms = ExpectedRms(rows, judging, prediction);
-  validation.p_value = PValueOf(known, validation, SquaresOf(problem, known, judging, prediction));
-  const double excess = validation.after.rms / validation.predicted_rms;
-  if (validation.p_value < problem.experiment().significance)
-    validation.refutation =
-        RowsRefuteTheEstimate(validation.after.rms, excess, validation.p_value, RememberingEffects(known));
+  const PredictedSquares together = SquaresOf(problem, known, judging, prediction);
+  const double rms = validation.after.rms, significance = problem.experiment().significance;
+  validation.p_value = PValueOf(known, rms, validation.predicted_rms, together);
+  if (validation.p_value < significance) {
+    const double with_rest = ExpectedRms(rows, judging, prediction, true);
+    const bool is_known = known.rest > 0.0 && PValueOf(known, rms, with_rest, together) >= significance;
+    validation.refutation = RowsRefuteTheEstimate(rms, rms / validation.predicted_rms, validation.p_value,
+                                                  is_known ? known.rest : 0.0, RememberingEffects(known));
+  }
   validation.warnings = rows.warnings;
   const std::string outside = OutsideMeasuredInWords(known, rows.configurations);
   if (!outside.empty()) validation.warnings.push_back(outside);
+  const std::vector<std::string> beyond = BeyondMeasuredInWords(known, problem);
+  validation.warnings.insert(validation.warnings.end(), beyond.begin(), beyond.end());
   const std::string memory = MemoryInWords(known);
   if (!memory.empty()) validation.warnings.push_back(memory);
   JudgeErrors(known, rows, prediction, &validation);

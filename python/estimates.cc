@@ -5,6 +5,7 @@
 
 #include "estimator/changes/changes.h"
 #include "estimator/report/results_words.h"
+#include "estimator/results/measured_conditions.h"
 #include "estimator/results/measured_joints.h"
 #include "estimator/results/program_compensation.h"
 #include "estimator/results/residuals_csv.h"
@@ -212,6 +213,8 @@ CompensatedRows CompensateTargets(const KnownRobot& known, const py::object& sou
       py::none(), [&](const Say&) { return Compensate(input, rows.targets.rows, threads); });
   const size_t outside = AddOutsideMeasured(known, &rows.results);
   if (outside > 0) rows.warnings.push_back(TargetsOutsideMeasured(outside));
+  const std::vector<std::string> beyond = BeyondMeasuredInWords(known, input.problem);
+  rows.warnings.insert(rows.warnings.end(), beyond.begin(), beyond.end());
   rows.warnings = WarningsOfTargets(std::move(rows.warnings), known);
   return rows;
 }
@@ -266,7 +269,8 @@ CorrectedProgram CompensateProgramOf(const KnownRobot& known, const std::string&
   static_cast<CompensatedProgram&>(corrected) = ResultOf<CompensatedProgram>(py::none(), [&](const Say&) {
     return CompensateProgram(known, ReadRobotProgram(program, chain.num_joints()), scene, threads);
   });
-  corrected.warnings = WarningsOfTargets({}, known);
+  corrected.warnings =
+      WarningsOfTargets(BeyondMeasuredInWords(known, MakeCompensationInput(known, corrected.targets).problem), known);
   return corrected;
 }
 

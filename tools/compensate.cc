@@ -9,6 +9,7 @@
 #include "estimator/report/compensation_words.h"
 #include "estimator/report/inspection_words.h"
 #include "estimator/results/compensation_csv.h"
+#include "estimator/results/measured_conditions.h"
 #include "estimator/results/measured_joints.h"
 #include "estimator/results/program_compensation.h"
 #include "problems/input_error.h"
@@ -73,6 +74,10 @@ void SayWhatTheWayDoes(const KnownRobot& known) {
   if (!words.empty()) std::cout << "Warning: " << words << "\n";
 }
 
+void SayWarnings(const std::vector<std::string>& warnings) {
+  for (const std::string& words : warnings) std::cout << "Warning: " << words << "\n";
+}
+
 int RunProgram(const CommandLine& line) {
   ExpectArguments(line, CompensateCommand(), 1, 1);
   if (FLAGS_program_out.empty()) {
@@ -101,6 +106,7 @@ int RunProgram(const CommandLine& line) {
   std::cout << SummaryOf(result) << "Program: " << FLAGS_program_out << "\n";
   if (any) std::cout << FlangeOfTheMarkers();
   SayWhatTheWayDoes(known);
+  SayWarnings(BeyondMeasuredInWords(known, MakeCompensationInput(known, result.targets).problem));
   const std::string carried = WhatFiguresCarry(known);
   if (!carried.empty()) std::cout << carried << "\n";
   return any ? 0 : kNumericalFailure;
@@ -125,6 +131,7 @@ int RunCompensate(const CommandLine& line) {
   // Shares as measured on 20000 targets of a UR5.
   std::string csv;
   std::vector<CompensatedTarget> results;
+  std::vector<std::string> beyond;
   size_t outside = 0;
   {
     Progress progress(FLAGS_quiet, {{"correcting", 9.0}, {"writing", 1.0}});
@@ -135,6 +142,7 @@ int RunCompensate(const CommandLine& line) {
       if (done % 256 == 0) progress.Say("correcting targets: " + std::to_string(done) + all);
     });
     outside = AddOutsideMeasured(known, &results);
+    beyond = BeyondMeasuredInWords(known, input.problem);
     progress.Say("writing the rows");
     csv = CompensationToCsv(targets, results);
     CheckInterruption();
@@ -144,6 +152,7 @@ int RunCompensate(const CommandLine& line) {
   const std::string unread = NotReadInWords(targets.shots.unread_columns);
   if (!unread.empty()) std::cout << unread << "\n";
   SayWhatTheWayDoes(known);
+  SayWarnings(beyond);
   if (outside > 0) std::cout << TargetsOutsideMeasured(outside) << "\n";
   const std::string carried = WhatFiguresCarry(known);
   if (!carried.empty()) std::cout << carried << "\n";

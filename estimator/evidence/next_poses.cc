@@ -240,6 +240,18 @@ bool DependsOnWhen(const Evidence& evidence, int member) {
   return effect != nullptr && effect->driven_by != EffectDriver::kJoint;
 }
 
+// What a member is called at new poses. After a way longer than its width a play operator stands where a backlash does:
+// on one joint both have one name.
+std::string NameAtNewPoses(const Evidence& evidence, int member) {
+  const ExplanationList& list = evidence.list();
+  if (list.IsUnnamed(member)) return list.name[member];
+  const EffectSpec& spec = list.start[member];
+  const EffectDefinition* effect = FindEffect(evidence.robot(), spec.effect);
+  const bool is_play =
+      effect == &Hysteresis() || (effect == &Backlash() && effect->PressedByOf(spec) == PressedBy::kApproach);
+  return is_play ? "play of " + spec.target : list.name[member];
+}
+
 // The sets that are worth deciding between, with their names in `next`. What is called alike, or predicts the same at
 // new poses, is one answer: a deviation that follows the pose has its own value at each, and whether an effect is a
 // piece of a nameless cause no pose shows.
@@ -252,7 +264,7 @@ std::vector<Rival> RivalsOf(const Evidence& evidence, NextPoses* next) {
   for (size_t m = 0; m < evidence.models().size(); ++m) {
     const WeightedModel& model = evidence.models()[m];
     std::set<std::string> names;
-    for (const int member : model.set.members) names.insert(evidence.list().name[member]);
+    for (const int member : model.set.members) names.insert(NameAtNewPoses(evidence, member));
     Answer& answer = answers[names];
     answer.probability += model.probability;
     const bool is_met = std::any_of(answer.models.begin(), answer.models.end(), [&](int other) {

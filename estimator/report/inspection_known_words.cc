@@ -77,14 +77,22 @@ std::string BeginAtTheFirstRow(const std::vector<std::string>& effects) {
 
 std::string PValueInWords(double p_value) { return p_value < 1e-300 ? "p < 1e-300" : "p = " + Significant(p_value, 2); }
 
-std::string RowsRefuteTheEstimate(double rms, double excess, double p_value,
+std::string RowsRefuteTheEstimate(double rms, double excess, double p_value, double known_rest,
                                   const std::vector<std::string>& remembering) {
   const std::string before_them =
       remembering.empty() ? ""
                           : ", or something was done before these rows that " + Enumerate(remembering) + " goes with";
-  return "these rows refute the estimate: their coordinates are off by " + InMillimetres(rms) + " (RMS), " +
-         Significant(excess, 2) + " times what noise and parameter uncertainty predict (" + PValueInWords(p_value) +
-         "): since the calibration something has changed, or the readings are noisier than stated, or the model lacks "
+  const std::string words = "these rows refute the estimate: their coordinates are off by " + InMillimetres(rms) +
+                            " (RMS), " + Significant(excess, 2) +
+                            " times what noise and parameter uncertainty predict (" + PValueInWords(p_value) + "): ";
+  if (known_rest > 0.0) {
+    return words +
+           "the model lacks something. The calibration said so, and left as much on points that it did not fit (" +
+           InMillimetres(known_rest) +
+           " RMS distance beyond the noise): nothing need have changed since, and predictions and targets carry it";
+  }
+  return words +
+         "since the calibration something has changed, or the readings are noisier than stated, or the model lacks "
          "something" +
          before_them + "; calibrate these rows by themselves, and 'sagitta changed' says what changed";
 }

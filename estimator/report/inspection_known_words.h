@@ -34,8 +34,10 @@ std::string CalibrationLeftOpen(double held_rms, const std::vector<std::string>&
 std::string BeginAtTheFirstRow(const std::vector<std::string>& effects);
 // "p = 0.03"; below what a number holds "p < 1e-300".
 std::string PValueInWords(double p_value);
-// rms: over coordinates, m; excess: of what was predicted; remembering: effects that go with what was done before.
-std::string RowsRefuteTheEstimate(double rms, double excess, double p_value,
+// rms: over coordinates, m; excess: of what was predicted; known_rest: RMS distance beyond noise that the calibration
+// left on unseen points, m, where these rows are off no more than that, else 0; remembering: effects that go with what
+// was done before.
+std::string RowsRefuteTheEstimate(double rms, double excess, double p_value, double known_rest,
                                   const std::vector<std::string>& remembering);
 // rms: over coordinates, m; excess: of what is predicted of them.
 std::string ReadingsContradict(double rms, double excess);

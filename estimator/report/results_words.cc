@@ -51,11 +51,39 @@ std::string WhatFiguresCarry(const KnownRobot& known) {
   return words;
 }
 
-std::string RowsBeyondLearnt(size_t beyond, size_t rows, const std::vector<std::string>& effects) {
-  return fmt::format(
-      "{} of {} rows {} at a time or temperature beyond where {} {} learnt: the standard deviations do not "
-      "hold there, what was learnt stays as it was at the end or fades",
-      beyond, rows, beyond == 1 ? "is" : "are", Enumerate(effects, 4), effects.size() == 1 ? "was" : "were");
+namespace {
+
+std::string ShotsBeyond(size_t beyond, size_t shots) {
+  return fmt::format("{} of {} {} {}", beyond, shots, shots == 1 ? "shot" : "shots", beyond == 1 ? "is" : "are");
+}
+
+std::string NothingHasChecked(const std::vector<std::string>& effects) {
+  return ": nothing has checked " + Enumerate(effects, 4) + " there, and the standard deviations do not hold";
+}
+
+// s.
+std::string Lapse(double seconds) {
+  return seconds < 5400.0 ? Significant(seconds / 60.0, 2) + " min" : Significant(seconds / 3600.0, 2) + " h";
+}
+
+}  // namespace
+
+std::string ShotsBeyondTime(size_t beyond, size_t shots, double most, const std::vector<std::string>& effects) {
+  return ShotsBeyond(beyond, shots) + " before or after the calibration rows, by up to " + Lapse(most) +
+         NothingHasChecked(effects);
+}
+
+std::string ShotsBeyondTemperature(size_t beyond, size_t shots, double most, const std::vector<std::string>& effects) {
+  return ShotsBeyond(beyond, shots) + " colder or warmer than the calibration rows, by up to " + Significant(most, 2) +
+         " K" + NothingHasChecked(effects);
+}
+
+std::string ShotsBeyondLoads(size_t beyond, size_t shots, double largest, double calibrated) {
+  const std::string of_calibration =
+      calibrated > 0.0 ? "the calibration's loads pull with at most " + Significant(calibrated, 3) + " N"
+                       : "the calibration has no load";
+  return ShotsBeyond(beyond, shots) + " under loads of up to " + Significant(largest, 3) + " N, and " + of_calibration +
+         ": nothing has checked the deflections there";
 }
 
 std::string PosesOutsideMeasured(size_t outside, size_t poses, const std::vector<std::string>& joints) {

@@ -17,9 +17,13 @@ std::string WhatFiguresCarry(const KnownRobot& known);
 // Of corrected targets: the effects that depend on the way to one. "": none acts.
 std::string WhatTheWayDoes(const KnownRobot& known);
 
+// Shots beyond what the calibration rows were measured at: times (most: s) and temperatures (most: K) that the named
+// effects go with, loads (N; calibrated: the heaviest one of the calibration, 0: none).
+std::string ShotsBeyondTime(size_t beyond, size_t shots, double most, const std::vector<std::string>& effects);
+std::string ShotsBeyondTemperature(size_t beyond, size_t shots, double most, const std::vector<std::string>& effects);
+std::string ShotsBeyondLoads(size_t beyond, size_t shots, double largest, double calibrated);
+
 // Poses outside the joint ranges of the calibration; joints: "j1 by 100 deg".
-// Rows at times or temperatures that no learnt function was learnt at.
-std::string RowsBeyondLearnt(size_t beyond, size_t rows, const std::vector<std::string>& effects);
 std::string PosesOutsideMeasured(size_t outside, size_t poses, const std::vector<std::string>& joints);
 std::string TargetOutsideMeasured(const std::vector<std::string>& joints);
 std::string TargetsOutsideMeasured(size_t outside);

@@ -7,6 +7,7 @@
 #include "estimator/results/intervals_json.h"
 #include "estimator/results/json_numbers.h"
 #include "estimator/results/loading_json.h"
+#include "estimator/results/measured_conditions.h"
 #include "estimator/results/measured_joints.h"
 #include "estimator/results/prediction_noise.h"
 #include "estimator/results/torques_json.h"
@@ -369,6 +370,7 @@ Json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,
   json["stations"] = StationsToJson(problem, estimate.parameters);
   json["markers"] = MarkersToJson(problem, estimate.parameters);
   json["measured_joints"] = MeasuredJointsToJson(problem);
+  json["measured_conditions"] = MeasuredConditionsToJson(problem);
   json["loading"] = LoadingToJson(problem.experiment(), problem.data());
   return json;
 }

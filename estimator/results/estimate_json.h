@@ -4,6 +4,7 @@
 
 #include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,19 @@ std::string DumpJson(const nlohmann::ordered_json& json);
 // Where a joint was while the robot was measured, rad or m.
 struct MeasuredJoint {
   double least = 0.0, most = 0.0;
+};
+
+// From the least to the most.
+struct MeasuredInterval {
+  double least = 0.0, most = 0.0;
+};
+
+// When, how warm and under which loads the robot was measured.
+struct MeasuredConditions {
+  bool are_stated = false;                      // by the file of the estimate
+  std::optional<MeasuredInterval> time;         // s, as in the files of the rows; absent: no row states it
+  std::optional<MeasuredInterval> temperature;  // degC
+  double load_force = 0.0;                      // N, of the heaviest load; 0: none
 };
 
 // A robot with its surroundings, as an estimate or an experiment states it; SI.
@@ -62,7 +76,8 @@ struct KnownRobot {
   };
   std::map<std::string, Parameter> parameters;  // by coordinate name
   std::vector<MeasuredJoint> measured_joints;   // one per joint; empty: the file does not state them
-  std::vector<std::string> input_hashes;        // SHA-256 of the files it was estimated from
+  MeasuredConditions measured_conditions;
+  std::vector<std::string> input_hashes;  // SHA-256 of the files it was estimated from
 };
 
 // In mm and mrad.

@@ -13,6 +13,7 @@
 #include "estimator/results/intervals_json.h"
 #include "estimator/results/known_loads.h"
 #include "estimator/results/loading_json.h"
+#include "estimator/results/measured_conditions.h"
 #include "estimator/results/measured_joints.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
@@ -48,6 +49,9 @@ class EstimateReader {
     ReadMarkers(root_.Get("markers"));
     if (const auto joints = root_.Find("measured_joints")) {
       known_.measured_joints = MeasuredJointsFrom(*joints, known_.robot.chain);
+    }
+    if (const auto conditions = root_.Find("measured_conditions")) {
+      known_.measured_conditions = MeasuredConditionsFrom(*conditions);
     }
     if (const auto loading = root_.Find("loading")) ReadLoading(*loading, &known_.loading);
     ReadParameters();

@@ -1,0 +1,131 @@
+#include "estimator/results/measured_conditions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "estimator/report/diagnosis_words.h"
+#include "estimator/report/results_words.h"
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kBeyond = 0.1;       // of a range or of the largest load: as for joint ranges (measured_joints.cc)
+constexpr double kLeastKelvin = 0.1;  // a thermometer of a workshop says no less
+constexpr double kLeastSeconds = 60.0;
+
+void Widen(double value, std::optional<MeasuredInterval>* range) {
+  if (!*range) *range = MeasuredInterval{value, value};
+  (*range)->least = std::min((*range)->least, value);
+  (*range)->most = std::max((*range)->most, value);
+}
+
+// By how much a value is outside; 0: inside, or hardly outside.
+double BeyondBy(const std::optional<MeasuredInterval>& range, double value, double least) {
+  if (!range) return 0.0;
+  const double by = std::max(range->least - value, value - range->most);
+  return by > std::max(least, kBeyond * (range->most - range->least)) ? by : 0.0;
+}
+
+double ForceOf(const ShotInput& shot) {
+  Vector3<double> force = Vector3<double>::Zero();
+  for (const AppliedWrench& wrench : shot.conditions.load_wrenches) force += wrench.force;
+  return force.norm();
+}
+
+// What an effect goes with. A jump at a moment stays what it is, whatever comes.
+EffectDriver DriverOf(const Robot& robot, const EffectSpec& spec) {
+  const EffectDefinition* effect = FindEffect(robot, spec.effect);
+  const std::string by = spec.TextSetting("by", "");
+  if (by == "time_s") return EffectDriver::kTime;
+  if (by == "temperature_K") return EffectDriver::kTemperature;
+  const bool jumps =
+      std::any_of(effect->settings.begin(), effect->settings.end(),
+                  [](const SettingDefinition& setting) { return setting.kind == SettingDefinition::Kind::kMoment; });
+  return jumps ? EffectDriver::kJoint : effect->driven_by;
+}
+
+std::vector<std::string> DrivenBy(EffectDriver driver, const Robot& robot) {
+  std::vector<std::string> names;
+  for (const EffectSpec& spec : robot.effects) {
+    if (DriverOf(robot, spec) == driver) names.push_back(Title(robot, spec));
+  }
+  return names;
+}
+
+struct Beyond {
+  size_t shots = 0;
+  double most = 0.0;  // by which one is beyond; of loads, the largest
+
+  void Count(double by, double size) {
+    if (!(by > 0.0)) return;
+    ++shots;
+    most = std::max(most, size);
+  }
+};
+
+Json RangeToJson(const std::optional<MeasuredInterval>& range) {
+  return range ? Json::array({range->least, range->most}) : Json(nullptr);
+}
+
+std::optional<MeasuredInterval> RangeFrom(const JsonValue& json) {
+  if (json.IsNull()) return std::nullopt;
+  const std::vector<JsonValue> ends = json.Items();
+  if (ends.size() != 2 || ends[1].Number() < ends[0].Number()) json.Fail("[least, most] is expected");
+  return MeasuredInterval{ends[0].Number(), ends[1].Number()};
+}
+
+}  // namespace
+
+Json MeasuredConditionsToJson(const CalibrationProblem& problem) {
+  MeasuredConditions measured;
+  for (const int k : problem.CalibrationObservations()) {
+    const int s = problem.data().observations[k].shot;
+    const Shot& shot = problem.data().shots[s];
+    if (shot.has_time) Widen(shot.time, &measured.time);
+    if (shot.has_temperature) Widen(shot.temperature, &measured.temperature);
+    measured.load_force = std::max(measured.load_force, ForceOf(problem.shot_inputs()[s]));
+  }
+  return {{"time_s", RangeToJson(measured.time)},
+          {"temperature_degC", RangeToJson(measured.temperature)},
+          {"load_force_N", measured.load_force > 0.0 ? Json(measured.load_force) : Json(nullptr)}};
+}
+
+MeasuredConditions MeasuredConditionsFrom(const JsonValue& json) {
+  MeasuredConditions measured;
+  measured.are_stated = true;
+  measured.time = RangeFrom(json.Get("time_s"));
+  measured.temperature = RangeFrom(json.Get("temperature_degC"));
+  const JsonValue force = json.Get("load_force_N");
+  if (!force.IsNull()) measured.load_force = force.PositiveNumber();
+  return measured;
+}
+
+std::vector<std::string> BeyondMeasuredInWords(const KnownRobot& known, const CalibrationProblem& problem) {
+  const MeasuredConditions& measured = known.measured_conditions;
+  if (!measured.are_stated) return {};
+  Beyond late, warm, heavy;
+  for (size_t s = 0; s < problem.data().shots.size(); ++s) {
+    const Shot& shot = problem.data().shots[s];
+    const ShotInput& input = problem.shot_inputs()[s];
+    const double by_time = shot.has_time ? BeyondBy(measured.time, shot.time, kLeastSeconds) : 0.0;
+    const double by_heat = shot.has_temperature ? BeyondBy(measured.temperature, shot.temperature, kLeastKelvin) : 0.0;
+    const double force = input.terms.elastic.empty() ? 0.0 : ForceOf(input);
+    late.Count(by_time, by_time);
+    warm.Count(by_heat, by_heat);
+    heavy.Count(force - (1.0 + kBeyond) * measured.load_force, force);
+  }
+  const size_t all = problem.data().shots.size();
+  std::vector<std::string> words;
+  const std::vector<std::string> by_time = DrivenBy(EffectDriver::kTime, known.robot);
+  if (late.shots > 0 && !by_time.empty()) words.push_back(ShotsBeyondTime(late.shots, all, late.most, by_time));
+  const std::vector<std::string> by_heat = DrivenBy(EffectDriver::kTemperature, known.robot);
+  if (warm.shots > 0 && !by_heat.empty()) words.push_back(ShotsBeyondTemperature(warm.shots, all, warm.most, by_heat));
+  if (heavy.shots > 0) words.push_back(ShotsBeyondLoads(heavy.shots, all, heavy.most, measured.load_force));
+  return words;
+}
+
+}  // namespace sagitta
