@@ -68,6 +68,8 @@ struct Robot {
   std::vector<JointCompliance> compliances;
   std::optional<GravityCompensator> gravity_compensator;
   std::vector<EffectSpec> effects;  // all other effects, with values
+  // degC, from which temperature counts for its effects; absent: from the mean of whatever rows are measured.
+  std::optional<double> reference_temperature;
   // Definitions of the user's own that `effects` and the diagnosis may use in addition to the catalogue.
   std::vector<const EffectDefinition*> own_effects;
 

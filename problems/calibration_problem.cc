@@ -257,8 +257,21 @@ std::vector<std::string> CalibrationProblem::InputPaths() const {
 
 std::vector<int> CalibrationProblem::ValidationObservations() const { return ObservationsOf(*data_, true); }
 
+// What the robot's temperature counts from where an effect goes with it.
+std::optional<double> CalibrationProblem::ReferenceTemperature() const {
+  const std::vector<EffectSpec>& effects = robot().effects;
+  const auto is_warm = [this](const EffectSpec& spec) {
+    return FindEffect(robot(), spec.effect)->DrivenBy(spec) == EffectDriver::kTemperature;
+  };
+  const bool is_measured =
+      std::any_of(data_->shots.begin(), data_->shots.end(), [](const Shot& shot) { return shot.has_temperature; });
+  if (!is_measured || std::none_of(effects.begin(), effects.end(), is_warm)) return std::nullopt;
+  return OriginsOf(*data_, *experiment_).mean_temperature;
+}
+
 Robot CalibrationProblem::RobotWith(const ParameterSet& own) const {
   Robot robot = model_->WithValues(own.ModelValues());
+  robot.reference_temperature = ReferenceTemperature();
   for (EffectSpec& spec : robot.effects) {
     std::vector<std::string> names;
     for (const EffectParameter& part : FindEffect(robot, spec.effect)->parameters(robot, spec)) {
@@ -307,6 +320,7 @@ CalibrationProblem CalibrationProblem::WithEffects(const std::vector<EffectSpec>
 
 CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experiment experiment) {
   CheckStructure(robot, data);
+  CountFromReference(robot, &experiment);
   CheckExperiment(experiment);
   SplitConfigurations(experiment.validation, &data);
   CheckLoadStates(&data);
@@ -340,6 +354,7 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
 CalibrationProblem MakeKnownProblem(const Robot& robot, Measurements data, Experiment experiment,
                                     const KnownPlaces& places) {
   CheckStructure(robot, data, MarkerlessRows::kAllowed);
+  CountFromReference(robot, &experiment);
   for (const auto& [name, marker] : places.markers) experiment.markers[name] = marker;
   // Rows need not have every station and marker of the calibration.
   KeepNamed(data.stations, &experiment.stations);

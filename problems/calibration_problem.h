@@ -108,6 +108,8 @@ class CalibrationProblem {
   std::vector<std::string> InputPaths() const;
   // The robot with these values, and with the priors of its effects that these parameters have.
   Robot RobotWith(const ParameterSet& own) const;
+  // degC; absent: no effect of the robot goes with a temperature that is measured.
+  std::optional<double> ReferenceTemperature() const;
 
   // Observations that are fitted, and those of held-out configurations, by index; none that is excluded.
   std::vector<int> CalibrationObservations() const;

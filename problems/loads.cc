@@ -128,6 +128,12 @@ ConditionOrigins OriginsOf(const Measurements& data, const Experiment& experimen
   return origins;
 }
 
+void CountFromReference(const Robot& robot, Experiment* experiment) {
+  if (!robot.reference_temperature || experiment->origins) return;
+  experiment->origins = ConditionOrigins();
+  experiment->origins->mean_temperature = *robot.reference_temperature;
+}
+
 bool IsLoaded(const Shot& shot) { return shot.load != kNoLoad; }
 
 void CheckLoadStates(Measurements* data) {

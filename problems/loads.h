@@ -24,6 +24,9 @@ void CheckStatedLoads(const Experiment& experiment, Measurements* data);
 // Those of the experiment where it states them; a station that it does not know counts from its own earliest row.
 ConditionOrigins OriginsOf(const Measurements& data, const Experiment& experiment);
 
+// The robot's temperature counts from where its file says, unless the experiment says it.
+void CountFromReference(const Robot& robot, Experiment* experiment);
+
 // One input per shot, prepared for the model: joint values, conditions, the
 // tool's weight, the shot's own load.
 // A load acts at its own point or at load_point; its force is the row's or, where the columns of the force are absent

@@ -19,8 +19,6 @@ EDGES = {  # folder: why text is compared there
 }
 EXCEPTIONS = {  # (file, text of the line): why
     ('estimator/results/estimate_reader.cc', 'schema->json() != "sagitta/estimate/1"'): 'reads a file: is it one of ours',
-    ('estimator/predict.cc', 'by == "temperature_K"'): 'reads a setting of an effect',
-    ('estimator/predict.cc', 'spec.effect.rfind("learnt_", 0)'): 'reads the name of an effect',
     ('estimator/results/program_compensation.cc', 'value != "same"'): 'reads an option: the word becomes a pose',
     ('estimator/results/next_csv.cc', 'names.count(column) > 0 || column.rfind("sigma_", 0)'):
         'writes a table: headers of the measured file',

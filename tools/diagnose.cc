@@ -16,6 +16,7 @@
 #include "estimator/results/next_csv.h"
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
+#include "models/effects/catalogue.h"
 #include "problems/input_error.h"
 #include "problems/io/csv_table.h"
 #include "problems/io/files.h"
@@ -182,11 +183,22 @@ Diagnosis DiagnoseWithProgress(const CalibrationProblem& problem, bool quiet, Di
   return diagnosis;
 }
 
+// Effects that go with times, which count anew in each campaign.
+std::vector<std::string> OfThisCampaign(const Robot& robot) {
+  std::vector<std::string> names;
+  for (const EffectSpec& spec : robot.effects) {
+    if (FindEffect(robot, spec.effect)->DrivenBy(spec) == EffectDriver::kTime) names.push_back(Title(robot, spec));
+  }
+  return names;
+}
+
 void SayWhereResultsAre(const Diagnosis& diagnosis, const std::string& folder, bool against_columns) {
   std::cout << "\n"
             << ResultsIn(folder,
                          {"diagnosis.json", "robot.extended.yaml", "estimate.json", "residuals.csv", "report.html"});
-  if (!diagnosis.effects.empty() && !against_columns) std::cout << HowToGoOnWithEffects();
+  if (!diagnosis.effects.empty() && !against_columns) {
+    std::cout << HowToGoOnWithEffects(OfThisCampaign(RobotOf(diagnosis.final)));
+  }
   const std::vector<std::string> older = OlderFiles(diagnosis, folder);
   if (!older.empty()) std::cout << OlderFilesIn(folder, older);
 }

@@ -36,22 +36,12 @@ double ForceOf(const ShotInput& shot) {
   return force.norm();
 }
 
-// What an effect goes with. A jump at a moment stays what it is, whatever comes.
-EffectDriver DriverOf(const Robot& robot, const EffectSpec& spec) {
-  const EffectDefinition* effect = FindEffect(robot, spec.effect);
-  const std::string by = spec.TextSetting("by", "");
-  if (by == "time_s") return EffectDriver::kTime;
-  if (by == "temperature_K") return EffectDriver::kTemperature;
-  const bool jumps =
-      std::any_of(effect->settings.begin(), effect->settings.end(),
-                  [](const SettingDefinition& setting) { return setting.kind == SettingDefinition::Kind::kMoment; });
-  return jumps ? EffectDriver::kJoint : effect->driven_by;
-}
-
+// Effects that go with it; what happened at a moment stays as it is.
 std::vector<std::string> DrivenBy(EffectDriver driver, const Robot& robot) {
   std::vector<std::string> names;
   for (const EffectSpec& spec : robot.effects) {
-    if (DriverOf(robot, spec) == driver) names.push_back(Title(robot, spec));
+    const EffectDefinition& effect = *FindEffect(robot, spec.effect);
+    if (!effect.IsOfAMoment() && effect.DrivenBy(spec) == driver) names.push_back(Title(robot, spec));
   }
   return names;
 }

@@ -1,5 +1,6 @@
 #include "models/effects/effect.h"
 
+#include <algorithm>
 #include <charconv>
 #include <system_error>
 
@@ -51,6 +52,18 @@ double EffectSpec::NumberSetting(const std::string& name, double otherwise) cons
 std::string EffectSpec::TextSetting(const std::string& name, const std::string& otherwise) const {
   const auto found = settings.find(name);
   return found == settings.end() ? otherwise : found->second;
+}
+
+EffectDriver EffectDefinition::DrivenBy(const EffectSpec& spec) const {
+  const std::string by = spec.TextSetting("by", "");
+  if (by == "time_s") return EffectDriver::kTime;
+  if (by == "temperature_K") return EffectDriver::kTemperature;
+  return driven_by;
+}
+
+bool EffectDefinition::IsOfAMoment() const {
+  return std::any_of(settings.begin(), settings.end(),
+                     [](const SettingDefinition& setting) { return setting.kind == SettingDefinition::Kind::kMoment; });
 }
 
 std::string JointThatSlides(const Chain& chain, const EffectDefinition& definition, const EffectSpec& spec) {

@@ -284,6 +284,10 @@ struct EffectDefinition {
   double largest = 5.0;  // that machines show, in hold limits (QuantityTraits) of its parameters
 
   PressedBy PressedByOf(const EffectSpec& spec) const { return pressed_by ? pressed_by(spec) : PressedBy::kNothing; }
+  // driven_by, or what the setting `by` of a learnt one says.
+  EffectDriver DrivenBy(const EffectSpec& spec) const;
+  // Something that happens at a moment: as it is from there on, whatever comes.
+  bool IsOfAMoment() const;
 };
 
 // The joint of this use that slides although the effect is of joints that turn; "": none. All its joints are there.

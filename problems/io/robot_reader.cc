@@ -197,6 +197,7 @@ Robot ReadRobot(const YamlValue& root, const std::string& file,
   const auto compliance = map.Find("compliance");
   const auto compensator = map.Find("gravity_compensator");
   const auto effects = map.Find("effects");
+  const auto reference = map.Find("reference_temperature_degC");
   map.Finish();
 
   std::vector<Joint> joints;
@@ -216,6 +217,7 @@ Robot ReadRobot(const YamlValue& root, const std::string& file,
   if (compliance) robot.compliances = ReadCompliances(*compliance, joints);
   if (compensator) robot.gravity_compensator = ReadGravityCompensator(*compensator, joints);
   if (effects) robot.effects = ReadEffects(*effects, robot);
+  if (reference) robot.reference_temperature = reference->Number();
   return robot;
 }
 

@@ -177,6 +177,7 @@ Json RobotToJson(const Robot& robot) {
   if (robot.gravity_compensator) json["gravity_compensator"] = CompensatorToJson(chain, *robot.gravity_compensator);
   json["effects"] = Json::array();
   for (const EffectSpec& effect : robot.effects) json["effects"].push_back(EffectToJson(robot, effect));
+  if (robot.reference_temperature) json["reference_temperature_degC"] = *robot.reference_temperature;
   return json;
 }
 

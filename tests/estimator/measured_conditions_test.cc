@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "estimator/sagitta.h"
+#include "problems/io/robot_file.h"
 #include "tests/support/loaded_kr270.h"
 
 namespace sagitta::measured_conditions_test {
@@ -68,6 +69,7 @@ TEST(MeasuredConditions, AnotherDayIsBeyondADrift) {
   EXPECT_THAT(SaidAfter(Calibrated({{"station_drift", "S1", {}, {}}}), another_day),
               ElementsAre(AllOf(HasSubstr("8 of 60 shots"), HasSubstr("by up to 24 h"), HasSubstr("S1"))));
   EXPECT_THAT(SaidAfter(Calibrated({}), another_day), IsEmpty());  // nothing goes with the time
+  EXPECT_THAT(SaidAfter(Calibrated({{"joint_slip", "A3", {{"after_s", "600"}}, {}}}), another_day), IsEmpty());
 }
 
 TEST(MeasuredConditions, AWarmerDayIsBeyondAGrowth) {
@@ -82,6 +84,30 @@ TEST(MeasuredConditions, AHeavierLoadIsBeyondTheCompliances) {
   const auto heavier = [](Shot* shot) { shot->wrench.force *= 1.5; };
   EXPECT_THAT(SaidAfter(Calibrated({}), heavier),
               ElementsAre(AllOf(HasSubstr("4 of 60 shots"), HasSubstr("3680 N"), HasSubstr("2450 N"))));
+}
+
+// The next campaign is warmer, its mean another one: the growth counts from where it was found.
+TEST(MeasuredConditions, ARobotFileKnowsTheTemperatureItsGrowthCountsFrom) {
+  EffectSpec growth{"thermal_growth", "robot", {}, {}};
+  growth.values = {10e-6};
+  const Measured measured = Calibrated({growth});
+  const Robot robot = ReadRobotText(RobotToYaml(measured.known.robot), "robot.yaml");
+  ASSERT_TRUE(robot.reference_temperature.has_value());
+  EXPECT_DOUBLE_EQ(*robot.reference_temperature, 21.5);
+  Measurements warm = measured.rows;
+  for (Shot& shot : warm.shots) shot.temperature += 10.0;
+  const CalibrationProblem next = MakeCalibrationProblem(robot, warm, measured.known.loading);
+  EXPECT_NEAR(next.shot_inputs()[0].conditions.temperature, 30.0 - 21.5, 1e-12);
+  Experiment bare = measured.known.loading;
+  bare.origins.reset();
+  const CalibrationProblem anew = MakeCalibrationProblem(robot, warm, bare);
+  EXPECT_NEAR(anew.shot_inputs()[0].conditions.temperature, 30.0 - 21.5, 1e-12);
+  EXPECT_EQ(anew.RobotWith(anew.parameters).reference_temperature, robot.reference_temperature);
+  Robot cold = robot;
+  cold.reference_temperature.reset();
+  EXPECT_NEAR(MakeCalibrationProblem(cold, warm, bare).shot_inputs()[0].conditions.temperature, -1.5, 1e-12);
+  // Nothing goes with the temperature: the file says nothing of it.
+  EXPECT_FALSE(Calibrated({}).known.robot.reference_temperature.has_value());
 }
 
 TEST(MeasuredConditions, AreInTheFile) {

@@ -28,9 +28,13 @@ std::string OlderFilesIn(const std::string& folder, const std::vector<std::strin
   return "Of an earlier run are in " + folder + ": " + Joined(files) + "; this one has nothing to write there.\n";
 }
 
-std::string HowToGoOnWithEffects() {
-  return "Go on with what was found: sagitta validate, predict and compensate read estimate.json, which has it; "
-         "robot.extended.yaml is the robot file for the next measurements.\n";
+std::string HowToGoOnWithEffects(const std::vector<std::string>& of_this_campaign) {
+  const std::string words =
+      "Go on with what was found: sagitta validate, predict and compensate read estimate.json, which has it; "
+      "robot.extended.yaml is the robot file for the next measurements.";
+  if (of_this_campaign.empty()) return words + "\n";
+  return words + " Only this campaign has " + Enumerate(of_this_campaign) +
+         ", at times that count from its first row: strike it from effects there before another one is calibrated.\n";
 }
 
 std::string ComparisonInWords(const Changes& changes) {

@@ -19,8 +19,8 @@ std::string OlderFilesIn(const std::string& folder, const std::vector<std::strin
 // What an interrupted run of so many trials knows; covered: share.
 std::string TrialsAreKept(int done, int trials, double covered, const std::string& folder);
 
-// After a diagnosis that names effects.
-std::string HowToGoOnWithEffects();
+// After a diagnosis that names effects; of_this_campaign: those of them that go with times.
+std::string HowToGoOnWithEffects(const std::vector<std::string>& of_this_campaign);
 
 // How far two estimates are apart, and what else may have changed.
 std::string ComparisonInWords(const Changes& changes);
