@@ -11,6 +11,7 @@ namespace sagitta {
 // Files of a diagnosis that its words name.
 constexpr char kNextFile[] = "next.csv";
 constexpr char kLearntFile[] = "robot.learnt.yaml";
+constexpr char kNextRobotFile[] = "robot.next.yaml";  // where effects go with times of this campaign
 constexpr char kLearntEstimateFile[] = "estimate.learnt.json";
 
 // "51 %"; below and above what percents can say in words.

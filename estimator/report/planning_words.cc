@@ -25,7 +25,9 @@ std::string InWords(CriterionKind kind) {
 }
 
 std::string OrderIsMixed() {
-  return "The order is mixed at random, so that what goes with time is not mistaken for what goes with the place.";
+  return "The order is mixed at random, so that what goes with time is not mistaken for what goes with the place. "
+         "Each pose is assumed to be measured at the time of the configuration that it is measured like; the plan "
+         "states no times, and at others what goes with time may be several times less well known than predicted.";
 }
 
 std::string OrderIsShort(double share) {

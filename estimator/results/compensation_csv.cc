@@ -42,6 +42,7 @@ class ColumnWriter {
 }  // namespace
 
 Chain NominalChain(const KnownRobot& known) {
+  if (known.robot.controller) return known.robot.controller->chain;
   const ForwardModel model(known.robot);
   std::map<std::string, double> errors;
   for (const ModelParameter& parameter : model.parameters()) {
@@ -137,6 +138,9 @@ CompensationInput MakeCompensationInput(const KnownRobot& known, const Targets& 
   CompensationInput input{
       MakeKnownProblem(WithEffectsOfTheArm(known), targets.shots, known.loading, {known.base_in_station, {}}),
       NominalChain(known), known.uncertainty, known.rest, known.noise.freedom};
+  std::vector<std::string> names = known.uncertainty.estimated;
+  names.insert(names.end(), known.uncertainty.held.begin(), known.uncertainty.held.end());
+  input.flange = FlangeFromMarkers(known.markers, names);
   SetAfterMoments(&input.problem);
   CheckColumnsOfTargets(input.problem, from);
   return input;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "estimator/report/diagnosis_words.h"
 #include "estimator/report/planning_words.h"
 #include "estimator/statistics/distributions.h"
 #include "problems/io/files.h"
@@ -30,11 +31,10 @@ std::string OlderFilesIn(const std::string& folder, const std::vector<std::strin
 
 std::string HowToGoOnWithEffects(const std::vector<std::string>& of_this_campaign) {
   const std::string words =
-      "Go on with what was found: sagitta validate, predict and compensate read estimate.json, which has it; "
-      "robot.extended.yaml is the robot file for the next measurements.";
-  if (of_this_campaign.empty()) return words + "\n";
-  return words + " Only this campaign has " + Enumerate(of_this_campaign) +
-         ", at times that count from its first row: strike it from effects there before another one is calibrated.\n";
+      "Go on with what was found: sagitta validate, predict and compensate read estimate.json, which has it; ";
+  if (of_this_campaign.empty()) return words + "robot.extended.yaml is the robot file for the next measurements.\n";
+  return words + kNextRobotFile + " is the robot file for the next measurements: robot.extended.yaml has " +
+         Enumerate(of_this_campaign) + " at times that count from the first row of this campaign.\n";
 }
 
 std::string ComparisonInWords(const Changes& changes) {
