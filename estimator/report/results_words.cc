@@ -78,12 +78,24 @@ std::string ShotsBeyondTemperature(size_t beyond, size_t shots, double most, con
          " K" + NothingHasChecked(effects);
 }
 
+std::string ShotsAroundMoment(size_t around, size_t shots, const std::string& effect) {
+  return ShotsBeyond(around, shots) + " between the two readings between which " + effect +
+         " happened: whether before or after it is not known, and no standard deviation allows for that";
+}
+
 std::string ShotsBeyondLoads(size_t beyond, size_t shots, double largest, double calibrated) {
   const std::string of_calibration =
       calibrated > 0.0 ? "the calibration's loads pull with at most " + Significant(calibrated, 3) + " N"
                        : "the calibration has no load";
   return ShotsBeyond(beyond, shots) + " under loads of up to " + Significant(largest, 3) + " N, and " + of_calibration +
          ": nothing has checked the deflections there";
+}
+
+std::string LearntFunctionsAreHeld(const std::vector<std::string>& effects) {
+  return Enumerate(effects, 4) + (effects.size() == 1 ? " is" : " are") +
+         " held as learnt from the rows of another run: no interval allows for what is off in it. The "
+         "estimate.learnt.json "
+         "of that run allows for it";
 }
 
 std::string PosesOutsideMeasured(size_t outside, size_t poses, const std::vector<std::string>& joints) {

@@ -21,7 +21,11 @@ std::string WhatTheWayDoes(const KnownRobot& known);
 // effects go with, loads (N; calibrated: the heaviest one of the calibration, 0: none).
 std::string ShotsBeyondTime(size_t beyond, size_t shots, double most, const std::vector<std::string>& effects);
 std::string ShotsBeyondTemperature(size_t beyond, size_t shots, double most, const std::vector<std::string>& effects);
+std::string ShotsAroundMoment(size_t around, size_t shots, const std::string& effect);
 std::string ShotsBeyondLoads(size_t beyond, size_t shots, double largest, double calibrated);
+
+// Learnt functions of a robot file that is calibrated; effects: their titles.
+std::string LearntFunctionsAreHeld(const std::vector<std::string>& effects);
 
 // Poses outside the joint ranges of the calibration; joints: "j1 by 100 deg".
 std::string PosesOutsideMeasured(size_t outside, size_t poses, const std::vector<std::string>& joints);
