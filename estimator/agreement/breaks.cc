@@ -141,8 +141,7 @@ class BreakSearch {
     return columns * directions;
   }
 
-  // Rows, projected off what is estimated and off a zero of each joint that is off all the time, estimated or not:
-  // poses that go with the order of the rows make a constant error look like one that began. And their order.
+  // Rows, projected off what is estimated, and their order.
   bool Prepare() {
     const std::vector<int> fitted =
         SampleConfigurations(problem_.data(), problem_.CalibrationObservations(), columns_.size(), kLooked);
@@ -156,9 +155,6 @@ class BreakSearch {
     const LinearSolution solution = SolveLinearization(own);
     if (!solution.full_rank) return false;
     basis_ = TallProduct(own.jacobian, solution.covariance_root);
-    const Eigen::MatrixXd offsets = NewDirections(rows_.latent);
-    basis_.conservativeResize(Eigen::NoChange, basis_.cols() + offsets.cols());
-    basis_.rightCols(offsets.cols()) = offsets;
     residual_ = rows_.residual - basis_ * (basis_.transpose() * rows_.residual);
     squares_ = residual_.squaredNorm();
     Order();
@@ -207,7 +203,8 @@ class BreakSearch {
   }
 
   // What the columns explain of a load's rows is the load's: where another begins, what the model lacks of loads looks
-  // like a step. All loads together are what is off all the time, where it is not estimated.
+  // like a step. All loads together are what is off all the time, estimated or not: poses that go with the order of the
+  // rows make a constant error look like one that began.
   Eigen::MatrixXd ByLoads(const Cause& cause, const Eigen::MatrixXd& columns) const {
     const auto loads = static_cast<Eigen::Index>(loads_.size()), d = columns.cols();
     Eigen::MatrixXd by_load = Eigen::MatrixXd::Zero(columns.rows(), loads * d);

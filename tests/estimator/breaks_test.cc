@@ -120,7 +120,7 @@ TEST(Breaks, NothingIsFoundWhereNothingMoved) {
 // Geometry that is believed although it is wrong is wrong all the time.
 TEST(Breaks, AnErrorThatIsNotEstimatedIsNone) {
   int found = 0;
-  for (std::uint64_t seed = 60; seed < 460; ++seed) {
+  for (std::uint64_t seed = 60; seed < 90; ++seed) {
     test::Kr270Design design;
     design.configurations = 45;
     design.stations = 1;
@@ -136,7 +136,6 @@ TEST(Breaks, AnErrorThatIsNotEstimatedIsNone) {
     const CalibrationProblem problem = test::Kr270ProblemOf(data, experiment);
     found += FindBreak(problem, EstimateJointly(problem)).has_value();
   }
-  printf("FOUND %d of 400\n", found);
   EXPECT_LE(found, 2);  // at significance 0.01, of 30 more than two are one in three hundred
 }
 
