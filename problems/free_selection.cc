@@ -134,6 +134,11 @@ void SetByName(const std::vector<std::string>& names, const char* key, bool free
     const std::vector<int> matches = parameters.Match(name);
     if (matches.empty()) {
       RefuseUnlistedCompliance(*problem, name, key);
+      const size_t star = name.find("/*");
+      if (star != std::string::npos && !parameters.Match(name.substr(0, star)).empty()) {
+        FailProblem(*problem, key, "there is no parameter '" + name + "'",
+                    "'" + name.substr(0, star) + "' stands for all whose names begin so");
+      }
       FailProblem(*problem, key, "there is no parameter '" + name + "'",
                   SpellingHint(name, KnownNextTo(name, parameters)));
     }
