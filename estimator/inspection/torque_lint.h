@@ -12,6 +12,7 @@
 
 namespace sagitta {
 
+// One joint.
 struct JointTorqueComparison {
   int joint = -1;
   int shots = 0;
@@ -22,6 +23,7 @@ struct JointTorqueComparison {
   bool varies = false;                                                  // what the model expects
 };
 
+// All joints of rows that state torques.
 struct TorqueComparison {
   std::vector<JointTorqueComparison> joints;  // empty: no row states torques
   bool measured_count = false;                // `torques: measured`

@@ -1,7 +1,6 @@
 #include "estimator/report/agreement_words.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "problems/text.h"
 
@@ -62,22 +61,20 @@ std::string Advised(const CalibrationProblem& problem) {
 
 void DescribeSandwich(const CalibrationProblem& problem, AgreementReport* report) {
   if (!report->sandwich_advised) return;
-  constexpr double kSaid = 2.0;     // standard deviations
-  constexpr double kAsWide = 0.05;  // an interval's width is hardly known to that
+  constexpr double kSaid = 2.0;  // standard deviations
   std::string words = "The intervals assume that the rows are independent and alike. ";
   if (report->shared_errors > kSaid) {
     words += "Points of one shot err alike (by " + Significant(report->shared_errors, 2) +
              " standard deviations of chance): the arm is off there, not the instrument. ";
   }
-  const bool is_as_wide = std::abs(report->sandwich_ratio - 1.0) < kAsWide && !(report->random_share_model > 0.0);
   words += "Judged by whole configurations (covariance: sandwich) they would be " +
-           (is_as_wide ? std::string("as wide") : Significant(report->sandwich_ratio, 2) + " times as wide (median)");
+           Significant(report->sandwich_ratio, 2) + " times as wide (median)";
   if (report->random_share_model > 0.0) {
     words += "; of the differences between random halves their joint 95 % intervals hold " +
              WholePercent(report->random_share_model) + ", with the sandwich " +
              WholePercent(report->random_share_sandwich);
   }
-  report->words.push_back(words + (is_as_wide ? ": nothing has to be changed." : ". " + Advised(problem)));
+  report->words.push_back(words + ". " + Advised(problem));
 }
 
 }  // namespace
