@@ -12,7 +12,7 @@ namespace sagitta {
 namespace {
 
 // Of the variance of a prior: rows that reduce it by no more than that cannot contradict it.
-constexpr double kRowsSayNothing = 1e-6;
+constexpr double kLeastRemoved = 1e-6;
 
 // One direction of what priors state, in units of theirs: how far apart rows and prior are, and the variance of the
 // rows.
@@ -52,7 +52,7 @@ std::vector<Apart> DirectionsApart(const CalibrationProblem& problem, const Line
   std::vector<Apart> directions;
   for (Eigen::Index a = 0; a < n; ++a) {
     const double removed = 1.0 - eigen.eigenvalues()[a];
-    if (removed > kRowsSayNothing) directions.push_back({along[a] / removed, 1.0 / removed - 1.0});
+    if (removed > kLeastRemoved) directions.push_back({along[a] / removed, 1.0 / removed - 1.0});
   }
   return directions;
 }

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "models/constants.h"
+#include "tests/support/kr270_experiment.h"
 #include "tools/report/command_words.h"
+#include "tools/report/first_screen.h"
 #include "tools/report/parameter_section.h"
 
 namespace sagitta::parameter_pictures_test {
@@ -63,6 +65,22 @@ TEST(CommandWords, WhatIsNothingIsNotGivenANumber) {
   EXPECT_THAT(ComparisonInWords(changes), Not(HasSubstr("removed")));
   changes.changes.emplace_back();
   EXPECT_THAT(ComparisonInWords(changes), HasSubstr("with that removed"));
+}
+
+// A loss leaves outliers out of what is said below; those that share a cause stay in it.
+TEST(SuspectRows, AreSaidToBeLeftOutWhereALossDidThat) {
+  Calibration calibration{test::Kr270Problem({}, test::Kr270Truth(), 1), {}, {}};
+  calibration.trust.suspects = {{3, "m.csv:5", "off"}, {4, "m.csv:6", "off"}};
+  const auto words = [&] { return SuspectRows(calibration, "").paragraphs.back(); };
+  EXPECT_THAT(words(), HasSubstr("holds with them"));
+  calibration.estimate.noise_report.outliers.resize(1);
+  calibration.estimate.noise_report.outliers[0].observation = 3;
+  EXPECT_THAT(words(), HasSubstr("1 is left out of all figures"));
+  calibration.estimate.noise_report.outliers.resize(2);
+  calibration.estimate.noise_report.outliers[1].observation = 4;
+  EXPECT_THAT(words(), HasSubstr("the others alone"));
+  calibration.estimate.noise_report.systematic = true;
+  EXPECT_THAT(words(), HasSubstr("holds with them"));
 }
 
 // Of 0.0005 mm four decimals have one digit.

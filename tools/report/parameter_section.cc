@@ -116,7 +116,7 @@ Section ParameterSection(const CalibrationProblem& problem, const Estimate& esti
   if (any_turned) {
     section.paragraphs.push_back(
         "rx, ry, rz: components of a rotation vector; their ± is that of a further turn about the axes x, y, z of the "
-        "frame that it turns into, not of the component, which a turn about another axis changes too.");
+        "frame in which the rotation is stated, not of the component, which a turn about another axis changes too.");
   }
   if (any_by_prior) {
     section.paragraphs.push_back(
