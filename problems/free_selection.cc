@@ -128,14 +128,21 @@ class ModelSelection {
   std::vector<std::string> errors_, compliant_, spring_;
 };
 
+// A name stands for all that begin with it and a slash; nothing is written as a pattern.
+std::string HintFor(const std::string& name, const ParameterSet& parameters) {
+  const bool is_pattern = name.size() > 2 && name.back() == '*';
+  const std::string group = is_pattern ? name.substr(0, name.size() - 2) : "";
+  if (is_pattern && !parameters.Match(group).empty()) return "'" + group + "' stands for all whose names begin so";
+  return SpellingHint(name, KnownNextTo(name, parameters));
+}
+
 void SetByName(const std::vector<std::string>& names, const char* key, bool free, CalibrationProblem* problem) {
   ParameterSet& parameters = problem->parameters;
   for (const std::string& name : names) {
     const std::vector<int> matches = parameters.Match(name);
     if (matches.empty()) {
       RefuseUnlistedCompliance(*problem, name, key);
-      FailProblem(*problem, key, "there is no parameter '" + name + "'",
-                  SpellingHint(name, KnownNextTo(name, parameters)));
+      FailProblem(*problem, key, "there is no parameter '" + name + "'", HintFor(name, parameters));
     }
     for (const int i : matches) parameters.coordinate(i).free = free;
   }

@@ -19,6 +19,7 @@
 #include "tools/commands.h"
 #include "tools/progress.h"
 #include "tools/report/command_words.h"
+#include "tools/report/summary.h"
 #include "tools/run_command.h"
 
 DEFINE_string(program, "", "FILE: a robot program (KRL, RAPID, URScript, FANUC LS) whose points are the targets");
@@ -47,7 +48,7 @@ void Summarise(const std::vector<CompensatedTarget>& results, const std::string&
   }
   std::vector<std::string> parts;
   for (const auto& [status, number] : count) parts.push_back(std::to_string(number) + " " + status);
-  std::cout << results.size() << " targets: " << Enumerate(parts) << ": " << out << "\n";
+  std::cout << Plural(static_cast<int>(results.size()), "target") << ": " << Enumerate(parts) << ": " << out << "\n";
   if (solved == 0) return;
   std::cout << CompensationInWords(before, after, u95) << FlangeOfTheMarkers();
 }

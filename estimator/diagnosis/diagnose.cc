@@ -435,7 +435,7 @@ class Session {
     std::vector<std::pair<EffectSpec, double>> unconfirmed;
     for (const SelectedEffect& effect : unconfirmed_)
       unconfirmed.emplace_back(effect.candidate.spec, ProbabilityOf(effect));
-    if (!unconfirmed.empty()) d_.cautions.push_back(NotConfirmed(unconfirmed));
+    if (!unconfirmed.empty()) d_.cautions.push_back(NotConfirmed(problem_.robot(), unconfirmed));
     CautionOfNotNamed(unconfirmed, &d_);
     CautionOfHoldout(d_.final, d_.has_unexplained, IsSigmaStated(problem_), options_.significance, &d_.cautions);
   }

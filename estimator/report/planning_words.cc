@@ -47,8 +47,8 @@ std::vector<std::string> AssumptionsInWords(const Plan& plan, bool candidates_ar
   if (plan.moved) words.push_back("The poses chosen were moved to where they determine more.");
   words.push_back(plan.order);
   if (plan.knee > 0) {
-    words.push_back("From " + std::to_string(plan.knee) +
-                    " poses on, more poses only average the noise (the error falls no faster than N^-0.6).");
+    words.push_back("From " + std::to_string(plan.knee) + (plan.knee == 1 ? " pose" : " poses") +
+                    " on, more poses only average the noise (the error falls no faster than N^-0.6).");
   }
   if (plan.field_amplitude > 0.0) {
     words.push_back(

@@ -254,6 +254,11 @@ Json SigmaToJson(const Estimate& estimate) {
   json["estimated_mm"] = stated ? Json(nullptr) : Json(Millimetres(estimated));
   if (rotation != nullptr) json["estimated_rotation_mrad"] = 1e3 * rotation->value;
   json["p_value"] = sigma.p_value;
+  if (sigma.pull.priors > 0) {
+    json["priors"] = {{"chi2", stated ? Json(sigma.pull.squares) : Json(nullptr)},
+                      {"number", sigma.pull.priors},
+                      {"set_aside", sigma.pull.is_set_aside}};
+  }
   return json;
 }
 

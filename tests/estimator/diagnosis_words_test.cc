@@ -119,8 +119,8 @@ TEST(DiagnosisWords, WhyAProbableEffectIsNotNamedIsACaution) {
   d.posterior.sets = {{0.6, {named, refused}, {}}, {0.4, {left}, {}}};
   CautionOfNotNamed({{unconfirmed, 0.97}}, &d);
   ASSERT_EQ(d.cautions.size(), 2u);
-  EXPECT_THAT(d.cautions[0], AllOf(StartsWith("encoder_gain on A3 (93 %) is probable"), HasSubstr("full model")));
-  EXPECT_THAT(d.cautions[1], AllOf(StartsWith("link_gravity on A2 (95 %) is probable"), HasSubstr("as a whole")));
+  EXPECT_THAT(d.cautions[0], AllOf(HasSubstr("(encoder_gain, A3) with 93 % is probable"), HasSubstr("full model")));
+  EXPECT_THAT(d.cautions[1], AllOf(HasSubstr("(link_gravity, A2) with 95 % is probable"), HasSubstr("as a whole")));
 }
 
 TEST(DiagnosisWords, AVerdictOfFortyOneEffectsHasFiveLines) {

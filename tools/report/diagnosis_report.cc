@@ -240,6 +240,11 @@ Section WhereSection(const Diagnosis& d) {
   Section section;
   section.title = "Where they disagree";
   section.paragraphs = {"Share of the excess chi-square of the believed model."};
+  if (bars.empty()) {
+    section.paragraphs = {
+        "No joint, marker, load, station or time has more chi-square than the noise by which the believed "
+        "model is judged: there is nothing to draw."};
+  }
   if (!bars.empty()) section.pictures = {BarPicture("Where the gap sits", "share, %", bars)};
   return section;
 }
