@@ -319,6 +319,9 @@ void CheckProgramIsKept(const std::string& program, const std::string& out, cons
 
 CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram program, const ProgramScene& stated,
                                      int threads, const std::function<void(size_t done)>& progress) {
+  if (!stated.turn_joints.empty() && program.dialect != ProgramDialect::kFanuc) {
+    throw InputError({program.path, 0, "--turn_joints"}, "only FANUC positions count turns of three joints");
+  }
   const std::string& station = StationOfTargets(known);
   const Chain nominal = NominalChain(known);
   CompensatedProgram result;
@@ -393,7 +396,7 @@ std::string ListOf(std::vector<LineWords> lines) {
 
 std::string SummaryOf(const CompensatedProgram& result) {
   int corrected = 0;
-  double before = 0.0, u95 = 0.0;
+  double before = 0.0, u95 = 0.0, u95_rotation = 0.0;
   std::vector<LineWords> untouched, moves, leaves;
   for (const ProgramPointResult& point : result.results) {
     const ProgramPoint& read = result.program.points[static_cast<size_t>(point.point)];
@@ -406,9 +409,12 @@ std::string SummaryOf(const CompensatedProgram& result) {
     if (!point.leaves.empty()) leaves.emplace_back(read.line, read.name + ": " + point.leaves);
     before = std::max(before, point.solution->before_position);
     if (std::isfinite(point.solution->u95_position)) u95 = std::max(u95, point.solution->u95_position);
+    if (std::isfinite(point.solution->u95_rotation))
+      u95_rotation = std::max(u95_rotation, point.solution->u95_rotation);
   }
-  std::string text =
-      PointsAreCorrected(DialectName(result.program.dialect), corrected, result.results.size(), before, u95) + "\n";
+  std::string text = PointsAreCorrected(DialectName(result.program.dialect), corrected, result.results.size(), before,
+                                        u95, u95_rotation) +
+                     "\n";
   text += MotionsToUntouched(result, &untouched);
   if (!untouched.empty()) text += "Left as they are\n" + ListOf(untouched);
   if (!moves.empty()) text += PosesWithLargeMoves(kLargestMove) + "\n" + ListOf(moves);

@@ -32,6 +32,8 @@ class FanucReader {
   void ReadExternalAxes(size_t begin, size_t end, ProgramPoint* point) const;
   void ReadMotions(size_t end);
   void ReadCommands(size_t end);
+  void LeaveChanged(size_t end);
+  bool IsRemark(size_t at) const;
   int PointOf(const std::string& name, TextRange place);
 
   const int joints_;
@@ -113,6 +115,37 @@ ProgramFlow FlowOfFanuc(const std::string& code) {
 // "PAYLOAD[2]", "PAYLOAD[R[3]]", "P[4]", "P[GP1:4]", "PR[5]", with what a comment adds
 const char kPlace[] = "\\s*\\[\\s*(?:GP1\\s*:\\s*)?(\\d+|[A-Z]+\\s*\\[[^\\]]{0,99}\\])";
 
+// "3:  !PAYLOAD[7]"
+bool FanucReader::IsRemark(size_t at) const {
+  const size_t line = code_.rfind('\n', at) + 1;
+  const size_t begin = code_.find_first_not_of(" \t0123456789:", line);
+  return begin < at && code_[begin] == '!';
+}
+
+// UFRAME[1]=PR[2], UTOOL[R[1]]=..., $MNUFRAME[1,3]=...: from there on the points of the frame or tool stand elsewhere.
+void FanucReader::LeaveChanged(size_t end) {
+  static const std::regex changed = MakeCodePattern("(?:\\$MN|\\b)U(FRAME|TOOL) ?(\\[)");
+  static const std::regex number = MakeCodePattern("^ ?(?:GP1 ?: ?|1 ?, ?)?(\\d+) ?(?:$|:)");
+  const auto stop = code_.begin() + static_cast<std::ptrdiff_t>(end);
+  for (const std::smatch& match : AllMatches(code_.begin(), stop, changed)) {
+    const size_t open = static_cast<size_t>(match.position(2)), close = EndOfBracket(code_, open);
+    if (close == std::string::npos || IsRemark(open)) continue;
+    const size_t next = code_.find_first_not_of(' ', close);
+    if (next == std::string::npos || code_[next] != '=') continue;
+    const std::string index = code_.substr(open + 1, close - open - 2);
+    std::smatch found;
+    const bool is_frame = match[1] == "FRAME";
+    const std::string name =
+        SearchPattern(index, &found, number) ? (is_frame ? "UF" : "UT") + found[1].str() : std::string();
+    for (ProgramPoint& point : program_.points) {
+      const std::string& of_point = is_frame ? point.frame : point.tool;
+      const bool is_meant = of_point.empty() || (name.empty() ? of_point.compare(0, 1, "U") == 0 : of_point == name);
+      if (point.is_joints || !is_meant || !point.untouched.empty()) continue;
+      point.untouched = "the program changes " + (of_point.empty() ? "a frame or tool" : of_point) + " as it runs";
+    }
+  }
+}
+
 // The first motion to each point, and what hangs on the flange then.
 void FanucReader::ReadMotions(size_t end) {
   static const std::regex step = MakeCodePattern(std::string("\\b(PAYLOAD|P)") + kPlace);
@@ -121,10 +154,8 @@ void FanucReader::ReadMotions(size_t end) {
   std::set<size_t> used;
   for (const std::smatch& match : AllMatches(code_.begin(), stop, step)) {
     const size_t at = static_cast<size_t>(match.position(0));
-    const size_t line = code_.rfind('\n', at) + 1;
-    const size_t remark = code_.find_first_not_of(" \t0123456789:", line);
     flow.MoveTo(at);
-    if (code_[remark] == '!') continue;
+    if (IsRemark(at)) continue;
     if (match[1] == "PAYLOAD") {
       flow.Set(0, "PAYLOAD[" + match[2].str() + "]");
       continue;
@@ -236,6 +267,7 @@ void FanucReader::Read() {
   }
   ReadMotions(section);
   ReadCommands(section);
+  LeaveChanged(section);
   FindCallsElsewhere(source_, &program_);
   source_.PlaceInFile(&program_);
 }
