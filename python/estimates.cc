@@ -269,8 +269,7 @@ CorrectedProgram CompensateProgramOf(const KnownRobot& known, const std::string&
   static_cast<CompensatedProgram&>(corrected) = ResultOf<CompensatedProgram>(py::none(), [&](const Say&) {
     return CompensateProgram(known, ReadRobotProgram(program, chain.num_joints()), scene, threads);
   });
-  corrected.warnings =
-      WarningsOfTargets(BeyondMeasuredInWords(known, MakeCompensationInput(known, corrected.targets).problem), known);
+  corrected.warnings = WarningsOfTargets(corrected.beyond, known);
   return corrected;
 }
 

@@ -9,6 +9,7 @@
 #include "estimator/compensation/joint_solutions.h"
 #include "estimator/report/compensation_words.h"
 #include "estimator/report/results_words.h"
+#include "estimator/results/measured_conditions.h"
 #include "estimator/results/program_loads.h"
 #include "estimator/results/program_names.h"
 #include "models/constants.h"
@@ -340,6 +341,7 @@ CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram progr
   KnownRobot loaded = known;
   loaded.loading = loads.loading;
   const CompensationInput input = MakeCompensationInput(loaded, result.targets, TargetsFrom::kProgram);
+  result.beyond = BeyondMeasuredInWords(loaded, input.problem);
   result.solved = Compensate(input, result.targets.rows, threads, progress);
   std::vector<CorrectedPoint> corrected;
   for (size_t row = 0; row < result.solved.size(); ++row) {

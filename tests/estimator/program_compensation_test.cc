@@ -155,6 +155,21 @@ TEST_F(ProgramLoadTest, KrlStatesAllThatHangsOnTheFlange) {
               {"tool", "ALL", "GUN", "none"});
 }
 
+// The loads of the program are none of the estimate's.
+TEST_F(ProgramLoadTest, LoadsBeyondTheMeasuredOnesAreSaid) {
+  const std::string move = "PTP {A1 5,A2 -95,A3 90,A4 0,A5 10,A6 0}\n";
+  KnownRobot known = TrueRobot(measured_);
+  known.measured_conditions.are_stated = true;
+  known.measured_conditions.load_force = 500.0;
+  const auto beyond = [&](const std::string& kg) {
+    return Compensated(known, ReadAs(".src", "$LOAD={M " + kg + ",CM {X 280,Y 60,Z -150}}\n" + move)).beyond;
+  };
+  ASSERT_EQ(beyond("250").size(), 1U);
+  EXPECT_THAT(beyond("250")[0], HasSubstr("at most 500 N"));
+  EXPECT_TRUE(beyond("50").empty());
+  EXPECT_TRUE(Compensated(known, ReadAs(".src", "$LOAD=X\n" + move)).beyond.empty());  // nothing is corrected
+}
+
 TEST_F(ProgramLoadTest, RapidAddsWhatTheToolGrips) {
   scene_.tools.erase("GUN");
   const std::vector<double> tool = NumbersOf(PoseNotation::kQuaternion, kToolInFlange);

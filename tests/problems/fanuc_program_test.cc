@@ -40,6 +40,9 @@ TEST_F(FanucProgramTest, FramesAndToolsThatTheProgramChanges) {
   };
   for (const char* line : {"UFRAME[1]=PR[2]", "UFRAME[1:jig] = PR[2]", "UFRAME[R[3]]=PR[2]", "$MNUFRAME[1,1]=PR[2]"})
     EXPECT_THAT(why(line), HasSubstr("the program changes UF1 as it runs")) << line;
+  for (const char* line : {"P[1]=LPOS", "P[R[1]]=PR[2]"})
+    EXPECT_THAT(why(line), HasSubstr("the program changes P[1] as it runs")) << line;
+  EXPECT_EQ(why("P[2]=LPOS"), "");
   for (const char* line : {"UTOOL[2]=PR[2]", "UTOOL[GP1:2]=PR[2]"})
     EXPECT_THAT(why(line), HasSubstr("the program changes UT2 as it runs")) << line;
   for (const char* line : {"UFRAME[2]=PR[2]", "UTOOL[1]=PR[2]", "PR[2]=UFRAME[1]", "!UFRAME[1]=PR[2]", "UFRAME_NUM=1"})

@@ -25,8 +25,9 @@ const CallsOf& Calls(ProgramDialect dialect) {
   static const CallsOf ur = {MakeCodePattern("(?:\\n|;|:|\\brun\\b) ?\\n?([A-Za-z_]\\w*) ?\\("),
                              MakeCodePattern("\\b(?:def|thread|sec) (\\w+)")};
   static const CallsOf fanuc = {
-      MakeCodePattern("(?:\\b(?:CALL|RUN) |\\n ?\\d{1,6} ?: ?(?=[A-Z_][\\w ]{0,60}(?:\\([^;\\n]{0,200}\\) ?)?;))"
-                      "([A-Z_]\\w*(?: \\w+){0,5})"),
+      MakeCodePattern(
+          "(?:\\b(?:CALL|RUN) |\\n ?\\d{1,6} ?: ?(?!(?:CALL|RUN)\\b)(?=[A-Z_][\\w ]{0,60}(?:\\([^;\\n]{0,200}\\) ?)?;))"
+          "([A-Z_]\\w*(?: \\w+){0,5})"),
       MakeCodePattern("/PROG (\\w+)")};
   switch (dialect) {
     case ProgramDialect::kKrl:

@@ -33,6 +33,7 @@ class FanucReader {
   void ReadMotions(size_t end);
   void ReadCommands(size_t end);
   void LeaveChanged(size_t end);
+  void LeaveChanged(const std::string& kind, const std::string& number);
   bool IsRemark(size_t at) const;
   int PointOf(const std::string& name, TextRange place);
 
@@ -122,9 +123,10 @@ bool FanucReader::IsRemark(size_t at) const {
   return begin < at && code_[begin] == '!';
 }
 
-// UFRAME[1]=PR[2], UTOOL[R[1]]=..., $MNUFRAME[1,3]=...: from there on the points of the frame or tool stand elsewhere.
+// UFRAME[1]=PR[2], UTOOL[R[1]]=..., $MNUFRAME[1,3]=..., P[2]=LPOS: the points of the frame or tool then stand
+// elsewhere.
 void FanucReader::LeaveChanged(size_t end) {
-  static const std::regex changed = MakeCodePattern("(?:\\$MN|\\b)U(FRAME|TOOL) ?(\\[)");
+  static const std::regex changed = MakeCodePattern("(?:(?:\\$MN|\\b)U(FRAME|TOOL)|\\bP) ?(\\[)");
   static const std::regex number = MakeCodePattern("^ ?(?:GP1 ?: ?|1 ?, ?)?(\\d+) ?(?:$|:)");
   const auto stop = code_.begin() + static_cast<std::ptrdiff_t>(end);
   for (const std::smatch& match : AllMatches(code_.begin(), stop, changed)) {
@@ -134,15 +136,19 @@ void FanucReader::LeaveChanged(size_t end) {
     if (next == std::string::npos || code_[next] != '=') continue;
     const std::string index = code_.substr(open + 1, close - open - 2);
     std::smatch found;
-    const bool is_frame = match[1] == "FRAME";
-    const std::string name =
-        SearchPattern(index, &found, number) ? (is_frame ? "UF" : "UT") + found[1].str() : std::string();
-    for (ProgramPoint& point : program_.points) {
-      const std::string& of_point = is_frame ? point.frame : point.tool;
-      const bool is_meant = of_point.empty() || (name.empty() ? of_point.compare(0, 1, "U") == 0 : of_point == name);
-      if (point.is_joints || !is_meant || !point.untouched.empty()) continue;
-      point.untouched = "the program changes " + (of_point.empty() ? "a frame or tool" : of_point) + " as it runs";
-    }
+    LeaveChanged(match[1], SearchPattern(index, &found, number) ? found[1].str() : "");
+  }
+}
+
+// kind: FRAME, TOOL, or "" of the points themselves; number: "" is any.
+void FanucReader::LeaveChanged(const std::string& kind, const std::string& number) {
+  const std::string stem = kind.empty() ? "P[" : kind == "FRAME" ? "UF" : "UT";
+  for (ProgramPoint& point : program_.points) {
+    const std::string& name = kind.empty() ? point.name : kind == "FRAME" ? point.frame : point.tool;
+    const std::string changed = stem + number + (kind.empty() ? "]" : "");
+    const bool is_meant = name.empty() || (number.empty() ? name.compare(0, 2, stem) == 0 : name == changed);
+    if ((point.is_joints && !kind.empty()) || !is_meant || !point.untouched.empty()) continue;
+    point.untouched = "the program changes " + (name.empty() ? "a frame or tool" : name) + " as it runs";
   }
 }
 
