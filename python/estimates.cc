@@ -269,9 +269,7 @@ CorrectedProgram CompensateProgramOf(const KnownRobot& known, const std::string&
   static_cast<CompensatedProgram&>(corrected) = ResultOf<CompensatedProgram>(py::none(), [&](const Say&) {
     return CompensateProgram(known, ReadRobotProgram(program, chain.num_joints()), scene, threads);
   });
-  if (!corrected.targets.rows.empty())
-    corrected.warnings = BeyondMeasuredInWords(known, MakeCompensationInput(known, corrected.targets).problem);
-  corrected.warnings = WarningsOfTargets(std::move(corrected.warnings), known);
+  corrected.warnings = WarningsOfTargets(corrected.beyond, known);
   return corrected;
 }
 

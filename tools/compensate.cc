@@ -107,8 +107,7 @@ int RunProgram(const CommandLine& line) {
   std::cout << SummaryOf(result) << "Program: " << FLAGS_program_out << "\n";
   if (any) std::cout << FlangeOfTheMarkers();
   SayWhatTheWayDoes(known);
-  if (!result.targets.rows.empty())
-    SayWarnings(BeyondMeasuredInWords(known, MakeCompensationInput(known, result.targets).problem));
+  SayWarnings(result.beyond);
   const std::string carried = WhatFiguresCarry(known);
   if (!carried.empty()) std::cout << carried << "\n";
   return any ? 0 : kNumericalFailure;

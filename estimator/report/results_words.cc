@@ -121,12 +121,16 @@ std::string InputOfTheEstimate(const std::string& file) {
          "validation";
 }
 
-std::string PointsAreCorrected(const std::string& dialect, int corrected, size_t points, double before, double u95) {
+std::string PointsAreCorrected(const std::string& dialect, int corrected, size_t points, double before, double u95,
+                               double u95_rotation) {
   std::string words =
       dialect + ": " + std::to_string(corrected) + " of " + std::to_string(points) + " points corrected";
   if (corrected == 0) return words;
-  return words + "; off target before by at most " + InMillimetres(before) + ", after by at most " +
-         InMillimetres(u95) + " (95 %, by the uncertainty of the estimate)";
+  const std::string angle = Significant(1e3 * u95_rotation, 3);
+  return words + "; the flange is off target before by at most " + InMillimetres(before) + ", after by at most " +
+         InMillimetres(u95) + " and " + angle +
+         " mrad (95 %, by the uncertainty of the estimate), a tool point by up to " + angle +
+         " mm more for each metre that it is from the flange";
 }
 
 std::string MotionsAreCorrected(int corrected, size_t motions) {
@@ -186,10 +190,17 @@ std::string LoadUsedInWords(const std::string& name, const ProgramLoad& load, in
          ") mm of the controller's flange; --load=NAME uses one of the estimate instead";
 }
 
+std::string LoadNotStatedInWords(const std::string& name, const std::string& why) {
+  return "its load " + name +
+         " is not known: " + (why.empty() ? "this file has no numbers for it that are understood" : why);
+}
+
 std::string LoadUnknownInWords(const std::string& name, int points) {
   return "the program names the load " + name + " at " + Points(points) +
-         " and does not state it: they are corrected for the load 'none' of the estimate; --loads_kg_mm='" + name +
-         "=mass,x,y,z' (centre of mass in the controller's flange) states it, --load=NAME uses one of the estimate";
+         (points == 1 ? ", which stays" : ", which stay") + " as " + (points == 1 ? "it is" : "they are") +
+         ": --loads_kg_mm='" + name +
+         "=mass,x,y,z' (centre of mass in the controller's flange) states it, --load=NAME uses one of the estimate "
+         "(none: its tool alone)";
 }
 
 std::string LoadOfTwoInWords(const std::string& one, const std::string& other) {
