@@ -325,11 +325,15 @@ CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double fa
 
 CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double sigma) {
   CalibrationProblem with = problem;
-  RepeatabilitySpec::OfKind& angle = with.mutable_experiment()->repeatability.angle;
-  angle = {};
+  RepeatabilitySpec& spec = with.mutable_experiment()->repeatability;
+  spec.angle = {};
+  bool slides = false;
   for (const Joint& joint : with.robot().chain.joints) {
-    if (sigma > 0.0 && joint.type == JointType::kRevolute) angle.per_joint[joint.name] = sigma;
+    slides |= joint.type == JointType::kPrismatic;
+    if (sigma > 0.0 && joint.type == JointType::kRevolute) spec.angle.per_joint[joint.name] = sigma;
   }
+  // `repeatability: estimate` asks of both kinds: alone, it would be said to ask of joints that are not there.
+  if (!slides) spec.length = {};
   with.latent = MakeLatentModel(with.robot().chain, with.data(), with.experiment());
   return with;
 }
