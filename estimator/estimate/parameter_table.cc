@@ -37,7 +37,7 @@ ParameterEstimate Line(const CalibrationProblem& problem, const Estimate& estima
 }  // namespace
 
 double ModelDof(const Estimate& estimate) {
-  const bool is_student = !estimate.sigma.stated || estimate.sigma.scaled;
+  const bool is_student = estimate.sigma.IsOfResiduals() || estimate.sigma.scaled;
   return is_student ? std::max(1, estimate.dof) : std::numeric_limits<double>::infinity();
 }
 

@@ -10,6 +10,7 @@
 #include "estimator/noise/robot_scatter.h"
 #include "estimator/noise/rotation_noise.h"
 #include "estimator/report/inspection_words.h"
+#include "estimator/report/noise_words.h"
 #include "estimator/statistics/median.h"
 #include "tools/report/remedies.h"
 
@@ -73,31 +74,6 @@ Section ValidationSection(const Estimate& estimate) {
   return section;
 }
 
-std::string StatedSigmaInWords(const Estimate& estimate, double significance) {
-  const double reduced = estimate.chi2 / std::max(1, estimate.dof);
-  const SigmaReport& sigma = estimate.sigma;
-  if (sigma.scaled && estimate.intervals.is_empirical()) {
-    return "The residuals are " + Significant(sigma.a_posteriori, 3) +
-           " times the stated sigmas (p = " + Significant(sigma.p_value, 2) +
-           "); the intervals use the scatter as it is seen between configurations.";
-  }
-  if (sigma.scaled && reduced > kInstrumentIsNotTheNoise) {
-    return "The stated sigmas explain 1/" + Fixed(reduced, 0) +
-           " of the scatter: the robot, the model or rows that are wrong, not the instrument, are the noise; "
-           "all intervals are scaled by " +
-           Significant(sigma.a_posteriori, 3) + ".";
-  }
-  if (sigma.scaled) {
-    return "The residuals are larger than the stated sigmas (p = " + Significant(sigma.p_value, 2) +
-           "); all intervals are scaled by " + Significant(sigma.a_posteriori, 3) + ".";
-  }
-  if (1.0 - sigma.p_value < significance) {
-    return "The residuals are smaller than the stated sigmas: those are too large by about a factor " +
-           Significant(1.0 / sigma.a_posteriori, 3) + "; intervals use them as stated.";
-  }
-  return "The residuals agree with the stated sigmas (p = " + Significant(sigma.p_value, 2) + ").";
-}
-
 // One factor scales what is assumed of both where there are too few readings to estimate two (noise/rotation_noise.h).
 std::string OfRotationsToo(const Estimate& estimate) {
   if (estimate.fit.rotations == 0) return "";
@@ -119,7 +95,7 @@ Section NoiseSection(const CalibrationProblem& problem, const Estimate& estimate
   } else {
     section.paragraphs = {"Chi-square " + Significant(estimate.chi2, 5) + " at " + dof + ", reduced " +
                               Significant(estimate.chi2 / estimate.dof, 4) + ".",
-                          StatedSigmaInWords(estimate, problem.experiment().significance)};
+                          SigmaInWords(estimate, problem.experiment().significance)};
     // Fitted by REML, chi-square is what it should be by construction.
     if (!estimate.noise_report.components.empty()) section.paragraphs.pop_back();
     const bool misfit = estimate.sigma.scaled && estimate.chi2 > kInstrumentIsNotTheNoise * estimate.dof;
@@ -129,6 +105,10 @@ Section NoiseSection(const CalibrationProblem& problem, const Estimate& estimate
           "repeatability_urad: estimate keeps the instrument's sigma as stated, and predictions as narrow as they "
           "are.");
     }
+  }
+  if (estimate.sigma.rotation > 0.0 && estimate.noise_report.words.empty()) {
+    section.paragraphs.push_back("No rotation states a standard deviation: " + Millimetres(estimate.sigma.rotation) +
+                                 " mrad of every axis is what their residuals scatter by.");
   }
   for (const std::string& words : estimate.noise_report.words) section.paragraphs.push_back(words);
   return section;
