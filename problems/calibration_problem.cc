@@ -324,6 +324,8 @@ CalibrationProblem CalibrationProblem::WithEffects(const std::vector<EffectSpec>
   problem.found_noise = found_noise;
   problem.resolved_noise = resolved_noise;
   problem.stated_noise_factor = stated_noise_factor;
+  problem.noise_origin = noise_origin;
+  problem.rotation_noise = rotation_noise;
   problem.scaled_groups = scaled_groups;
   problem.weight_roots = weight_roots;
   problem.repeat_scatter = repeat_scatter;

@@ -87,6 +87,10 @@ class CalibrationProblem {
   FoundNoise found_noise;
   // By which the noise is another than stated, of whatever row, as far as that was found; in resolved_noise too.
   double stated_noise_factor = 1.0;
+  NoiseOrigin noise_origin = NoiseOrigin::kStated;
+  // rad, of every axis: what rotations that state none were found to scatter by, where no repeats give it; in
+  // resolved_noise too. 0: none was looked for.
+  double rotation_noise = 0.0;
   std::vector<ScaledGroup> scaled_groups;  // in addition, of these
   // Roots the fit weighs with in place of the noise's (estimator/noise/weighting.h): the
   // noise then says what the estimate is worth, not how it is made. Empty: the noise's.

@@ -136,6 +136,7 @@ void ResolveRepeats(CalibrationProblem* problem) {
     }
   }
   problem->resolved_noise = roots;
+  problem->noise_origin = NoiseOrigin::kRepeats;
 }
 
 void SayRotationSigmas(CalibrationProblem* problem) {

@@ -56,14 +56,23 @@ bool IsDiagonal(const NoiseRoots& roots) {
 
 namespace {
 
-// Each axis by itself, all three together, or none, as their degrees of freedom allow.
+// Each axis by itself, or all three together, as their degrees of freedom allow.
+Vector3<double> SpreadOfAxes(const Vector3<double>& squares, int dof_per_axis) {
+  if (dof_per_axis >= kLeastSpreadDof) return (squares / dof_per_axis).cwiseSqrt();
+  return Vector3<double>::Constant(std::sqrt(squares.sum() / (3.0 * dof_per_axis)));
+}
+
+// None where all axes together have too few.
 void SetRotationSigma(const Vector3<double>& squares, int dof_per_axis, RepeatScatter* scatter) {
   scatter->rotation_dof = 3.0 * dof_per_axis;
   if (3 * dof_per_axis < kLeastSpreadDof) return;
   scatter->rotation_axes_differ = dof_per_axis >= kLeastSpreadDof;
-  scatter->rotation_sigma = scatter->rotation_axes_differ
-                                ? Vector3<double>((squares / dof_per_axis).cwiseSqrt())
-                                : Vector3<double>::Constant(std::sqrt(squares.sum() / scatter->rotation_dof));
+  scatter->rotation_sigma = SpreadOfAxes(squares, dof_per_axis);
+}
+
+void AddSpread(double share, double dof, bool axes_differ, std::vector<KnownSpread>* spreads) {
+  const int axes = axes_differ ? 3 : 1;
+  spreads->insert(spreads->end(), axes, {share / axes, dof / axes});
 }
 
 }  // namespace
@@ -100,19 +109,19 @@ std::optional<RepeatScatter> PooledRepeats(const Measurements& data) {
     (is_point ? scatter.dof : rotation_dof) += static_cast<int>(group.from_first.size()) - 1;
   }
   if (scatter.dof == 0) return std::nullopt;
-  scatter.sigma = (squares / scatter.dof).cwiseSqrt();
+  scatter.axes_differ = scatter.dof >= kLeastSpreadDof;
+  scatter.sigma = SpreadOfAxes(squares, scatter.dof);
   scatter.rotation_share = rotations / std::max(1.0, readings);
   SetRotationSigma(rotation_squares, rotation_dof, &scatter);
   return scatter;
 }
 
 std::vector<KnownSpread> SpreadsOf(const RepeatScatter& repeats) {
-  const double points = 1.0 - repeats.rotation_share;
-  std::vector<KnownSpread> spreads(3, {points / 3.0, static_cast<double>(repeats.dof)});
+  std::vector<KnownSpread> spreads;
+  AddSpread(1.0 - repeats.rotation_share, 3.0 * repeats.dof, repeats.axes_differ, &spreads);
   // A spread of residuals makes their squares what they are: nothing of these scatters with it.
   if (!(repeats.rotation_sigma.minCoeff() > 0.0) || repeats.rotation_is_estimated) return spreads;
-  const int axes = repeats.rotation_axes_differ ? 3 : 1;
-  spreads.insert(spreads.end(), axes, {repeats.rotation_share / axes, repeats.rotation_dof / axes});
+  AddSpread(repeats.rotation_share, repeats.rotation_dof, repeats.rotation_axes_differ, &spreads);
   return spreads;
 }
 

@@ -40,15 +40,27 @@ Matrix3<double> StatedRoot(const Experiment& experiment, const Measurements& dat
 bool IsStated(const Matrix3<double>& root);
 bool IsDiagonal(const NoiseRoots& roots);
 
-// Least degrees of freedom f of a spread that rotations are weighed by: of 1 / s^2, the weight, standard deviation over
-// mean are sqrt(2 / (f - 4)), a half here.
+// Least degrees of freedom f of a spread that one axis, or rotations, are weighed by: of 1 / s^2, the weight, standard
+// deviation over mean are sqrt(2 / (f - 4)), a half here. With fewer the weights follow their own errors: a mean over
+// three axes that scatter alike has a variance that is larger than it is said to be by the share 8 / (3 f) (Meier 1953),
+// 0.9 at f = 3 and 0.2 here.
 constexpr int kLeastSpreadDof = 12;
+
+// Where the noise that an estimate goes by is from, next to what rows and experiment state.
+enum class NoiseOrigin {
+  kStated,   // by these, or nothing states any and all rows share one that is estimated
+  kRepeats,  // {from: repeats}: measured
+  kScaled,   // that times a factor which residuals ask for
+  kFound     // from residuals alone: nothing states any
+};
 
 // Spread of repeated shots of equal (config, visit, marker, load, station), pooled over all of them, per axis: what the
 // instrument alone does, the robot stands still meanwhile. Calibration rows only.
 struct RepeatScatter {
-  Vector3<double> sigma = Vector3<double>::Zero();  // m
-  int dof = 0;                                      // of each axis: observations - groups
+  // m, of each axis, or of all three together where one has less than kLeastSpreadDof.
+  Vector3<double> sigma = Vector3<double>::Zero();
+  int dof = 0;               // of each axis: observations - groups
+  bool axes_differ = false;  // each has a sigma of its own
   // rad, of each axis, or of all three together where one has less than kLeastSpreadDof; 0: left open, as three have
   // less, or no rotation was read twice.
   Vector3<double> rotation_sigma = Vector3<double>::Zero();
@@ -64,7 +76,7 @@ std::optional<RepeatScatter> PooledRepeats(const Measurements& data);
 struct KnownSpread {
   double share = 1.0, dof = 0.0;
 };
-// Of points per axis, and of rotations where repeats give theirs.
+// Of points and of rotations where repeats give theirs, per axis where each has its own.
 std::vector<KnownSpread> SpreadsOf(const RepeatScatter& repeats);
 // How well one factor on all of them is known: with w_k the shares,  var(sum w_k s_k^2 / sigma_k^2) = 2 / dof =
 // sum w_k^2 2 / dof_k.  Infinite where sigmas are stated.

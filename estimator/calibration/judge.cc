@@ -49,6 +49,7 @@ void JudgeNoise(const CalibrationProblem& problem, const FittedRows& fitted, Est
   const Linearization& linearization = fitted.rows;
   SigmaReport& sigma = estimate->sigma;
   sigma.stated = problem.sigma_is_stated();
+  sigma.origin = problem.noise_origin;
   double sum = SquaredMisfit(problem, linearization);
   estimate->rows = fitted.equations;
   estimate->dof = fitted.equations - linearization.num_columns();
@@ -70,6 +71,9 @@ void JudgeNoise(const CalibrationProblem& problem, const FittedRows& fitted, Est
   sigma.a_posteriori = std::sqrt(sum / dof);
   sigma.p_value = ChanceOfSquares(problem.repeat_scatter, sum, dof);
   sigma.scaled = sigma.a_posteriori > 1.0 && sigma.p_value < problem.experiment().significance;
+  const double times = sigma.scaled ? sigma.a_posteriori : 1.0;
+  sigma.rotation = times * problem.rotation_noise;
+  if (sigma.origin == NoiseOrigin::kFound) sigma.estimated = times * problem.experiment().noise.sigma.value_or(0.0);
 }
 
 // The mean over its axes of the diagonal of J C J' V^-1, where V = I + L L' has the joints' deviations that the rows of
@@ -298,7 +302,7 @@ bool JudgeCovariance(const CalibrationProblem& problem, const Linearization& lin
   }
   estimate->interval_dof = Eigen::VectorXd::Constant(estimate->estimated.size(), ModelDof(*estimate));
   estimate->intervals = IntervalReport();
-  if (problem.repeat_scatter && !estimate->sigma.scaled) {
+  if (estimate->sigma.origin == NoiseOrigin::kRepeats && !estimate->sigma.scaled) {
     estimate->interval_dof = DofByRepeats(problem, *estimate);
   }
   if (problem.experiment().method.covariance != CovarianceKind::kSandwich || scale == 0.0) return true;

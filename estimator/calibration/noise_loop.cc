@@ -243,23 +243,17 @@ void ToUnits(const Loop& loop, std::vector<VarianceComponent>* components) {
   }
 }
 
-// Rotations that repeats left open, as found.
-void SetRotations(double sigma, double freedom, CalibrationProblem* problem) {
-  RepeatScatter& repeats = *problem->repeat_scatter;
-  repeats.rotation_sigma.setConstant(sigma);
-  repeats.rotation_dof = freedom;
-  repeats.rotation_is_estimated = true;
-}
-
 // With a loss, by the readings that are judged: outliers are out of them, others count in full. `judged` has the ratio.
 void JudgeRotations(Loop* loop, CalibrationProblem* judged, Estimate* estimate) {
   NoiseReport& report = loop->report;
   if (loop->stated) {
-    ComputeStatistics(*judged, estimate);
-    const auto scatter = FindRotationScatter(loop->given, *judged, *estimate);
-    if (!scatter) return;
-    judged->resolved_noise = scatter->roots;
-    SetRotations(scatter->spread / scatter->unit, scatter->freedom, judged);
+    for (const bool by_points : {false, true}) {
+      ComputeStatistics(*judged, estimate);
+      if (by_points && !estimate->sigma.scaled) return;
+      const auto scatter = FindRotationScatter(loop->given, *judged, *estimate, by_points);
+      if (!scatter) return;
+      KeepRotationNoise(*scatter, judged);
+    }
     return;
   }
   std::optional<TwoNoises> noises = TwoSpreads(*judged, *estimate);
@@ -318,10 +312,6 @@ ParameterSet Align(const JointOptions& options, Loop* loop) {
   ApplyWeights(loop->problem.CalibrationObservations(), 1.0, loop);
   return aligned;
 }
-
-}  // namespace
-
-namespace {
 
 // As the problem weighs its rows.
 ResolvedEstimate EstimateOnce(CalibrationProblem problem, const JointOptions& options) {
@@ -384,28 +374,39 @@ ResolvedEstimate EstimateWithRobotScatter(ResolvedEstimate plain, const JointOpt
   return plain;
 }
 
-// Rotations weighed by what they scatter, where the stated noise is not what is left or repeats left them open. Whether
-// it is so is asked once, at what is stated: by their own spread they always look right.
-ResolvedEstimate EstimateWithRotationScatter(ResolvedEstimate plain, const JointOptions& options) {
-  if (!options.judge || !RotationsScatterOtherwise(plain.problem, plain.estimate)) return plain;
-  const CalibrationProblem stated = plain.problem;
+// The rows of `stated`, with rotations weighed by what they scatter (rotation_noise.h), until that stands still.
+ResolvedEstimate EstimateByScatter(const CalibrationProblem& stated, ResolvedEstimate plain, bool by_points,
+                                   const JointOptions& options) {
   const std::vector<std::string> words = plain.estimate.noise_report.words;
+  const bool is_in_addition = !NoRotationIsStated(stated);
   double spread = 0.0;
   for (int round = 0; round < kMostNoiseRounds; ++round) {
-    const std::optional<RotationScatter> scatter = FindRotationScatter(stated, plain.problem, plain.estimate);
+    const auto scatter = FindRotationScatter(stated, plain.problem, plain.estimate, by_points);
     if (!scatter) break;
     const double before = std::exchange(spread, scatter->spread / scatter->unit);
     if (round > 0 && IsSettled(before, spread)) break;
     CalibrationProblem weighed = stated;
     weighed.resolved_noise = scatter->roots;
-    if (stated.repeat_scatter) SetRotations(spread, scatter->freedom, &weighed);
+    if (!is_in_addition) KeepRotationNoise(*scatter, &weighed);
     ResolvedEstimate next = EstimateOnce(std::move(weighed), options);
     if (!IsUsable(next.estimate.status)) break;
     plain = std::move(next);
     plain.estimate.noise_report.words = words;
-    if (!stated.repeat_scatter) plain.estimate.noise_report.words.push_back(RotationScatterInWords(scatter->spread));
+    if (stated.repeat_scatter) continue;  // it has that
+    plain.estimate.noise_report.words.push_back(RotationScatterInWords(scatter->spread, is_in_addition));
   }
   return plain;
+}
+
+// Where the stated noise is not what is left, or repeats left rotations open; asked at what is stated: by their own
+// spread they always look right. Next to repeats in units of points only where these then refute their noise.
+ResolvedEstimate EstimateWithRotationScatter(ResolvedEstimate plain, const JointOptions& options) {
+  if (!options.judge || !RotationsScatterOtherwise(plain.problem, plain.estimate)) return plain;
+  const CalibrationProblem stated = plain.problem;
+  const bool by_points = !stated.repeat_scatter;
+  plain = EstimateByScatter(stated, std::move(plain), by_points, options);
+  if (by_points || !plain.estimate.sigma.scaled) return plain;
+  return EstimateByScatter(stated, std::move(plain), true, options);
 }
 
 // As the noise is stated, weighed by what scatters where that is something else.

@@ -295,21 +295,39 @@ std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const Para
   return explained;
 }
 
+namespace {
+
+// Points as the problem states them, rotations by what is left of them.
+std::optional<CalibrationProblem> WithRotationsFound(const CalibrationProblem& stated, const DiagnosedModel& baseline) {
+  const auto scatter = FindRotationScatter(stated, *baseline.problem, baseline.estimate, !IsSigmaStated(stated));
+  if (!scatter) return std::nullopt;
+  CalibrationProblem weighed = *baseline.problem;
+  KeepRotationNoise(*scatter, &weighed);
+  return weighed;
+}
+
+// Both by what is left of them.
+std::optional<CalibrationProblem> WithBothFound(const DiagnosedModel& baseline) {
+  const std::optional<TwoNoises> noises = TwoSpreads(*baseline.problem, baseline.estimate);
+  if (!noises) return std::nullopt;
+  CalibrationProblem weighed = *baseline.problem;
+  weighed.resolved_noise = noises->roots;
+  weighed.noise_origin = NoiseOrigin::kFound;
+  weighed.mutable_experiment()->noise.sigma = noises->components[0].value;  // of rows that are predicted
+  weighed.rotation_noise = noises->components[1].value;
+  return weighed;
+}
+
+}  // namespace
+
 void WeighPointsAndRotations(const CalibrationProblem& problem, const JointOptions& joint, DiagnosedModel* baseline) {
-  const std::vector<Observation>& rows = problem.data().observations;
-  const bool any_states = std::any_of(rows.begin(), rows.end(), [](const Observation& row) {
-    return !row.is_point() && row.rotation().sigma.minCoeff() > 0.0;
-  });
-  if (any_states || !problem.resolved_noise.empty()) return;
-  for (int round = 0; round < kMostScatterRounds; ++round) {
-    const std::optional<TwoNoises> noises = FindTwoNoises(*baseline->problem, baseline->estimate);
-    if (!noises) return;
-    CalibrationProblem weighed = *baseline->problem;
-    weighed.resolved_noise = noises->roots;
-    for (size_t i = 0; i < rows.size() && problem.sigma_is_stated(); ++i) {
-      if (rows[i].is_point()) weighed.resolved_noise[i] = problem.SqrtCovariance(static_cast<int>(i));
-    }
-    DiagnosedModel refit = RefitFully(weighed, baseline->estimate, joint);
+  if (!NoRotationIsStated(problem)) return;
+  const bool are_points_stated = problem.sigma_is_stated();
+  for (int round = 0; round < kMostScatterRounds && ShowsSpread(baseline->estimate); ++round) {
+    const std::optional<CalibrationProblem> weighed =
+        are_points_stated ? WithRotationsFound(problem, *baseline) : WithBothFound(*baseline);
+    if (!weighed) return;
+    DiagnosedModel refit = RefitFully(*weighed, baseline->estimate, joint);
     if (!IsUsable(refit.estimate.status)) return;
     *baseline = std::move(refit);
   }
@@ -320,16 +338,22 @@ CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double fa
       WithRoots(problem, [&](int i) { return Matrix3<double>(factor * problem.SqrtCovariance(i)); });
   std::optional<double>& common = scaled.mutable_experiment()->noise.sigma;  // of rows that are predicted
   if (common) *common *= factor;
+  scaled.rotation_noise *= factor;
+  if (scaled.noise_origin != NoiseOrigin::kFound) scaled.noise_origin = NoiseOrigin::kScaled;
   return scaled;
 }
 
 CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double sigma) {
   CalibrationProblem with = problem;
-  RepeatabilitySpec::OfKind& angle = with.mutable_experiment()->repeatability.angle;
-  angle = {};
+  RepeatabilitySpec& spec = with.mutable_experiment()->repeatability;
+  spec.angle = {};
+  bool slides = false;
   for (const Joint& joint : with.robot().chain.joints) {
-    if (sigma > 0.0 && joint.type == JointType::kRevolute) angle.per_joint[joint.name] = sigma;
+    slides |= joint.type == JointType::kPrismatic;
+    if (sigma > 0.0 && joint.type == JointType::kRevolute) spec.angle.per_joint[joint.name] = sigma;
   }
+  // `repeatability: estimate` asks of both kinds: alone, it would be said to ask of joints that are not there.
+  if (!slides) spec.length = {};
   with.latent = MakeLatentModel(with.robot().chain, with.data(), with.experiment());
   return with;
 }

@@ -76,6 +76,7 @@ CalibrationProblem WithWorkingSigma(const DiagnosedModel& baseline, bool is_stat
     return WithScaledSigmas(working, std::sqrt(estimate.chi2 / std::max(1, estimate.dof)));
   }
   working.mutable_experiment()->noise.sigma = estimate.sigma.estimated;
+  working.noise_origin = NoiseOrigin::kFound;
   return working;
 }
 
@@ -88,7 +89,10 @@ CalibrationProblem WithNoiseOf(const Evidence& evidence, const WeightedModel& mo
   if (view.kind == NoiseView::Kind::kPose) {
     with = WithRepeatability(with, factor * std::hypot(view.sigma, MeanStated(problem)));
   }
-  if (!view.groups.empty()) with = WithScaledGroups(with, view.Scaled());
+  if (!view.groups.empty()) {
+    with = WithScaledGroups(with, view.Scaled());
+    if (with.noise_origin != NoiseOrigin::kFound) with.noise_origin = NoiseOrigin::kScaled;
+  }
   if (factor != 1.0) with = WithScaledSigmas(with, factor);
   if (evidence.IsSigmaStated()) with.stated_noise_factor = factor;  // and that of rows to come
   return with;

@@ -47,7 +47,7 @@ constexpr double kByChance = 0.01;
 
 double StatedTooLarge(const Estimate& estimate) {
   const SigmaReport& sigma = estimate.sigma;
-  const bool is_compared = sigma.stated && estimate.dof > 0 && estimate.noise_report.components.empty();
+  const bool is_compared = !sigma.IsOfResiduals() && estimate.dof > 0 && estimate.noise_report.components.empty();
   if (!is_compared || estimate.fit.rms < kBelowAnyInstrument || !(sigma.a_posteriori > 0.0)) return 1.0;
   const bool is_small = sigma.a_posteriori * kVeryMuch < 1.0 && 1.0 - sigma.p_value < kByChance;
   return is_small ? 1.0 / sigma.a_posteriori : 1.0;

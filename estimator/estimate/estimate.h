@@ -109,12 +109,19 @@ struct PriorPull {
 
 // The noise that the estimate goes by, against what was stated.
 struct SigmaReport {
-  bool stated = false;        // by rows, experiment or flag
+  bool stated = false;        // by rows, experiment or flag, or put in their place before the fit: `origin`
   double estimated = 0.0;     // m, the common sigma where none is stated
   double a_posteriori = 1.0;  // root of reduced chi-square, without what is set aside
   bool scaled = false;        // the noise is assumed to be a_posteriori times the stated sigmas
   double p_value = 1.0;       // of that chi-square at the stated sigmas
   PriorPull pull;
+  NoiseOrigin origin = NoiseOrigin::kStated;
+  double rotation = 0.0;  // rad, of every axis of rotations that state none, as it was found; 0: none was looked for
+
+  // Residuals made it what it is, before the fit or by it: no residual can contradict it.
+  bool IsOfResiduals() const {
+    return !stated || origin == NoiseOrigin::kScaled || origin == NoiseOrigin::kFound;
+  }
 };
 
 // m per coordinate: interferometric length measurement in a workshop is not better (1 um and more per metre), and no

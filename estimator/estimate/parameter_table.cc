@@ -37,7 +37,7 @@ ParameterEstimate Line(const CalibrationProblem& problem, const Estimate& estima
 }  // namespace
 
 double ModelDof(const Estimate& estimate) {
-  const bool is_student = !estimate.sigma.stated || estimate.sigma.scaled;
+  const bool is_student = estimate.sigma.IsOfResiduals() || estimate.sigma.scaled;
   if (!is_student) return std::numeric_limits<double>::infinity();
   const PriorPull& pull = estimate.sigma.pull;
   return std::max(1, estimate.dof - (pull.is_set_aside ? pull.priors : 0));

@@ -28,8 +28,8 @@ bool HasRotations(const CalibrationProblem& problem) {
 
 bool IsLeftOpen(const CalibrationProblem& problem, const Estimate& estimate) {
   const Experiment& experiment = problem.experiment();
-  return IsUsable(estimate.status) && estimate.dof >= kLeastDof && problem.latent.empty() &&
-         experiment.method.weights == Weights::kSigma && experiment.method.loss == LossKind::kNone;
+  return ShowsSpread(estimate) && experiment.method.weights == Weights::kSigma &&
+         experiment.method.loss == LossKind::kNone;
 }
 
 // f s^2 / sigma^2 is chi-square with f.
@@ -54,16 +54,57 @@ std::vector<NoiseGroup> SpreadOfEach(const CalibrationProblem& problem, const Es
   return found;
 }
 
-// Root mean square of S^-1 r, of the coordinates that the fit leaves of these points.
+// Root mean square of S^-1 r, of the coordinates that the fit leaves of these points: freedom.
 double WhitenedSpreadOfPoints(const CalibrationProblem& stated, const std::vector<int>& points,
-                              const Estimate& estimate) {
-  double sum = 0.0, rows = 0.0;
+                              const Estimate& estimate, double freedom) {
+  double sum = 0.0;
   for (const int i : points) {
     const Vector3<double> residual = stated.data().observations[i].point_in_station - estimate.predicted.col(i);
     sum += (stated.SqrtCovariance(i).inverse() * residual).squaredNorm();
-    rows += 3.0;
   }
-  return std::sqrt(sum / (rows * estimate.dof / estimate.rows));
+  return std::sqrt(sum / freedom);
+}
+
+// What rotations scatter by, and points over the noise at hand.
+struct SpreadOfKinds {
+  double rotations = 0.0, freedom = 0.0;  // rad, and its degrees
+  double points = 1.0;
+};
+
+// Each joint by itself, as the problem has it.
+std::vector<DeviationGroup> StatedDeviations(const LatentModel& latent) {
+  std::vector<DeviationGroup> groups;
+  for (int i = 0; i < latent.size(); ++i) {
+    groups.push_back({{latent.joints[i]}, latent.sigmas[i] * latent.sigmas[i], false});
+  }
+  return groups;
+}
+
+// Two components, of points and of rotations, next to what the joints do. All rotations have one root, a multiple of 1.
+std::optional<SpreadOfKinds> SpreadGivenDeviations(const CalibrationProblem& weighed, const Estimate& estimate) {
+  const std::vector<int> rows = weighed.CalibrationObservations();
+  const auto turned =
+      std::find_if(rows.begin(), rows.end(), [&](int i) { return !weighed.data().observations[i].is_point(); });
+  if (turned == rows.end()) return std::nullopt;
+  const RestrictedLikelihood reml(weighed, estimate.parameters, true);
+  const RemlFit fit = reml.Maximise(true, StatedDeviations(weighed.latent));
+  const double of_points = fit.variances[0], of_rotations = fit.variances[1], variance = fit.covariance(1, 1);
+  if (!fit.converged || !(variance > 0.0) || !(of_points > 0.0)) return std::nullopt;
+  const double freedom = 2.0 * of_rotations * of_rotations / variance;  // var(s^2) = 2 sigma^4 / f
+  const double spread = std::sqrt(of_rotations) * weighed.SqrtCovariance(*turned)(0, 0);
+  if (freedom < kLeastOfRotations || spread <= kResidualFloor) return std::nullopt;
+  return SpreadOfKinds{spread, freedom, std::sqrt(of_points)};
+}
+
+std::optional<SpreadOfKinds> FindSpreads(const CalibrationProblem& stated, const CalibrationProblem& weighed,
+                                         const Estimate& estimate) {
+  if (!weighed.latent.empty()) return SpreadGivenDeviations(weighed, estimate);
+  NoiseRoots roots;
+  const std::vector<NoiseGroup> found = SpreadOfEach(weighed, estimate, &roots);
+  if (found.empty()) return std::nullopt;
+  const std::vector<int> points = weighed.data().PointsAmong(weighed.CalibrationObservations());
+  return SpreadOfKinds{found[1].sigma, found[1].freedom,
+                       WhitenedSpreadOfPoints(stated, points, estimate, found[0].freedom)};
 }
 
 // 1 - h of each reading that is fitted, the mean over its axes.
@@ -100,14 +141,19 @@ double HuberSquare(const std::vector<double>& squares) {
 
 }  // namespace
 
-bool RotationsAreOpen(const CalibrationProblem& problem) {
+bool NoRotationIsStated(const CalibrationProblem& problem) {
   const std::vector<Observation>& rows = problem.data().observations;
   if (!HasRotations(problem)) return false;
-  if (problem.sigma_is_stated() && !problem.repeat_scatter) return false;
   if (problem.repeat_scatter && problem.repeat_scatter->rotation_sigma.minCoeff() > 0.0) return false;
   return std::none_of(rows.begin(), rows.end(),
                       [](const Observation& row) { return !row.is_point() && row.rotation().sigma.minCoeff() > 0.0; });
 }
+
+bool RotationsAreOpen(const CalibrationProblem& problem) {
+  return (problem.repeat_scatter || !problem.sigma_is_stated()) && NoRotationIsStated(problem);
+}
+
+bool ShowsSpread(const Estimate& estimate) { return IsUsable(estimate.status) && estimate.dof >= kLeastDof; }
 
 bool RotationsAreDetermined(const CalibrationProblem& problem, const ParameterSet& parameters) {
   const std::vector<int> all = problem.CalibrationObservations();
@@ -119,10 +165,7 @@ bool RotationsAreDetermined(const CalibrationProblem& problem, const ParameterSe
 }
 
 std::optional<TwoNoises> FindTwoNoises(const CalibrationProblem& problem, const Estimate& estimate) {
-  using From = NoiseSpec::From;
-  const From from = problem.experiment().noise.from;
-  if (from != From::kDefault && from != From::kSigma && from != From::kRows) return std::nullopt;
-  if (!IsLeftOpen(problem, estimate)) return std::nullopt;
+  if (!problem.latent.empty() || !IsLeftOpen(problem, estimate)) return std::nullopt;
   return TwoSpreads(problem, estimate);
 }
 
@@ -173,28 +216,37 @@ bool RotationsScatterOtherwise(const CalibrationProblem& problem, const Estimate
   if (!IsLeftOpen(problem, estimate)) return false;
   if (problem.repeat_scatter) return RotationsAreOpen(problem);
   const SigmaReport& sigma = estimate.sigma;
-  return problem.experiment().noise.from == NoiseSpec::From::kDefault && sigma.scaled &&
+  return problem.latent.empty() && problem.experiment().noise.from == NoiseSpec::From::kDefault && sigma.scaled &&
          sigma.a_posteriori * sigma.a_posteriori >= kInstrumentIsNotTheNoise;
 }
 
 std::optional<RotationScatter> FindRotationScatter(const CalibrationProblem& stated, const CalibrationProblem& weighed,
-                                                   const Estimate& estimate) {
-  RotationScatter found;
-  const std::vector<NoiseGroup> spread = SpreadOfEach(weighed, estimate, &found.roots);
-  if (spread.empty()) return std::nullopt;
-  found.spread = spread[1].sigma;
-  found.freedom = spread[1].freedom;
-  found.unit = WhitenedSpreadOfPoints(stated, weighed.data().PointsAmong(weighed.CalibrationObservations()), estimate);
-  const bool is_open = RotationsAreOpen(stated);
-  for (size_t i = 0; i < found.roots.size(); ++i) {
+                                                   const Estimate& estimate, bool by_points) {
+  const std::optional<SpreadOfKinds> spread = FindSpreads(stated, weighed, estimate);
+  if (!spread) return std::nullopt;
+  RotationScatter found{spread->rotations, spread->freedom, by_points ? spread->points : 1.0, {}};
+  const bool is_stated = !NoRotationIsStated(stated);
+  for (size_t i = 0; i < stated.data().observations.size(); ++i) {
     const Matrix3<double> root = stated.SqrtCovariance(static_cast<int>(i));
-    found.roots[i] = root;
+    found.roots.push_back(root);
     if (stated.data().observations[i].is_point()) continue;
     Matrix3<double> covariance = found.spread * found.spread * Matrix3<double>::Identity();
-    if (!is_open) covariance += root * root.transpose();
+    if (is_stated) covariance += root * root.transpose();
     found.roots[i] = LowerRoot(covariance) / found.unit;
   }
   return found;
+}
+
+void KeepRotationNoise(const RotationScatter& scatter, CalibrationProblem* problem) {
+  problem->resolved_noise = scatter.roots;
+  if (!problem->repeat_scatter) {
+    problem->rotation_noise = scatter.spread / scatter.unit;
+    return;
+  }
+  RepeatScatter& repeats = *problem->repeat_scatter;
+  repeats.rotation_sigma.setConstant(scatter.spread / scatter.unit);
+  repeats.rotation_dof = scatter.freedom;
+  repeats.rotation_is_estimated = true;
 }
 
 const VarianceComponent* RotationComponent(const NoiseReport& report) {

@@ -19,8 +19,12 @@
 
 namespace sagitta {
 
-// Rotations were read whose noise nothing states: nor that of points, or repeats that of points alone.
+// Rotations were read, and neither rows nor repeats state what any of them scatters by.
+bool NoRotationIsStated(const CalibrationProblem& problem);
+// And nothing states the noise of points, or repeats that of points alone.
 bool RotationsAreOpen(const CalibrationProblem& problem);
+// Readings are enough for a spread of residuals to stand for the noise.
+bool ShowsSpread(const Estimate& estimate);
 // And the readings determine it: enough are left by the unknowns, at least one rotation more than targets.
 bool RotationsAreDetermined(const CalibrationProblem& problem, const ParameterSet& parameters);
 
@@ -32,7 +36,7 @@ struct TwoNoises {
 // At a usable estimate; empty where noise is looked for otherwise, where no rotation was read, and where the residuals
 // show none of either kind.
 std::optional<TwoNoises> FindTwoNoises(const CalibrationProblem& problem, const Estimate& estimate);
-// The same whatever the experiment asks for: its loss is in what `problem` excludes.
+// The same whatever the experiment asks for: its loss is in what `problem` excludes. Joints do not deviate.
 std::optional<TwoNoises> TwoSpreads(const CalibrationProblem& problem, const Estimate& estimate);
 
 // Degrees of freedom f, f s^2 / sigma^2 being chi-square, of both where rows are weighed by them; and Satterthwaite's
@@ -54,22 +58,31 @@ double RobustRatio(const CalibrationProblem& problem, const ParameterSet& parame
 // stated. With S_i stated, s the spread of the rotations' residuals and w the whitened one of the points, a rotation
 // gets
 //
-//   root of (S_i S_i' + s^2 I) / w^2:
+//   root of (S_i S_i' + s^2 I) / u^2,   u = w:
 //
 // points stay the unit of chi-square, rotations scatter as much in theirs.
 //
-// Where repeats leave rotations open nothing is stated of these: S_i = 0.
+// Where nothing states what rotations scatter by, S_i = 0, and u = 1 as long as chi-square does not refute the noise of
+// points: the intervals have no factor then, and w is known by the few repeats alone that the noise of points may be
+// from. Where it does, u = w: the factor, w, makes s of s / w again.
+//
+// Joints that deviate by what is stated, repeats or not, move points and rotations of an arrival alike: s and w are
+// then variance components with the joints' as stated (variance_components.h), else
+//
+//   s^2 = sum r^2 / sum (1 - h),   w^2 = sum |S_i^-1 r_i|^2 / sum (1 - h)   of rotations, and of points.
 struct RotationScatter {
   double spread = 0.0;   // s, rad
   double freedom = 0.0;  // its degrees
-  double unit = 1.0;     // w
+  double unit = 1.0;     // u
   NoiseRoots roots;      // of all observations of the data; of points those of `stated`
 };
 // Whether that is so, at the estimate by what is stated.
 bool RotationsScatterOtherwise(const CalibrationProblem& problem, const Estimate& estimate);
-// estimate: of `weighed`, which has the rows as they are weighed by now.
+// estimate: of `weighed`, which has the rows as they are weighed by now. by_points: u = w.
 std::optional<RotationScatter> FindRotationScatter(const CalibrationProblem& stated, const CalibrationProblem& weighed,
-                                                   const Estimate& estimate);
+                                                   const Estimate& estimate, bool by_points);
+// As a problem keeps what was found where nothing states it: in what repeats say of the noise, or by itself.
+void KeepRotationNoise(const RotationScatter& scatter, CalibrationProblem* problem);
 
 // That of rotations in a report; null where it has none.
 const VarianceComponent* RotationComponent(const NoiseReport& report);

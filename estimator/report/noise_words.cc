@@ -7,7 +7,9 @@
 #include <string>
 #include <tuple>
 
+#include "estimator/noise/robot_scatter.h"
 #include "estimator/noise/rotation_noise.h"
+#include "estimator/report/inspection_known_words.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -38,7 +40,7 @@ std::string SourceName(const CalibrationProblem& problem, const SigmaReport& sig
     case NoiseSpec::From::kVarianceComponents:
       return "variance-components";
     default:
-      return sigma.stated ? "stated" : "estimated";
+      return sigma.stated && sigma.origin != NoiseOrigin::kFound ? "stated" : "estimated";
   }
 }
 
@@ -48,8 +50,9 @@ std::string OfEachAxis(const Vector3<double>& numbers) {
 }
 
 // Empty where nothing is known of rotations.
-std::string RotationRepeatWords(const RepeatScatter& scatter) {
-  const Vector3<double> urad = 1e6 * scatter.rotation_sigma;
+std::string RotationRepeatWords(const RepeatScatter& scatter, const SigmaReport& sigma) {
+  const double times = scatter.rotation_is_estimated && sigma.scaled ? sigma.a_posteriori : 1.0;
+  const Vector3<double> urad = 1e6 * times * scatter.rotation_sigma;
   if (!(urad.minCoeff() > 0.0)) return "";
   const std::string dof = " (" + Fixed(scatter.rotation_dof, 0) + " degrees of freedom of all axes together)";
   if (scatter.rotation_is_estimated) {
@@ -61,9 +64,13 @@ std::string RotationRepeatWords(const RepeatScatter& scatter) {
   return " Of rotations " + OfEachAxis(urad) + " µrad" + dof + ".";
 }
 
-std::string RepeatWords(const RepeatScatter& scatter) {
-  return "The noise is the spread of repeated shots: " + OfEachAxis(1e6 * scatter.sigma) + " µm (" +
-         std::to_string(scatter.dof) + " degrees of freedom per axis)." + RotationRepeatWords(scatter) +
+std::string RepeatWords(const RepeatScatter& scatter, const SigmaReport& sigma) {
+  const std::string of_points =
+      scatter.axes_differ
+          ? OfEachAxis(1e6 * scatter.sigma) + " µm (" + std::to_string(scatter.dof) + " degrees of freedom per axis)."
+          : Significant(1e6 * scatter.sigma.x(), 3) + " µm of every axis (" + std::to_string(3 * scatter.dof) +
+                " degrees of freedom of all axes together: too few to weigh each axis by its own).";
+  return "The noise is the spread of repeated shots: " + of_points + RotationRepeatWords(scatter, sigma) +
          " What repeats share, as the robot's own error, is not in it.";
 }
 
@@ -251,9 +258,55 @@ std::string RobotScatterInWords(double tau) {
          "alone.";
 }
 
-std::string RotationScatterInWords(double spread) {
-  return "In addition to the stated sigmas every axis of a rotation scatters by " + Significant(1e3 * spread, 3) +
-         " mrad, and rotations are weighed by both.";
+std::string RotationScatterInWords(double spread, bool is_in_addition) {
+  const std::string mrad = Significant(1e3 * spread, 3) + " mrad";
+  if (is_in_addition)
+    return "In addition to the stated sigmas every axis of a rotation scatters by " + mrad +
+           ", and rotations are weighed by both.";
+  return "No rotation states a standard deviation: its residuals scatter by " + mrad +
+         " in every axis, and rotations are weighed by that.";
+}
+
+std::string NameOfNoise(NoiseOrigin origin) {
+  switch (origin) {
+    case NoiseOrigin::kRepeats:
+      return "the scatter of the repeats";
+    case NoiseOrigin::kScaled:
+    case NoiseOrigin::kFound:
+      return "the noise that was found";
+    default:
+      return "the stated sigmas";
+  }
+}
+
+std::string SigmaInWords(const Estimate& estimate, double significance) {
+  const SigmaReport& sigma = estimate.sigma;
+  const double reduced = sigma.a_posteriori * sigma.a_posteriori;
+  const std::string name = NameOfNoise(sigma.origin), times = Significant(sigma.a_posteriori, 3);
+  const std::string chance = " (" + PValueInWords(sigma.p_value) + ")";
+  if (sigma.scaled && estimate.intervals.is_empirical()) {
+    return "The residuals are " + times + " times " + name + chance +
+           "; the intervals use the scatter as it is seen between configurations.";
+  }
+  if (sigma.scaled && reduced > kInstrumentIsNotTheNoise) {
+    const std::string share = "1/" + Fixed(reduced, 0);
+    return (sigma.origin == NoiseOrigin::kStated ? "The stated sigmas explain " + share + " of the scatter"
+                                                 : "Of the scatter " + share + " is " + name) +
+           ": the robot, the model or rows that are wrong, not the instrument, are the noise; all intervals are scaled "
+           "by " +
+           times + ".";
+  }
+  if (sigma.scaled) {
+    return "The residuals are larger than " + name + chance + "; all intervals are scaled by " + times + ".";
+  }
+  if (1.0 - sigma.p_value < significance) {
+    const std::string factor = Significant(1.0 / sigma.a_posteriori, 3);
+    if (sigma.origin == NoiseOrigin::kStated)
+      return "The residuals are smaller than the stated sigmas: those are too large by about a factor " + factor +
+             "; intervals use them as stated.";
+    return "The residuals are smaller than " + name + " by about a factor " + factor + "; intervals use the latter.";
+  }
+  return "The residuals agree with " + name + chance + ".";
 }
 
 void SayRotationsAreAssumed(bool by_repeats, Estimate* estimate) {
@@ -277,7 +330,7 @@ void DescribeNoise(const CalibrationProblem& problem, Estimate* estimate) {
   report.source = SourceName(problem, estimate->sigma);
   report.loss = problem.experiment().method.loss;
   if (problem.repeat_scatter) {
-    report.words.push_back(RepeatWords(*problem.repeat_scatter));
+    report.words.push_back(RepeatWords(*problem.repeat_scatter, estimate->sigma));
     DescribeUnnamedArrivals(problem, &report);
   }
   if (HasTwoNoises(report)) {

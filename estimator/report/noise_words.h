@@ -10,7 +10,12 @@ namespace sagitta {
 
 // tau: what every coordinate scatters by in addition to the stated sigmas, m (noise/robot_scatter.h).
 std::string RobotScatterInWords(double tau);
-std::string RotationScatterInWords(double spread);
+// spread: the same of every axis of a rotation, rad; instead of what is stated, where none of them states any.
+std::string RotationScatterInWords(double spread, bool is_in_addition);
+// What residuals are compared with: "the stated sigmas", "the scatter of the repeats", "the noise that was found".
+std::string NameOfNoise(NoiseOrigin origin);
+// What chi-square says of it, at the significance of the experiment.
+std::string SigmaInWords(const Estimate& estimate, double significance);
 // Warns that the readings do not determine what rotations scatter by. by_repeats: the noise of points is known.
 void SayRotationsAreAssumed(bool by_repeats, Estimate* estimate);
 

@@ -202,7 +202,12 @@ std::string CorrectionIsLarge(const std::string& name, double correction, bool i
          "maker's table.";
 }
 
-std::string ResidualsRefuteNoise(double times) {
+std::string ResidualsRefuteNoise(double times, bool by_repeats) {
+  if (by_repeats)
+    return "The residuals are " + Significant(times, 3) +
+           " times what the scatter of the repeats predicts: the arm does something from one arrival to the next that "
+           "the model does not have ('sagitta diagnose' finds what, or its repeatability); the prediction was judged "
+           "with the scatter of the residuals.";
   return "The residuals are " + Significant(times, 3) +
          " times what the stated standard deviations predict: either these are too small, or the arm does something "
          "that the model does not have ('sagitta diagnose' distinguishes); the prediction was judged with the "

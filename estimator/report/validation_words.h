@@ -42,7 +42,7 @@ std::string JointWasNotMeasured(const Joint& joint, double least, double most);
 std::string CorrectionIsLarge(const std::string& name, double correction, bool is_length);
 
 // times: the stated standard deviations that the residuals are.
-std::string ResidualsRefuteNoise(double times);
+std::string ResidualsRefuteNoise(double times, bool by_repeats);
 
 // times: by which the stated noise is larger than the residuals; rms: of these, m per coordinate.
 std::string StatedNoiseIsTooLarge(double times, double rms);

@@ -82,8 +82,10 @@ Json ComponentsToJson(const CalibrationProblem& problem, const NoiseReport& repo
   return json;
 }
 
-Json RepeatsToJson(const RepeatScatter& repeats) {
-  const Vector3<double> um = 1e6 * repeats.sigma, urad = 1e6 * repeats.rotation_sigma;
+// Rotations that were left open have what their residuals scatter by.
+Json RepeatsToJson(const RepeatScatter& repeats, const SigmaReport& sigma) {
+  const double times = repeats.rotation_is_estimated && sigma.scaled ? sigma.a_posteriori : 1.0;
+  const Vector3<double> um = 1e6 * repeats.sigma, urad = 1e6 * times * repeats.rotation_sigma;
   Json json = {{"sigma_um", Json::array({um.x(), um.y(), um.z()})}, {"dof_per_axis", repeats.dof}};
   if (!(urad.minCoeff() > 0.0)) return json;
   json["rotation_sigma_urad"] = Json::array({urad.x(), urad.y(), urad.z()});
@@ -103,7 +105,7 @@ Json NoiseToJson(const CalibrationProblem& problem, const Estimate& estimate) {
                {"converged", report.converged}};
   if (!report.components.empty()) json["variance"] = ComponentsToJson(problem, report);
   if (problem.repeat_scatter) {
-    json["repeats"] = RepeatsToJson(*problem.repeat_scatter);
+    json["repeats"] = RepeatsToJson(*problem.repeat_scatter, estimate.sigma);
   }
   if (!report.groups.empty()) {
     json["groups"] = Json::array();
@@ -242,17 +244,19 @@ Json DirectionsToJson(const std::vector<Direction>& directions) {
   return json;
 }
 
-// Where nothing states any noise, points and rotations have one sigma each, estimated: weighed by these as if stated.
+// Where nothing states any noise, points and rotations have one sigma each, estimated: weighed by these as if stated;
+// so are all where a diagnosis found it.
 Json SigmaToJson(const Estimate& estimate) {
   const SigmaReport& sigma = estimate.sigma;
   const VarianceComponent* rotation =
       HasTwoNoises(estimate.noise_report) ? RotationComponent(estimate.noise_report) : nullptr;
   const bool scaled = sigma.scaled && !estimate.intervals.is_empirical();
-  const bool stated = sigma.stated && rotation == nullptr;
+  const bool stated = sigma.stated && rotation == nullptr && sigma.origin != NoiseOrigin::kFound;
   Json json = {{"a_posteriori", sigma.a_posteriori}, {"scaled", scaled}, {"stated", stated}};
   const double estimated = rotation == nullptr ? sigma.estimated : estimate.noise_report.components[0].value;
   json["estimated_mm"] = stated ? Json(nullptr) : Json(Millimetres(estimated));
-  if (rotation != nullptr) json["estimated_rotation_mrad"] = 1e3 * rotation->value;
+  const double of_rotations = rotation != nullptr ? rotation->value : sigma.rotation;
+  if (of_rotations > 0.0) json["estimated_rotation_mrad"] = 1e3 * of_rotations;
   json["p_value"] = sigma.p_value;
   if (sigma.pull.priors > 0) {
     json["priors"] = {{"chi2", stated ? Json(sigma.pull.squares) : Json(nullptr)},

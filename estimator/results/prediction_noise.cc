@@ -111,8 +111,9 @@ Matrix3<double> RotationRoot(const PredictionNoise& noise, const Observation& ro
 }
 
 // rad, of every axis of rotations; 0: rows state it, or it is assumed.
-double SigmaOfRotations(const Estimate& estimate, double of_points) {
+double SigmaOfRotations(const CalibrationProblem& problem, const Estimate& estimate, double of_points) {
   if (const VarianceComponent* rotation = RotationComponent(estimate.noise_report)) return rotation->value;
+  if (problem.rotation_noise > 0.0) return problem.rotation_noise / problem.stated_noise_factor;
   const VarianceComponent* instrument = InstrumentComponent(estimate);
   const bool is_estimated =
       instrument != nullptr ? !estimate.noise_report.instrument_is_factor : !estimate.sigma.stated;
@@ -135,7 +136,7 @@ Json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& es
   if (GroupsComeAgain(problem.experiment().noise) && !estimate.noise_report.groups.empty()) {
     json["spread"] = SpreadToJson(problem.experiment().noise, estimate.noise_report);
   }
-  if (const double rotation = SigmaOfRotations(estimate, common); rotation > 0.0) {
+  if (const double rotation = SigmaOfRotations(problem, estimate, common); rotation > 0.0) {
     json["sigma_rot_urad"] = 1e6 * rotation;
   } else if (problem.repeat_scatter && problem.repeat_scatter->rotation_sigma.minCoeff() > 0.0) {
     const Vector3<double> urad = 1e6 * problem.repeat_scatter->rotation_sigma;

@@ -18,6 +18,9 @@ bool IsNoiseOfResiduals(const Estimate& estimate) {
   return HasTwoNoises(report) || (!estimate.sigma.stated && report.components.empty());
 }
 
+// Found by a diagnosis, together with what deviates: a share of the residuals that it chose.
+bool IsNoiseOfDiagnosis(const SigmaReport& sigma) { return sigma.stated && sigma.IsOfResiduals(); }
+
 }  // namespace
 
 NoiseShare ShareOfNoise(const Estimate& estimate, const std::vector<int>& points, const UnseenPoints& unseen) {
@@ -29,9 +32,11 @@ NoiseShare ShareOfNoise(const Estimate& estimate, const std::vector<int>& points
   const double square = unseen.distance_rms * unseen.distance_rms;
   const double deviation = square * std::sqrt(2.0 / unseen.freedom);
   const double two_sided = NormalQuantile(0.975), one_sided = NormalQuantile(0.95);
-  share.of_residuals = IsNoiseOfResiduals(estimate);
+  const bool is_chosen = IsNoiseOfDiagnosis(estimate.sigma);
+  share.of_residuals = is_chosen || IsNoiseOfResiduals(estimate);
   const double lacking = square - noise / (1.0 - unseen.parameters_share);
-  if (!share.of_residuals && lacking > two_sided * deviation) share.beyond_noise = std::sqrt(lacking);
+  if ((is_chosen || !share.of_residuals) && lacking > two_sided * deviation) share.beyond_noise = std::sqrt(lacking);
+  if (is_chosen) return share;
   // More noise than there are errors: it is stated too large, which is said elsewhere.
   if (!(noise >= kConsiderable * kConsiderable * square) || noise > square + two_sided * deviation) return share;
   share.noise = std::sqrt(noise);

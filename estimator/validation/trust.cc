@@ -308,9 +308,9 @@ std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const
 std::vector<std::string> LimitsOf(const CalibrationProblem& problem, const Estimate& estimate) {
   std::vector<std::string> limits;
   const SigmaReport& sigma = estimate.sigma;
-  const bool is_refuted = sigma.stated && sigma.scaled && sigma.p_value < problem.experiment().significance;
+  const bool is_refuted = !sigma.IsOfResiduals() && sigma.scaled && sigma.p_value < problem.experiment().significance;
   if (is_refuted && estimate.noise_report.components.empty())
-    limits.push_back(ResidualsRefuteNoise(sigma.a_posteriori));
+    limits.push_back(ResidualsRefuteNoise(sigma.a_posteriori, sigma.origin == NoiseOrigin::kRepeats));
   for (const MeasuredRange& range : StillJointsOf(problem)) {
     limits.push_back(JointWasNotMeasured(problem.robot().chain.joints[range.joint], range.least, range.most));
   }

@@ -81,7 +81,7 @@ void ComparePrediction(const PredictedSquares& predicted, const Estimate& estima
   unseen->freedom = predicted.Freedom();
   unseen->parameters_share = 1.0 - predicted.of_noise / predicted.trace;
   const double ratio = 3.0 * unseen->points * unseen->rms * unseen->rms / predicted.trace;
-  const bool noise_is_estimated = !estimate.sigma.stated || estimate.sigma.scaled;
+  const bool noise_is_estimated = estimate.sigma.IsOfResiduals() || estimate.sigma.scaled;
   if (noise_is_estimated && estimate.dof < 1) return;
   const double of_noise = noise_is_estimated ? estimate.dof : of_stated;
   unseen->p_value = ChanceOf(predicted, ratio, of_noise);

@@ -175,5 +175,15 @@ TEST(Diagnosis, StatedRepeatabilityBesideAWrongSigmaIsNoFinding) {
   EXPECT_GT(diagnosis.noise.high, 2.0);
 }
 
+// `repeatability: estimate` asks of joints of both kinds, whichever the robot has; found is that of those that turn.
+TEST(Diagnosis, ARepeatabilityThatIsAskedOfBothKindsIsFound) {
+  CalibrationProblem problem = Hidden(3, [](double) { return 0.0; });
+  RepeatabilitySpec& spec = problem.mutable_experiment()->repeatability;
+  spec.angle.estimate = spec.length.estimate = true;
+  const CalibrationProblem found = WithRepeatability(problem, 40e-6);
+  ASSERT_EQ(found.latent.size(), problem.robot().num_joints());
+  EXPECT_NEAR((found.latent.sigmas.array() - 40e-6).abs().maxCoeff(), 0.0, 1e-15);
+}
+
 }  // namespace
 }  // namespace sagitta::diagnosed_noise_test

@@ -252,6 +252,7 @@ TEST(OpenRotations, FewOfThemHaveFewDegreesOfFreedom) {
 TEST(OpenRotations, SquaresOverRepeatsExceedAsOftenAsStated) {
   RepeatScatter repeats;
   repeats.sigma.setOnes();
+  repeats.axes_differ = true;
   constexpr int kDraws = 20000, kSquares = 30;
   constexpr double kLevel = 0.01;
   NormalNumbers normal(7);

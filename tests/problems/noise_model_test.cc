@@ -7,6 +7,7 @@
 
 #include "problems/calibration_problem.h"
 #include "problems/input_error.h"
+#include "problems/simulation.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta::noise_model_test {
@@ -69,12 +70,72 @@ CalibrationProblem Make(const Measurements& data, const Experiment& experiment) 
   return MakeCalibrationProblem(robot, data, experiment);
 }
 
+// The last shot of Repeated() that many times in all, each as far from the first.
+Measurements RepeatedOften(int times) {
+  Measurements data = Repeated();
+  const Shot again = data.shots.back();
+  for (int k = 1; k < times; ++k) {
+    Shot shot = again;
+    shot.repeat = std::to_string(k + 2);
+    for (int& i : shot.observations) {
+      Observation observation = data.observations[i];
+      observation.shot = static_cast<int>(data.shots.size());
+      i = static_cast<int>(data.observations.size());
+      data.observations.push_back(observation);
+    }
+    data.shots.push_back(shot);
+  }
+  return data;
+}
+
+// n shots at d and one at 0: squares about their mean d^2 n / (n + 1), with n degrees of freedom per marker and axis.
+// Of 12 degrees each axis has its own, with fewer all have one.
+TEST(NoiseModel, AxesOfRepeatsArePooledWhereTheyAreFew) {
+  for (const int n : {3, 4}) {
+    const std::optional<RepeatScatter> scatter = PooledRepeats(RepeatedOften(n));
+    ASSERT_TRUE(scatter.has_value());
+    EXPECT_EQ(scatter->dof, 3 * n);
+    EXPECT_EQ(scatter->axes_differ, n == 4);
+    Vector3<double> variance = Vector3<double>(4e-10, 16e-10, 36e-10) / (n + 1.0);
+    if (n == 3) variance.setConstant(variance.mean());
+    EXPECT_LT((scatter->sigma - variance.cwiseSqrt()).cwiseAbs().maxCoeff(), 1e-12) << n;
+    const std::vector<KnownSpread> spreads = SpreadsOf(*scatter);
+    ASSERT_EQ(spreads.size(), n == 4 ? 3u : 1u);
+    EXPECT_EQ(spreads[0].dof, n == 4 ? 12.0 : 27.0);
+  }
+}
+
+// A mean over three axes that scatter alike, weighed by what repeats show of each: how often Student's interval with
+// all their degrees of freedom holds the truth. By axes with 3 degrees each 81 %. Within 4 standard errors.
+TEST(NoiseModel, AMeanOfAxesIsAsWellKnownAsFewRepeatsSay) {
+  constexpr int kTrials = 4000;
+  const double quantile = 2.262157;  // Student's 0.975 with 9
+  NormalNumbers normal(17);
+  Measurements data = Repeated();
+  int inside = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    for (Observation& row : data.observations) {
+      for (int axis = 0; axis < 3; ++axis) row.point_in_station[axis] = normal();
+    }
+    const RepeatScatter scatter = *PooledRepeats(data);
+    ASSERT_EQ(scatter.dof, 3);
+    double weights = 0.0, sum = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double weight = 1.0 / std::pow(scatter.sigma[axis], 2);
+      weights += weight;
+      sum += weight * normal();
+    }
+    inside += std::abs(sum / weights) * std::sqrt(weights) < quantile ? 1 : 0;
+  }
+  EXPECT_NEAR(static_cast<double>(inside) / kTrials, 0.95, 4.0 * std::sqrt(0.95 * 0.05 / kTrials));
+}
+
 // Two shots d apart: variance d^2 / 2 with one degree of freedom per marker.
-TEST(NoiseModel, RepeatsArePooledPerAxis) {
+TEST(NoiseModel, RepeatsArePooled) {
   const std::optional<RepeatScatter> scatter = PooledRepeats(Repeated());
   ASSERT_TRUE(scatter.has_value());
   EXPECT_EQ(scatter->dof, 3);
-  const Vector3<double> expected = Vector3<double>(2e-5, 4e-5, 6e-5) / std::sqrt(2.0);
+  const Vector3<double> expected = Vector3<double>::Constant(std::sqrt((4e-10 + 16e-10 + 36e-10) / 3.0 / 2.0));
   EXPECT_LT((scatter->sigma - expected).cwiseAbs().maxCoeff(), 1e-12);
   Experiment experiment;
   experiment.noise.from = From::kRepeats;

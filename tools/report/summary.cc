@@ -10,6 +10,8 @@
 #include "estimator/noise/rotation_noise.h"
 #include "estimator/report/inspection_known_words.h"
 #include "estimator/report/inspection_words.h"
+#include "estimator/report/noise_words.h"
+#include "estimator/statistics/median.h"
 #include "tools/report/parameter_section.h"
 #include "tools/report/remedies.h"
 
@@ -81,30 +83,6 @@ Section ValidationSection(const Estimate& estimate) {
   return section;
 }
 
-std::string StatedSigmaInWords(const Estimate& estimate, double significance) {
-  const SigmaReport& sigma = estimate.sigma;
-  const double reduced = sigma.a_posteriori * sigma.a_posteriori;
-  if (sigma.scaled && estimate.intervals.is_empirical()) {
-    return "The residuals are " + Significant(sigma.a_posteriori, 3) + " times the stated sigmas (" +
-           PValueInWords(sigma.p_value) + "); the intervals use the scatter as it is seen between configurations.";
-  }
-  if (sigma.scaled && reduced > kInstrumentIsNotTheNoise) {
-    return "The stated sigmas explain 1/" + Fixed(reduced, 0) +
-           " of the scatter: the robot, the model or rows that are wrong, not the instrument, are the noise; "
-           "all intervals are scaled by " +
-           Significant(sigma.a_posteriori, 3) + ".";
-  }
-  if (sigma.scaled) {
-    return "The residuals are larger than the stated sigmas (" + PValueInWords(sigma.p_value) +
-           "); all intervals are scaled by " + Significant(sigma.a_posteriori, 3) + ".";
-  }
-  if (1.0 - sigma.p_value < significance) {
-    return "The residuals are smaller than the stated sigmas: those are too large by about a factor " +
-           Significant(1.0 / sigma.a_posteriori, 3) + "; intervals use them as stated.";
-  }
-  return "The residuals agree with the stated sigmas (" + PValueInWords(sigma.p_value) + ").";
-}
-
 // "": no prior is contradicted.
 std::string PullInWords(const Estimate& estimate) {
   const PriorPull& pull = estimate.sigma.pull;
@@ -136,7 +114,7 @@ Section NoiseSection(const CalibrationProblem& problem, const Estimate& estimate
   } else {
     section.paragraphs = {"Chi-square " + Significant(estimate.chi2, 5) + " at " + dof + ", reduced " +
                               Significant(estimate.chi2 / estimate.dof, 4) + ".",
-                          PullInWords(estimate) + StatedSigmaInWords(estimate, problem.experiment().significance)};
+                          PullInWords(estimate) + SigmaInWords(estimate, problem.experiment().significance)};
     // Fitted by REML, chi-square is what it should be by construction.
     if (!estimate.noise_report.components.empty()) section.paragraphs.pop_back();
     const bool misfit = estimate.sigma.scaled && std::pow(estimate.sigma.a_posteriori, 2) > kInstrumentIsNotTheNoise;
@@ -146,6 +124,10 @@ Section NoiseSection(const CalibrationProblem& problem, const Estimate& estimate
           "repeatability_urad: estimate keeps the instrument's sigma as stated, and predictions as narrow as they "
           "are.");
     }
+  }
+  if (estimate.sigma.rotation > 0.0 && estimate.noise_report.words.empty()) {
+    section.paragraphs.push_back("No rotation states a standard deviation: " + Millimetres(estimate.sigma.rotation) +
+                                 " mrad of every axis is what their residuals scatter by.");
   }
   for (const std::string& words : estimate.noise_report.words) section.paragraphs.push_back(words);
   return section;
