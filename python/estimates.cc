@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "estimator/changes/changes.h"
+#include "estimator/report/compensation_words.h"
 #include "estimator/report/results_words.h"
 #include "estimator/results/measured_conditions.h"
 #include "estimator/results/measured_joints.h"
@@ -207,11 +208,13 @@ Rows SimulateRows(const KnownRobot& truth, const ExperimentInputs& inputs, const
 
 CompensatedRows CompensateTargets(const KnownRobot& known, const py::object& source, int threads) {
   CompensatedRows rows;
-  rows.targets = TargetsFromTable(TableFrom(source, nullptr), known.robot, StationOfTargets(known));
+  rows.targets =
+      TargetsFromTable(TableFrom(source, nullptr, CsvContent::kTargets), known.robot, StationOfTargets(known));
   const CompensationInput input = MakeCompensationInput(known, rows.targets);
   rows.results = ResultOf<std::vector<CompensatedTarget>>(
       py::none(), [&](const Say&) { return Compensate(input, rows.targets.rows, threads); });
   const size_t outside = AddOutsideMeasured(known, &rows.results);
+  if (rows.targets.may_be_no_vector) rows.warnings.push_back(TargetsHaveRotationVectors());
   if (outside > 0) rows.warnings.push_back(TargetsOutsideMeasured(outside));
   const std::vector<std::string> beyond = BeyondMeasuredInWords(known, input.problem);
   rows.warnings.insert(rows.warnings.end(), beyond.begin(), beyond.end());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <string_view>
 
 #include "problems/input_error.h"
 #include "problems/interruption.h"
@@ -19,8 +20,14 @@ namespace {
 struct TableLine {
   int number = 0;
   std::string text;
-  bool is_comment = false;  // '#' or '%' in front, removed
+  bool is_comment = false;  // a sign of comments in front, removed
 };
+
+// Of text behind its blanks: '#', '%' or "//"; 0: it is no comment.
+size_t LengthOfCommentSign(std::string_view text) {
+  if (text.substr(0, 2) == "//") return 2;
+  return !text.empty() && (text.front() == '#' || text.front() == '%') ? 1 : 0;
+}
 
 // Spreadsheets of some countries write U+2212 where a number is negative.
 std::string WithPlainMinus(std::string text) {
@@ -44,9 +51,9 @@ std::vector<TableLine> LinesOf(const std::string& text) {
     at = end + (text.compare(end, 2, "\r\n") == 0 ? 2 : 1);
     if (Trimmed(line.text, kBlanks).empty()) continue;
     const size_t first = line.text.find_first_not_of(' ');
-    if (line.text[first] == '#' || line.text[first] == '%') {
+    if (const size_t sign = LengthOfCommentSign(std::string_view(line.text).substr(first))) {
       line.is_comment = true;
-      line.text = line.text.substr(first + 1);
+      line.text = line.text.substr(first + sign);
     }
     // Frames drawn around tables: +----+----+
     if (line.text.find_first_not_of("+-=| \t\r") == std::string::npos && line.text.find('-') != std::string::npos &&
