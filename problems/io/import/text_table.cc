@@ -258,6 +258,7 @@ class Builder {
       names = Cells(lines_[first - 2]);
       *header = first - 2;
     }
+    NameByTheLineAbove(header, &names);
     table_.header_line = lines_[*header].number;
     for (size_t c = 0; c < names.size(); ++c) {
       const bool has_unit = !units.empty() && !units[c].empty() && units[c] != "-";
@@ -267,6 +268,23 @@ class Builder {
       }
       table_.header[c] = names[c] + (has_unit ? (units[c][0] == '[' ? " " + units[c] : " [" + units[c] + "]") : "");
     }
+  }
+
+  // X, Y, Z, X, Y, Z below Rotation, Rotation … and Position … (motion capture) are no names yet: with the line above
+  // they are.
+  void NameByTheLineAbove(size_t* header, std::vector<std::string>* names) const {
+    const auto stands_twice = [names](const std::string& name) {
+      return !name.empty() && std::count(names->begin(), names->end(), name) > 1;
+    };
+    if (*header == 0 || std::none_of(names->begin(), names->end(), stands_twice)) return;
+    const TableLine& line = lines_[*header - 1];
+    if (line.is_comment || !IsTitle(line)) return;
+    const std::vector<std::string> above = Cells(line);
+    for (size_t c = 0; c < names->size(); ++c) {
+      std::string& name = (*names)[c];
+      if (!above[c].empty() && above[c] != name) name = above[c] + (name.empty() ? "" : " " + name);
+    }
+    --*header;
   }
 
   // As many cells as the rows below, but neither names nor mostly numbers.
