@@ -159,31 +159,23 @@ class Known:
 
 class Linearization:
     """Readings and the identification Jacobian, SI: one row per coordinate (x, y, z) of a reading, in the frame of its
-    station; a reading of a pose has three more, of its rotation."""
+    station; a reading of a pose has three more, of its rotation.
+
+    names: K, of the columns: parameters as in estimate.estimated.
+    jacobian: M x K, d predicted / d parameter. m or rad of the reading, per m, rad (rotations: of a left perturbation
+    R = exp(delta) R), or the SI unit of the parameter; whitened: of the reading by its standard deviation.
+    residuals: M, measured - predicted, m, and rotation vectors, rad; nan where nothing was measured.
+    rows: M, which row of the table, from 0, a coordinate is of.
+    turns: M, True where it is one of a rotation, rad, and of no point, m.
+    """
 
     def __init__(self, core):
-        self._core = core
-
-    names = _of_core("names", "Of the columns: parameters as in estimate.estimated.")
-    jacobian = _of_core(
-        "jacobian", "M x K: d predicted / d parameter. m or rad of the reading, per m, rad (rotations: of a left "
-        "perturbation R = exp(delta) R), or the SI unit of the parameter; whitened: of the reading by its standard "
-        "deviation.", read_only=True)
-
-    @property
-    def residuals(self):
-        """M: measured - predicted, m, and rotation vectors, rad; nan where nothing was measured."""
-        return self._core.residuals[:, 0]
-
-    @property
-    def rows(self):
-        """M: which row of the table, from 0, each coordinate is of."""
-        return _read_only(_np.array(self._core.rows, dtype=_np.intp))
-
-    @property
-    def turns(self):
-        """M: True where the coordinate is one of a rotation, rad, and of no point, m."""
-        return _read_only(_np.array(self._core.turns, dtype=_np.bool_))
+        rows, turns = _np.array(core.rows, dtype=_np.intp), _np.array(core.turns, dtype=_np.bool_)
+        order = _np.lexsort((turns, rows))  # stable; the rotation of a pose follows its point
+        self.names = list(core.names)
+        self.rows, self.turns = _read_only(rows[order]), _read_only(turns[order])
+        self.jacobian = _read_only(core.jacobian[order])
+        self.residuals = _read_only(core.residuals[order, 0])
 
     def __repr__(self):
         return "<linearization: %d x %d>" % self.jacobian.shape

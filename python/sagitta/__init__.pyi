@@ -132,16 +132,12 @@ class Estimate(_WithJson):
     def write(self, folder: _Path) -> None: ...
 
 class Linearization:
-    @property
-    def names(self) -> List[str]: ...
-    @property
-    def jacobian(self) -> _Floats: ...
-    @property
-    def residuals(self) -> _Floats: ...
-    @property
-    def rows(self) -> npt.NDArray[np.intp]: ...
-    @property
-    def turns(self) -> npt.NDArray[np.bool_]: ...
+    names: List[str]
+    jacobian: _Floats
+    residuals: _Floats
+    rows: npt.NDArray[np.intp]
+    turns: npt.NDArray[np.bool_]
+    def __init__(self, core: Any) -> None: ...
 
 class Inspection(_WithJson):
     @property
@@ -313,6 +309,7 @@ __all__ = [
     "InputError",
     "Inspection",
     "Known",
+    "Linearization",
     "NumericalError",
     "Parameter",
     "Plan",
