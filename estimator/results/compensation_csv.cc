@@ -146,6 +146,33 @@ CompensationInput MakeCompensationInput(const KnownRobot& known, const Targets& 
   return input;
 }
 
+namespace {
+
+// The mirrored rotation in the form of the targets (RotationForm).
+struct NamedNumbers {
+  std::vector<std::string> names;
+  Eigen::VectorXd values;
+};
+
+NamedNumbers RotationAs(RotationForm form, const Matrix3<double>& rotation) {
+  const Vector3<double> rpy = RpyFromRotation(rotation) / kDegree;
+  Eigen::Quaterniond q(rotation);
+  if (q.w() < 0.0) q.coeffs() *= -1.0;
+  switch (form) {
+    case RotationForm::kVector:
+      break;
+    case RotationForm::kQuaternion:
+      return {{"ow_cmd", "ox_cmd", "oy_cmd", "oz_cmd"}, Eigen::Vector4d(q.w(), q.x(), q.y(), q.z())};
+    case RotationForm::kAbc:
+      return {{"a_cmd_deg", "b_cmd_deg", "c_cmd_deg"}, rpy.reverse()};
+    case RotationForm::kRollPitchYaw:
+      return {{"roll_cmd_deg", "pitch_cmd_deg", "yaw_cmd_deg"}, rpy};
+  }
+  return {{"rx_cmd_mrad", "ry_cmd_mrad", "rz_cmd_mrad"}, 1e3 * RotationVector(Eigen::Quaterniond(rotation))};
+}
+
+}  // namespace
+
 std::string CompensationToCsv(const Targets& targets, const std::vector<CompensatedTarget>& results) {
   ColumnWriter out(results.size());
   for (size_t i = 0; i < results.size(); ++i) {
@@ -157,11 +184,13 @@ std::string CompensationToCsv(const Targets& targets, const std::vector<Compensa
       const std::string name = "q" + std::to_string(j + 1) + (turns ? "_cmd_deg" : "_cmd_mm");
       out.Number(name, i, r.solution.q[j] / (turns ? kDegree : 1e-3), solved);
     }
-    const Vector3<double> turn = RotationVector(Eigen::Quaterniond(r.commanded.rotation));
+    const NamedNumbers rotation = RotationAs(targets.rotation_form, r.commanded.rotation);
     for (int a = 0; a < 3; ++a) {
       out.Number(std::string(1, "xyz"[a]) + "_cmd_mm", i, 1e3 * r.commanded.translation[a], solved);
     }
-    for (int a = 0; a < 3; ++a) out.Number(std::string("r") + "xyz"[a] + "_cmd_mrad", i, 1e3 * turn[a], solved);
+    for (size_t a = 0; a < rotation.names.size(); ++a) {
+      out.Number(rotation.names[a], i, rotation.values[static_cast<Eigen::Index>(a)], solved);
+    }
     out.Number("u95_mm", i, 1e3 * r.u95_position, solved);
     out.Number("u95_mrad", i, 1e3 * r.u95_rotation, solved);
     out.Number("left_mm", i, 1e3 * r.solution.left_position, solved);

@@ -55,6 +55,16 @@ TEST_F(ProblemChecksTest, WhatIsHeldByNameIsStated) {
   EXPECT_EQ(Refusal(), "");
 }
 
+// joint_offset of other programs: what it is called here is said.
+TEST_F(ProblemChecksTest, OffsetsOfJointsHaveTheNamesOfTheirMotions) {
+  const std::string right = robot_.chain.transforms[robot_.chain.JointTransform(1)].error;
+  const std::string joint = robot_.chain.joints[1].name;
+  ASSERT_NE(right, joint + ".theta");
+  experiment_.estimate.geometry = {Selection::Kind::kList, {joint + ".theta"}};
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"estimate.geometry", "no geometric error '" + joint + ".theta'",
+                                      "the joints' own offsets are [", right}));
+}
+
 // With less to estimate, as the hint says, the same rows suffice.
 TEST_F(ProblemChecksTest, FewerEquationsThanUnknownsNameWhatToHold) {
   data_ = test::DesignMeasurements({2, 1, 1, 1e-4});
