@@ -1,5 +1,7 @@
 // The evidence of groups of columns against the marginal likelihood written out: determinant and inverse of the whole
 // covariance, integrals over what is not known by quadrature, sets by enumeration.
+#include "estimator/evidence/evidence.h"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -8,7 +10,6 @@
 #include <numeric>
 #include <random>
 
-#include "estimator/evidence/evidence.h"
 #include "estimator/evidence/nameless_cause.h"
 #include "estimator/random_effects/evidence_score.h"
 #include "estimator/random_effects/set_search.h"
