@@ -163,6 +163,7 @@ class Session {
   // the hold-out closes by that, see NoiseFloor, and how well it fits is no test any more.
   void FollowRepeatability() {
     d_.final = WithOwnRepeatability(judged_, IsSigmaStated(problem_), joint_);
+    if (d_.final.problem == judged_.problem) return;
     d_.noise = FindNoise(*evidence_, leading_, problem_, d_.final);
     d_.noise.is_of_final = true;
     d_.final_p = kNotKnown;

@@ -40,7 +40,7 @@ TEST(WayWords, AMomentIsWrittenAsAFileHasIt) {
   }
   const auto points = ChangePoints(MakeCalibrationProblem(test::Kr270Robot(), data, Experiment()));
   ASSERT_FALSE(points.empty());
-  EXPECT_EQ(points[0], "90");  // the first change that leaves two shots before it: between 60 and 120 s
+  EXPECT_EQ(points[0], "30");  // between the first two shots, at 0 and 60 s
   for (const std::string& point : points) EXPECT_EQ(point.find_first_not_of("0123456789"), std::string::npos) << point;
 }
 
