@@ -40,9 +40,6 @@ std::string FlipInWords(const Robot& robot, const ReportedFlip& flip);
 std::string GroupInWords(const Diagnosis& diagnosis, const EffectGroup& group);
 std::string ShareInWords(const WhereShare& share);
 
-std::string GapIsNotKnown(const GapReport& gap);
-std::string ClosedInWords(const GapReport& gap);
-
 // Whether the data determine this parameter of the effect; the others are held near neutral.
 bool IsDetermined(const FoundEffect& effect, const ParameterEstimate& row);
 

@@ -24,7 +24,7 @@ std::string Named(const std::string& name) { return name.empty() ? "none" : name
 }  // namespace
 
 std::string WhatTheWayDoes(const KnownRobot& known) {
-  const std::vector<std::string> effects = RememberingEffects(known);
+  const std::vector<std::string> effects = RememberingEffectsOfTheArm(known);
   return effects.empty() ? "" : TargetsAreAWay(effects);
 }
 

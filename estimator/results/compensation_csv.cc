@@ -6,6 +6,7 @@
 
 #include "estimator/explanations/moments.h"
 #include "estimator/results/known_loads.h"
+#include "estimator/results/remembering_effects.h"
 #include "estimator/results/residuals_csv.h"
 #include "models/constants.h"
 #include "models/effects/catalogue.h"
@@ -61,13 +62,9 @@ const std::string& StationOfTargets(const KnownRobot& known) {
 
 namespace {
 
-// What an instrument reads and where markers sit moves no flange.
 Robot WithEffectsOfTheArm(const KnownRobot& known) {
   Robot robot = known.robot;
-  const auto is_of_the_arm = [&](const EffectSpec& spec) {
-    const EffectTarget target = FindEffect(known.robot, spec.effect)->target;
-    return target != EffectTarget::kStation && target != EffectTarget::kMarker;
-  };
+  const auto is_of_the_arm = [&](const EffectSpec& spec) { return MovesTheArm(*FindEffect(known.robot, spec.effect)); };
   const auto others = std::stable_partition(robot.effects.begin(), robot.effects.end(), is_of_the_arm);
   robot.effects.erase(others, robot.effects.end());
   return robot;
