@@ -14,10 +14,12 @@
 #include "estimator/intervals/intervals.h"
 #include "estimator/report/baselines_words.h"
 #include "estimator/report/calibration_words.h"
+#include "estimator/report/diagnosis_words.h"
 #include "estimator/report/validation_words.h"
 #include "estimator/results/residuals_csv.h"
 #include "estimator/results/trust_json.h"
 #include "estimator/sagitta.h"
+#include "models/effects/catalogue.h"
 #include "problems/io/files.h"
 #include "problems/io/output_files.h"
 #include "problems/range.h"
@@ -96,6 +98,15 @@ void CheckIsUsable(const Estimate& estimate, const std::string& what) {
   throw std::invalid_argument(what + ": the estimate is not usable, " + StatusName(estimate.status) + why);
 }
 
+// "": the robot has no learnt function.
+std::string WarningOfLearnt(const Robot& robot) {
+  std::vector<std::string> learnt;
+  for (const EffectSpec& spec : robot.effects) {
+    if (FindEffect(robot, spec.effect)->is_learnt) learnt.push_back(Title(robot, spec));
+  }
+  return learnt.empty() ? "" : LearntFunctionsAreHeld(learnt);
+}
+
 // All that judges a usable estimate. rows: that were fitted, or null.
 void JudgeCalibration(const CalibrateOptions& options, std::shared_ptr<const RowBatches> rows, Calibration* result) {
   const auto say = [&](const std::string& what) {
@@ -125,6 +136,8 @@ void JudgeCalibration(const CalibrateOptions& options, std::shared_ptr<const Row
     estimate.warnings.push_back(across.words + "; " + across.remedy);
   }
   for (const std::string& coupled : WarningsOfCouplings(result->problem)) estimate.warnings.push_back(coupled);
+  const std::string learnt = WarningOfLearnt(result->problem.robot());
+  if (!learnt.empty()) estimate.warnings.push_back(learnt);
   const std::string large = WarningOfLargeCorrections(result->problem, estimate.table);
   if (!large.empty()) estimate.warnings.push_back(large);
 }

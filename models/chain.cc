@@ -4,6 +4,8 @@
 #include <cmath>
 #include <set>
 
+#include "models/constants.h"
+
 namespace sagitta {
 
 std::vector<std::string> JointNames(const std::vector<Joint>& joints) {
@@ -13,8 +15,10 @@ std::vector<std::string> JointNames(const std::vector<Joint>& joints) {
 }
 
 bool Joint::Allows(double value) const {
-  constexpr double kRounding = 1e-9;  // rad or m
-  return !IsHeld() || std::abs(value - *min) <= kRounding;
+  // Half of the last digit of three decimals of degrees or mm, as controllers print, and of what is rounded after that.
+  constexpr double kRoundedDegrees = 0.5001e-3 * kDegree, kRoundedMillimetres = 0.5001e-6;
+  const double rounding = type == JointType::kRevolute ? kRoundedDegrees : kRoundedMillimetres;
+  return !IsHeld() || std::abs(value - *min) <= rounding;
 }
 
 Chain::Chain() = default;

@@ -52,6 +52,12 @@ struct GravityCompensator {
 
 struct EffectDefinition;  // models/effects/effect.h
 
+// How the joints move the flange, and the table that this came from.
+struct Kinematics {
+  Chain chain;
+  std::optional<DhTable> dh;
+};
+
 // A robot as its file states it: geometry, elasticity, effects; SI.
 struct Robot {
   // Compiled once (robot.cc), not in each file that holds one.
@@ -65,6 +71,8 @@ struct Robot {
   std::string name;
   Chain chain;
   std::optional<DhTable> dh;
+  // What the robot's controller computes with, where `chain` is what a calibration found; absent: `chain`.
+  std::optional<Kinematics> controller;
   std::vector<JointCompliance> compliances;
   std::optional<GravityCompensator> gravity_compensator;
   std::vector<EffectSpec> effects;  // all other effects, with values

@@ -257,6 +257,17 @@ std::vector<std::string> CalibrationProblem::InputPaths() const {
 
 std::vector<int> CalibrationProblem::ValidationObservations() const { return ObservationsOf(*data_, true); }
 
+namespace {
+
+bool MovesGeometry(const ForwardModel& model, const std::vector<double>& theta) {
+  for (int i = 0; i < model.num_parameters(); ++i) {
+    if (model.parameters()[i].law == ParameterLaw::kGeometry && theta[i] != 0.0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 // What the robot's temperature counts from where an effect goes with it.
 std::optional<double> CalibrationProblem::ReferenceTemperature() const {
   const std::vector<EffectSpec>& effects = robot().effects;
@@ -270,7 +281,10 @@ std::optional<double> CalibrationProblem::ReferenceTemperature() const {
 }
 
 Robot CalibrationProblem::RobotWith(const ParameterSet& own) const {
-  Robot robot = model_->WithValues(own.ModelValues());
+  const std::vector<double> theta = own.ModelValues();
+  Robot robot = model_->WithValues(theta);
+  if (!robot.controller && MovesGeometry(*model_, theta))
+    robot.controller = Kinematics{model_->robot().chain, model_->robot().dh};
   robot.reference_temperature = ReferenceTemperature();
   for (EffectSpec& spec : robot.effects) {
     std::vector<std::string> names;

@@ -1,27 +1,43 @@
 #include "problems/free_selection.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "models/default_free_set.h"
 #include "models/effects/catalogue.h"
 #include "problems/input_error.h"
 #include "problems/loads.h"
 #include "problems/problem_checks.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
 
-// Which of `all` a selection names; `what` for messages.
+// Which of `all` a selection names; `what` for messages. hint_of: what a name that is none is to be.
 std::vector<std::string> SelectFrom(const std::vector<std::string>& all, const Selection& selection,
-                                    const std::string& key, const std::string& what, const Experiment& experiment) {
+                                    const std::string& key, const std::string& what, const Experiment& experiment,
+                                    const std::function<std::string(const std::string&)>& hint_of = nullptr) {
   if (selection.kind == Selection::Kind::kAll) return all;
   if (selection.kind != Selection::Kind::kList) return {};
   for (const std::string& name : selection.names) {
     if (std::find(all.begin(), all.end(), name) != all.end()) continue;
+    const std::string hint = hint_of ? hint_of(name) : "";
     throw InputError({experiment.file, LineOf(experiment, key), key}, "the robot has no " + what + " '" + name + "'",
-                     SpellingHint(name, all));
+                     hint.empty() ? SpellingHint(name, all) : hint);
   }
   return selection.names;
+}
+
+// The errors that are offsets of joints: those of their own motions. j1.theta of a DH table is joint_a1.yaw of a URDF
+// whose axis is z. "": the name is no joint's.
+std::string OffsetsInstead(const Chain& chain, const std::string& name) {
+  if (chain.FindJoint(name.substr(0, name.rfind('.'))) < 0) return "";
+  std::vector<std::string> offsets;
+  for (int j = 0; j < chain.num_joints(); ++j) {
+    const std::string& error = chain.transforms[chain.JointTransform(j)].error;
+    if (!error.empty()) offsets.push_back(error);
+  }
+  return offsets.empty() ? "" : "the joints' own offsets are [" + Joined(offsets) + "]";
 }
 
 std::vector<std::string> FreeErrors(CalibrationProblem* problem) {
@@ -31,7 +47,8 @@ std::vector<std::string> FreeErrors(CalibrationProblem* problem) {
     for (const ElementaryTransform& transform : problem->robot().chain.transforms) {
       if (!transform.error.empty()) all.push_back(transform.error);
     }
-    return SelectFrom(all, selection, "estimate.geometry", "geometric error", problem->experiment());
+    return SelectFrom(all, selection, "estimate.geometry", "geometric error", problem->experiment(),
+                      [problem](const std::string& name) { return OffsetsInstead(problem->robot().chain, name); });
   }
   const EstimateSpec& estimate = problem->experiment().estimate;
   FreeSet set = DefaultFreeSet(problem->robot().chain, {estimate.base, estimate.markers});
@@ -128,14 +145,21 @@ class ModelSelection {
   std::vector<std::string> errors_, compliant_, spring_;
 };
 
+// A name stands for all that begin with it and a slash; nothing is written as a pattern.
+std::string HintFor(const std::string& name, const ParameterSet& parameters) {
+  const bool is_pattern = name.size() > 2 && name.back() == '*';
+  const std::string group = is_pattern ? name.substr(0, name.size() - 2) : "";
+  if (is_pattern && !parameters.Match(group).empty()) return "'" + group + "' stands for all whose names begin so";
+  return SpellingHint(name, KnownNextTo(name, parameters));
+}
+
 void SetByName(const std::vector<std::string>& names, const char* key, bool free, CalibrationProblem* problem) {
   ParameterSet& parameters = problem->parameters;
   for (const std::string& name : names) {
     const std::vector<int> matches = parameters.Match(name);
     if (matches.empty()) {
       RefuseUnlistedCompliance(*problem, name, key);
-      FailProblem(*problem, key, "there is no parameter '" + name + "'",
-                  SpellingHint(name, KnownNextTo(name, parameters)));
+      FailProblem(*problem, key, "there is no parameter '" + name + "'", HintFor(name, parameters));
     }
     for (const int i : matches) parameters.coordinate(i).free = free;
   }

@@ -254,6 +254,14 @@ void CheckEnoughData(const CalibrationProblem& problem) {
                      "measure at least two, better thirty, different configurations");
   }
   const int equations = 3 * observations.size();
+  const int held_out = 3 * static_cast<int>(problem.ValidationObservations().size());
+  if (equations < unknowns && equations + held_out >= unknowns) {
+    throw InputError({file, 0, "validation"},
+                     "fewer equations (" + std::to_string(equations) + ") than unknowns (" + std::to_string(unknowns) +
+                         "): " + std::to_string(held_out) + " more are of configurations that are held out",
+                     "validation: none in the experiment file holds none out (of so few rows nothing can be spared); "
+                     "better, measure more configurations");
+  }
   if (equations < unknowns) {
     throw InputError(
         {file, 0, ""},

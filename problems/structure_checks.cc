@@ -30,6 +30,11 @@ void CheckConfigurations(const Measurements& data, int joints) {
   }
 }
 
+bool MovesWithAnother(const Chain& chain, int joint) {
+  return std::any_of(chain.couplings.begin(), chain.couplings.end(),
+                     [joint](const Coupling& coupling) { return coupling.joint == joint; });
+}
+
 // A joint that is held has its one value in every row; another would be counted in addition to what it mimics.
 void CheckHeldJoints(const Chain& chain, const Measurements& data, const Shot& shot) {
   const Eigen::VectorXd& q = data.configurations[shot.configuration].q;
@@ -38,10 +43,15 @@ void CheckHeldJoints(const Chain& chain, const Measurements& data, const Shot& s
     if (joint.Allows(q[j])) continue;
     const bool turns = joint.type == JointType::kRevolute;
     const double per_si = turns ? 180.0 / kPi : 1e3;
+    const char* hint =
+        MovesWithAnother(chain, j)
+            ? "what a joint with <mimic> moves with another is not in its own column"
+            : "the robot file has this value as its lower and as its upper limit: a joint that moves has "
+              "two, and one that is locked has this value in every row, to 0.0005 deg or mm";
     throw InputError(data.WhereOf(shot, "q" + std::to_string(j + 1)),
-                     fmt::format("joint '{}' does not move by itself: its value is {:g}, not {:g} {}", joint.name,
+                     fmt::format("joint '{}' does not move by itself: its value is {:.9g}, not {:.9g} {}", joint.name,
                                  *joint.min * per_si, q[j] * per_si, turns ? "deg" : "mm"),
-                     "what a joint with <mimic> moves with another is not in its own column");
+                     hint);
   }
 }
 

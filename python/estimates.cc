@@ -2,13 +2,16 @@
 #include <pybind11/stl.h>
 
 #include <memory>
+#include <numeric>
 
 #include "estimator/changes/changes.h"
+#include "estimator/report/compensation_words.h"
 #include "estimator/report/results_words.h"
 #include "estimator/results/measured_conditions.h"
 #include "estimator/results/measured_joints.h"
 #include "estimator/results/program_compensation.h"
 #include "estimator/results/residuals_csv.h"
+#include "problems/failure.h"
 #include "problems/io/files.h"
 #include "problems/io/output_files.h"
 #include "problems/range.h"
@@ -134,6 +137,97 @@ void BindEstimate(py::module_& module) {
       });
 }
 
+// Readings and what moves them, SI: measured - predicted, and d predicted / d parameter.
+struct LinearizedRows {
+  std::vector<std::string> names;  // of the columns
+  Eigen::MatrixXd jacobian;        // one column per coordinate of a reading, one row per name
+  Eigen::MatrixXd residuals;       // one row; not a number where nothing was measured
+  std::vector<int> rows;           // of each coordinate: which reading it is of
+  std::vector<bool> turns;         // whether it is an angle, rad, and no length
+};
+
+// Points count; the rotation of a pose is of the row of its point.
+std::vector<int> RowsOfObservations(const Measurements& data) {
+  std::vector<int> row_of(data.observations.size(), -1);
+  int rows = 0;
+  for (size_t k = 0; k < row_of.size(); ++k) {
+    if (data.observations[k].is_point()) row_of[k] = rows++;
+  }
+  for (size_t k = 0; k < row_of.size(); ++k) {
+    const int partner = data.observations[k].partner;
+    if (!data.observations[k].is_point() && partner >= 0) row_of[k] = row_of[static_cast<size_t>(partner)];
+  }
+  return row_of;
+}
+
+// Columns of names that the problem does not have, as of other stations and markers, are 0.
+LinearizedRows LinearizedAt(const CalibrationProblem& problem, const ParameterSet& parameters,
+                            const std::vector<int>& observations, const std::vector<std::string>& names,
+                            bool is_whitened) {
+  std::vector<int> columns, places;
+  for (size_t i = 0; i < names.size(); ++i) {
+    const int column = parameters.FindCoordinate(names[i]);
+    if (column < 0) continue;
+    columns.push_back(column);
+    places.push_back(static_cast<int>(i));
+  }
+  const NoiseRoots roots = is_whitened ? ObservationNoise(problem, observations, kFallbackSigma)
+                                       : NoiseRoots(observations.size(), Matrix3<double>::Identity());
+  const Linearization found = Linearize(problem, parameters, observations, columns, roots,
+                                        is_whitened ? LatentTreatment::kMarginalise : LatentTreatment::kIgnore);
+  if (!found.valid) throw Failure("nothing linearized: equilibrium_diverged: " + LoadFoldsArm());
+  LinearizedRows result;
+  result.names = names;
+  result.jacobian = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(names.size()), found.num_rows());
+  for (size_t i = 0; i < columns.size(); ++i) {
+    result.jacobian.row(places[i]) = found.jacobian.col(static_cast<Eigen::Index>(i)).transpose();
+  }
+  result.residuals = -found.residual.transpose();
+  const std::vector<int> row_of = RowsOfObservations(problem.data());
+  for (const int k : found.observations) {
+    result.rows.insert(result.rows.end(), 3, row_of[static_cast<size_t>(k)]);
+    result.turns.insert(result.turns.end(), 3, !problem.data().observations[static_cast<size_t>(k)].is_point());
+  }
+  return result;
+}
+
+LinearizedRows LinearizeFit(const CalibratedExperiment& e, bool is_whitened) {
+  const CalibrationProblem& problem = e.calibration.problem;
+  const ParameterSet& parameters = e.calibration.estimate.parameters;
+  std::vector<std::string> names;
+  for (const int c : parameters.EstimatedCoordinates()) names.push_back(parameters.coordinates()[c].name);
+  const OthersMayRun others_may_run;
+  return Numerically(
+      [&] { return LinearizedAt(problem, parameters, problem.CalibrationObservations(), names, is_whitened); });
+}
+
+LinearizedRows LinearizeRows(const KnownRobot& known, const py::list& sources) {
+  Measurements rows = RowsFrom(known.robot, sources, false, nullptr);
+  AddKnownRotations(known, &rows);
+  const OthersMayRun others_may_run;
+  return Numerically([&] {
+    const CalibrationProblem problem = PredictionProblem(known, std::move(rows));
+    std::vector<int> all(problem.data().observations.size());
+    std::iota(all.begin(), all.end(), 0);
+    return LinearizedAt(problem, problem.parameters, all, known.uncertainty.estimated, false);
+  });
+}
+
+void BindLinearization(py::module_& module) {
+  py::class_<LinearizedRows>(module, "Linearization")
+      .def_property_readonly(
+          "jacobian",
+          [](const py::object& self) { return ViewOf(py::cast<const LinearizedRows&>(self).jacobian, self); })
+      .def_property_readonly(
+          "residuals",
+          [](const py::object& self) { return ViewOf(py::cast<const LinearizedRows&>(self).residuals, self); })
+      .def_readonly("names", &LinearizedRows::names)
+      .def_readonly("rows", &LinearizedRows::rows)
+      .def_readonly("turns", &LinearizedRows::turns);
+  module.def("linearize", &LinearizeRows);
+  module.def("linearize_fit", &LinearizeFit);
+}
+
 PredictedRows PredictRows(const KnownRobot& known, const py::list& sources, bool force) {
   PredictedRows result{RowsFrom(known.robot, sources, false, nullptr), {}, {}};
   AddKnownRotations(known, &result.rows);
@@ -207,11 +301,13 @@ Rows SimulateRows(const KnownRobot& truth, const ExperimentInputs& inputs, const
 
 CompensatedRows CompensateTargets(const KnownRobot& known, const py::object& source, int threads) {
   CompensatedRows rows;
-  rows.targets = TargetsFromTable(TableFrom(source, nullptr), known.robot, StationOfTargets(known));
+  rows.targets =
+      TargetsFromTable(TableFrom(source, nullptr, CsvContent::kTargets), known.robot, StationOfTargets(known));
   const CompensationInput input = MakeCompensationInput(known, rows.targets);
   rows.results = ResultOf<std::vector<CompensatedTarget>>(
       py::none(), [&](const Say&) { return Compensate(input, rows.targets.rows, threads); });
   const size_t outside = AddOutsideMeasured(known, &rows.results);
+  if (rows.targets.may_be_no_vector) rows.warnings.push_back(TargetsHaveRotationVectors());
   if (outside > 0) rows.warnings.push_back(TargetsOutsideMeasured(outside));
   const std::vector<std::string> beyond = BeyondMeasuredInWords(known, input.problem);
   rows.warnings.insert(rows.warnings.end(), beyond.begin(), beyond.end());
@@ -269,8 +365,7 @@ CorrectedProgram CompensateProgramOf(const KnownRobot& known, const std::string&
   static_cast<CompensatedProgram&>(corrected) = ResultOf<CompensatedProgram>(py::none(), [&](const Say&) {
     return CompensateProgram(known, ReadRobotProgram(program, chain.num_joints()), scene, threads);
   });
-  corrected.warnings =
-      WarningsOfTargets(BeyondMeasuredInWords(known, MakeCompensationInput(known, corrected.targets).problem), known);
+  corrected.warnings = WarningsOfTargets(corrected.beyond, known);
   return corrected;
 }
 
@@ -311,6 +406,7 @@ void BindEstimates(py::module_& module) {
       .def_property_readonly("robot_name", [](const KnownRobot& k) { return k.robot.name; })
       .def_property_readonly("robot_yaml", [](const KnownRobot& k) { return RobotToYaml(k.robot); });
   BindEstimate(module);
+  BindLinearization(module);
   BindPrediction(module);
   BindCompensation(module);
   BindPrograms(module);

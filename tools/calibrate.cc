@@ -28,7 +28,7 @@ int ReportFailure(const Calibration& failed) {
   for (size_t i = 0; i < std::min(kShownDirections, directions.size()); ++i) {
     std::cerr << "  " << directions[i].words << "; " << directions[i].remedy << "\n";
   }
-  if (!failed.trust.suspects.empty()) std::cerr << SectionsToText({SuspectRows(failed.trust, "")});
+  if (!failed.trust.suspects.empty()) std::cerr << SectionsToText({SuspectRows(failed, "")});
   return kNumericalFailure;
 }
 

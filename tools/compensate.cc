@@ -19,6 +19,7 @@
 #include "tools/commands.h"
 #include "tools/progress.h"
 #include "tools/report/command_words.h"
+#include "tools/report/summary.h"
 #include "tools/run_command.h"
 
 DEFINE_string(program, "", "FILE: a robot program (KRL, RAPID, URScript, FANUC LS) whose points are the targets");
@@ -47,7 +48,7 @@ void Summarise(const std::vector<CompensatedTarget>& results, const std::string&
   }
   std::vector<std::string> parts;
   for (const auto& [status, number] : count) parts.push_back(std::to_string(number) + " " + status);
-  std::cout << results.size() << " targets: " << Enumerate(parts) << ": " << out << "\n";
+  std::cout << Plural(static_cast<int>(results.size()), "target") << ": " << Enumerate(parts) << ": " << out << "\n";
   if (solved == 0) return;
   std::cout << CompensationInWords(before, after, u95) << FlangeOfTheMarkers();
 }
@@ -106,7 +107,7 @@ int RunProgram(const CommandLine& line) {
   std::cout << SummaryOf(result) << "Program: " << FLAGS_program_out << "\n";
   if (any) std::cout << FlangeOfTheMarkers();
   SayWhatTheWayDoes(known);
-  SayWarnings(BeyondMeasuredInWords(known, MakeCompensationInput(known, result.targets).problem));
+  SayWarnings(result.beyond);
   const std::string carried = WhatFiguresCarry(known);
   if (!carried.empty()) std::cout << carried << "\n";
   return any ? 0 : kNumericalFailure;
@@ -152,6 +153,7 @@ int RunCompensate(const CommandLine& line) {
   const std::string unread = NotReadInWords(targets.shots.unread_columns);
   if (!unread.empty()) std::cout << unread << "\n";
   SayWhatTheWayDoes(known);
+  if (targets.may_be_no_vector) SayWarnings({TargetsHaveRotationVectors()});
   SayWarnings(beyond);
   if (outside > 0) std::cout << TargetsOutsideMeasured(outside) << "\n";
   const std::string carried = WhatFiguresCarry(known);
@@ -173,7 +175,10 @@ TARGETS has the column target and
 
   q1_deg …                     joint values at which the nominal robot has the flange where it is wanted, or
   x_mm, y_mm, z_mm, rx_mrad, ry_mrad, rz_mrad   the flange in the base frame (rotation vector); q1_deg … next to
-                               them choose the branch, otherwise the row before does, or the first solution found
+                               them choose the branch, otherwise the row before does, or the first solution found.
+                               In place of the vector: ow, ox, oy, oz (unit quaternion, scalar first; or qw …),
+                               a_deg, b_deg, c_deg (KUKA: Rz(a) Ry(b) Rx(c)), or
+                               roll_deg, pitch_deg, yaw_deg (fixed axes: Rz(yaw) Ry(pitch) Rx(roll))
 
 and, where they matter, load, fx_N … mz_Nm, station, temperature_degC, time_s, approach1 … as in measurement files.
 Every row comes back with
@@ -181,7 +186,8 @@ Every row comes back with
   status                       ok, singular (on target, close to a singularity), limit, unreachable,
                                equilibrium_diverged, not_converged
   q1_cmd_deg … (_mm)           corrected joint values: with them the estimated robot, loads included, is on target
-  x_cmd_mm … rz_cmd_mrad       the pose to send where the controller keeps its nominal model
+  x_cmd_mm … rz_cmd_mrad       the pose to send where the controller keeps its nominal model, its rotation in the
+                               form of the targets (a_cmd_deg …, ow_cmd …, roll_cmd_deg …)
   u95_mm, u95_mrad             95 % of where the flange then is lie within this of the target: what is left and the
                                uncertainty of the estimate; repeatability not in it.
                                The flange is where the markers have it: for tools measured through the same markers

@@ -13,6 +13,7 @@
 #include "estimator/report/diagnosis_words.h"
 #include "estimator/results/diagnosis_json.h"
 #include "estimator/results/estimate_json.h"
+#include "estimator/results/next_campaign.h"
 #include "estimator/results/next_csv.h"
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
@@ -111,6 +112,8 @@ void WriteResults(const Provenance& provenance, Calibration extended, const Simu
                                   {"estimate.json", estimate_json},
                                   {"diagnosis.json", DumpJson(with_run)}};
   if (diagnosis.next) files.push_back({kNextFile, NextToCsv(diagnosis)});
+  if (const auto next = RobotOfTheNextCampaign(RobotOf(diagnosis.final)); next && !against_columns)
+    files.push_back({kNextRobotFile, RunComment(provenance) + RobotToYaml(*next)});
   if (diagnosis.learnt) {
     const DiagnosedModel& learnt = diagnosis.learnt->model;
     files.push_back({kLearntEstimateFile, DumpJson(LearntEstimateToJson(diagnosis, provenance))});
@@ -149,6 +152,7 @@ void RemoveOlderProposal(const Diagnosis& diagnosis, const std::string& folder) 
 // Files that only some diagnoses have, of an earlier run into the same folder.
 std::vector<std::string> OlderFiles(const Diagnosis& diagnosis, const std::string& folder) {
   std::vector<std::string> unwritten, older;
+  if (!RobotOfTheNextCampaign(RobotOf(diagnosis.final))) unwritten.push_back(kNextRobotFile);
   if (!diagnosis.learnt) unwritten.insert(unwritten.end(), {kLearntFile, kLearntEstimateFile});
   for (const std::string& name : unwritten) {
     if (std::filesystem::exists(std::filesystem::path(folder) / name)) older.push_back(name);
@@ -208,9 +212,9 @@ int RunDiagnose(const CommandLine& line) {
   const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
   std::optional<OutputFolder> out;
   if (!FLAGS_out.empty()) {
-    out.emplace(FLAGS_out,
-                std::vector<std::string>{"robot.extended.yaml", "residuals.csv", "report.html", "estimate.json",
-                                         "diagnosis.json", kNextFile, kLearntFile, kLearntEstimateFile});
+    out.emplace(FLAGS_out, std::vector<std::string>{"robot.extended.yaml", "residuals.csv", "report.html",
+                                                    "estimate.json", "diagnosis.json", kNextFile, kNextRobotFile,
+                                                    kLearntFile, kLearntEstimateFile});
     RefuseToReplaceReadings(FLAGS_out);
   }
   const ExperimentInputs inputs = WithHoldout(ReadInputs(line.arguments));

@@ -23,6 +23,7 @@
 #include "tools/progress.h"
 #include "tools/report/command_words.h"
 #include "tools/report/plan_report.h"
+#include "tools/report/summary.h"
 #include "tools/run_command.h"
 
 DEFINE_int32(poses, 0, "how many poses to plan");
@@ -55,7 +56,7 @@ void CheckPlanFlags() {
 }
 
 std::string LineOf(const PosesAndAccuracy& point) {
-  return "  " + std::to_string(point.poses) + " poses: " + Significant(1e3 * point.position_rms, 3) + " mm\n";
+  return "  " + Plural(point.poses, "pose") + ": " + Significant(1e3 * point.position_rms, 3) + " mm\n";
 }
 
 Plan PlanWithProgress(const ExperimentInputs& inputs, PlanRequest request, bool quiet) {

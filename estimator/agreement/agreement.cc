@@ -24,6 +24,10 @@ namespace {
 
 // Every split of the measured robots next to the tree (UR5, UR10 A to D, and their halves) is below it.
 constexpr double kPoorHalves = 4.0;
+// Standard deviations of chance by which points of one shot err alike before that is sure, one in 700.
+constexpr double kSurelyAlike = 3.0;
+// By less an interval is not worth another method.
+constexpr double kSameWidth = 0.05;
 
 // Differences of what both parts know, by one covariance.
 struct Differences : PartDifference {
@@ -265,7 +269,10 @@ BetweenParts CheckAgreement(const CalibrationProblem& problem, const AgreementOp
   const bool repeats_lie = report.repeats.known && report.repeats.p_value < level;
   report.shared_errors = SharedErrors(problem, whole);
   const bool err_alike = std::exp(LogNormalCdf(-report.shared_errors)) < level;
-  report.sandwich_advised = !whole.by_sandwich && (larger || repeats_lie || err_alike);
+  // What hardly shows and changes no width is nothing to act upon.
+  const bool is_idle =
+      report.shared_errors < kSurelyAlike && std::abs(report.sandwich_ratio - 1.0) < kSameWidth && !report.disagrees;
+  report.sandwich_advised = !whole.by_sandwich && (larger || repeats_lie || (err_alike && !is_idle));
   DescribeAgreement(problem, &report);
   return between;
 }

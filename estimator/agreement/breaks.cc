@@ -124,6 +124,23 @@ class BreakSearch {
     return motion;
   }
 
+  // What these columns add to the basis: orthogonal to it, and orthonormal.
+  Eigen::MatrixXd NewDirections(Eigen::MatrixXd columns) const {
+    if (columns.cols() == 0) return columns;
+    const Eigen::VectorXd scale = columns.colwise().norm().cwiseMax(1e-300).cwiseInverse();
+    columns = columns * scale.asDiagonal();
+    const Eigen::MatrixXd shared = basis_.transpose() * columns;
+    columns -= basis_ * shared;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(Eigen::MatrixXd(columns.transpose() * columns));
+    Eigen::MatrixXd directions(columns.cols(), 0);
+    for (Eigen::Index i = 0; i < columns.cols(); ++i) {
+      if (!(eigen.eigenvalues()[i] > kLeastOfItself)) continue;
+      directions.conservativeResize(Eigen::NoChange, directions.cols() + 1);
+      directions.rightCols(1) = eigen.eigenvectors().col(i) / std::sqrt(eigen.eigenvalues()[i]);
+    }
+    return columns * directions;
+  }
+
   // Rows, projected off what is estimated, and their order.
   bool Prepare() {
     const std::vector<int> fitted =
@@ -186,30 +203,17 @@ class BreakSearch {
   }
 
   // What the columns explain of a load's rows is the load's: where another begins, what the model lacks of loads looks
-  // like a step. Orthogonal to what is estimated, and orthonormal; of all loads but the first, whose rows go with the
-  // constant.
+  // like a step. All loads together are what is off all the time, estimated or not: poses that go with the order of the
+  // rows make a constant error look like one that began.
   Eigen::MatrixXd ByLoads(const Cause& cause, const Eigen::MatrixXd& columns) const {
-    const auto others = static_cast<Eigen::Index>(loads_.empty() ? 0 : loads_.size() - 1), d = columns.cols();
-    Eigen::MatrixXd by_load = Eigen::MatrixXd::Zero(columns.rows(), others * d);
+    const auto loads = static_cast<Eigen::Index>(loads_.size()), d = columns.cols();
+    Eigen::MatrixXd by_load = Eigen::MatrixXd::Zero(columns.rows(), loads * d);
     for (const int k : order_) {
       if (!Concerns(cause, k)) continue;
       const auto load = std::find(loads_.begin(), loads_.end(), ShotOf(k).load) - loads_.begin();
-      if (load > 0) by_load.block(3 * k, (load - 1) * d, 3, d) = columns.middleRows(3 * k, 3);
+      by_load.block(3 * k, load * d, 3, d) = columns.middleRows(3 * k, 3);
     }
-    if (by_load.cols() == 0) return by_load;
-    const Eigen::VectorXd scale = by_load.colwise().norm().cwiseMax(1e-300).cwiseInverse();
-    by_load = by_load * scale.asDiagonal();
-    const Eigen::MatrixXd shared = basis_.transpose() * by_load;
-    by_load -= basis_ * shared;
-    const Eigen::MatrixXd products = by_load.transpose() * by_load;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(products);
-    Eigen::MatrixXd directions(by_load.cols(), 0);
-    for (Eigen::Index i = 0; i < by_load.cols(); ++i) {
-      if (!(eigen.eigenvalues()[i] > kLeastOfItself)) continue;
-      directions.conservativeResize(Eigen::NoChange, directions.cols() + 1);
-      directions.rightCols(1) = eigen.eigenvectors().col(i) / std::sqrt(eigen.eigenvalues()[i]);
-    }
-    return by_load * directions;
+    return NewDirections(std::move(by_load));
   }
 
   // Products of the rows from a place on.

@@ -4,8 +4,9 @@
 //
 //   gain = g' A^-1 g,    A = D'(I - H) D,   g = D'(I - H) r,   H = J (J'J)^-1 J'
 //
-// is what the step explains of the squared residuals r'(I - H) r given everything that is estimated. Nothing else in a
-// calibration sees it: rows that are held out at random have moved like the others.
+// is what the step explains of the squared residuals r'(I - H) r given everything that is estimated, and given what may
+// be off all the time: a constant error is no break. Nothing else in a calibration sees it: rows that are held out at
+// random have moved like the others.
 #pragma once
 
 #include <optional>

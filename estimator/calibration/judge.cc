@@ -13,6 +13,7 @@
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/calibration/load_centres.h"
 #include "estimator/calibration/load_remedy.h"
+#include "estimator/calibration/prior_pull.h"
 #include "estimator/estimate/parameter_table.h"
 #include "estimator/least_squares/batch_algebra.h"
 #include "estimator/least_squares/cluster_sandwich.h"
@@ -49,21 +50,23 @@ void JudgeNoise(const CalibrationProblem& problem, const FittedRows& fitted, Est
   SigmaReport& sigma = estimate->sigma;
   sigma.stated = problem.sigma_is_stated();
   sigma.origin = problem.noise_origin;
-  const double sum = SquaredMisfit(problem, linearization);
+  double sum = SquaredMisfit(problem, linearization);
   estimate->rows = fitted.equations;
   estimate->dof = fitted.equations - linearization.num_columns();
   if (!sigma.stated) {
     // What is held was fitted first: rows that are no more than all unknowns show no noise.
     const auto held = static_cast<int>(HeldCoordinates(estimate->parameters).size());
     if (estimate->dof <= held) estimate->dof = std::min(estimate->dof, 0);
-    const double dof = estimate->dof;
+    double dof = estimate->dof;
+    SetPriorsAside(problem, linearization, &sum, &dof, estimate);
     sigma.estimated = dof > 0 ? kFallbackSigma * std::sqrt(sum / dof) : 0.0;
-    estimate->chi2 = dof;  // by construction: sigma is what makes it so
+    estimate->chi2 = estimate->dof;  // by construction: sigma is what makes it so
     return;
   }
   estimate->chi2 = sum;
-  const double dof = estimate->dof;
+  double dof = estimate->dof;
   if (dof <= 0) return;
+  SetPriorsAside(problem, linearization, &sum, &dof, estimate);
   // chi-square / dof is F(dof, infinity), unless the noise was read off repeats.
   sigma.a_posteriori = std::sqrt(sum / dof);
   sigma.p_value = ChanceOfSquares(problem.repeat_scatter, sum, dof);
@@ -275,6 +278,7 @@ bool JudgeCovariance(const CalibrationProblem& problem, const Linearization& lin
   const LinearSolution solution = SolveLinearization(linearization);
   if (!solution.full_rank) return false;
   *normal_root = solution.covariance_root;
+  estimate->fit_covariance = solution.covariance;
   estimate->model_covariance = scale * scale * solution.covariance;
   if (!problem.weight_roots.empty()) {
     estimate->model_covariance = scale * scale * CovarianceOfWeighted(problem, estimate->parameters, solution);
@@ -421,7 +425,8 @@ void JudgeFit(const CalibrationProblem& problem, const NormalEquations* equation
   }
   FillTable(problem, estimate);
   for (const BelowBound& below : FindBelowBounds(fit, parameters, scale, estimate->sigma.stated ? 1.0 : 0.0))
-    estimate->warnings.push_back(StandsOnBound(parameters.coordinates()[below.coordinate].name, below.sigmas));
+    estimate->warnings.push_back(StandsOnBound(parameters.coordinates()[below.coordinate].name, below.sigmas,
+                                               problem.experiment().torques_measured));
   fitted = FittedRows();  // its memory
 
   std::vector<int> all(problem.data().observations.size());

@@ -74,6 +74,8 @@ class Compensator {
     return loaded_.At(q, shots_[shot], base, parameters, state);
   }
   void AddUncertainty(int shot, const Pose<double>& goal, CompensatedTarget* result) const;
+  void AddMotionOfMarkers(const FlangeState& state, Eigen::Matrix<double, 6, Eigen::Dynamic>* columns) const;
+  double TurnOfRest(const FlangeState& state) const;
   std::string Words(const Target& target, const CompensatedTarget& result) const;
   std::string JointNames(const std::vector<int>& joints) const;
 
@@ -151,6 +153,7 @@ void Compensator::AddUncertainty(int shot, const Pose<double>& goal, Compensated
   const ParameterUncertainty& known = input_.uncertainty;
   Eigen::Matrix<double, 6, Eigen::Dynamic> columns = Eigen::MatrixXd::Zero(6, names_.size());
   for (size_t i = 0; i < active_.name.size(); ++i) columns.col(active_.name[i]) = state.by_parameters.col(i);
+  AddMotionOfMarkers(state, &columns);
   const Eigen::MatrixXd estimated = columns.leftCols(known.estimated.size());
   Eigen::MatrixXd covariance = estimated * known.covariance * estimated.transpose();
   if (!known.held.empty()) {
@@ -160,7 +163,32 @@ void Compensator::AddUncertainty(int shot, const Pose<double>& goal, Compensated
   const Matrix3<double> position = covariance.topLeftCorner<3, 3>();
   const Eigen::Matrix<double, 6, 1> off = PoseDifference(goal, state.flange_in_base);
   result->u95_position = Radius95(position + AddedByRest(position, input_.rest), off.head<3>(), input_.noise_dof);
-  result->u95_rotation = Radius95(covariance.bottomRightCorner<3, 3>(), off.tail<3>(), input_.noise_dof);
+  const Matrix3<double> rotation = covariance.bottomRightCorner<3, 3>();
+  const Matrix3<double> left = AddedByRest(rotation, TurnOfRest(state));
+  result->u95_rotation = Radius95(rotation + left, off.tail<3>(), input_.noise_dof);
+}
+
+// What the frame is off in which the markers stand (flange_of_markers.h), in the base's axes.
+void Compensator::AddMotionOfMarkers(const FlangeState& state,
+                                     Eigen::Matrix<double, 6, Eigen::Dynamic>* columns) const {
+  const Matrix3<double>& rotation = state.flange_in_base.rotation;
+  for (Eigen::Index i = 0; i < input_.flange.by_names.cols(); ++i) {
+    columns->col(i).head<3>() += rotation * input_.flange.by_names.col(i).head<3>();
+    columns->col(i).tail<3>() += rotation * input_.flange.by_names.col(i).tail<3>();
+  }
+}
+
+// rad: how far the flange is turned where all joints deviate alike, by so much that the markers are off by `rest`. What
+// was left on unseen points is known as a distance alone.
+double Compensator::TurnOfRest(const FlangeState& state) const {
+  const Vector3<double> arm = state.flange_in_base.rotation * input_.flange.centre;
+  double shift = 0.0, turn = 0.0;  // squares, of unit deviations
+  for (Eigen::Index j = 0; j < state.by_joints.cols(); ++j) {
+    const Vector3<double> about = state.by_joints.col(j).tail<3>();
+    shift += (state.by_joints.col(j).head<3>() + about.cross(arm)).squaredNorm();
+    turn += about.squaredNorm();
+  }
+  return shift > 0.0 ? input_.rest * std::sqrt(turn / shift) : 0.0;
 }
 
 std::string Compensator::JointNames(const std::vector<int>& joints) const {

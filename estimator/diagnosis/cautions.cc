@@ -18,6 +18,7 @@
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/report/diagnosis_caution_words.h"
 #include "estimator/report/validation_words.h"
+#include "estimator/validation/prior_conflict.h"
 #include "estimator/validation/suspects.h"
 #include "models/constants.h"
 #include "models/effects/catalogue.h"
@@ -207,6 +208,12 @@ std::string OfSuspects(const DiagnosedModel& believed) {
   return LookAtSuspectsFirst(RowsAreSuspect(suspects.size(), suspects[0].row + ": " + suspects[0].words));
 }
 
+// A prior that is contradicted is fitted by the rows as far as it is narrow: what that leaves looks like an effect.
+std::string OfPriors(const CalibrationProblem& problem, const Estimate& estimate) {
+  const std::vector<PriorConflict> priors = PriorsAgainstRows(problem, estimate);
+  return priors.empty() ? "" : PriorsFirst(RowsContradictPrior(estimate.parameters, priors[0], priors.size()));
+}
+
 void CautionOfAFew(const DiagnosedModel& final, std::vector<std::string>* cautions) {
   const Measurements& data = final.problem->data();
   std::vector<std::string> names;
@@ -266,17 +273,12 @@ std::vector<std::string> CautionsOfReadings(const CalibrationProblem& problem) {
 std::vector<std::string> FindCautions(const CalibrationProblem& stated, const DiagnosedModel& believed) {
   const Counts counts = CountConfigurations(stated.data());
   std::vector<std::string> cautions = {
-      OfSuspects(believed),
-      OfNoise(stated),
-      OfUnusedKeys(stated.experiment()),
-      OfFew(stated, counts),
-      OfStandingJoints(stated),
-      OfPartlyStated(stated),
-      OfHeldParameters(believed.estimate),
-      OfHeldEffects(stated),
-      counts.in_both > 0 ? FittedAndHeldOut(counts.in_both) : "",
-      OfHoldout(counts),
-      OfTool(believed),
+      OfSuspects(believed),   OfPriors(stated, believed.estimate),
+      OfNoise(stated),        OfUnusedKeys(stated.experiment()),
+      OfFew(stated, counts),  OfStandingJoints(stated),
+      OfPartlyStated(stated), OfHeldParameters(believed.estimate),
+      OfHeldEffects(stated),  counts.in_both > 0 ? FittedAndHeldOut(counts.in_both) : "",
+      OfHoldout(counts),      OfTool(believed),
       OfOrder(stated),
   };
   cautions.erase(std::remove(cautions.begin(), cautions.end(), ""), cautions.end());
@@ -325,8 +327,9 @@ void CautionOfNotNamed(const std::vector<std::pair<EffectSpec, double>>& unconfi
     if (probability <= kProbable || said.count(spec.Path()) > 0) continue;
     (leading.count(spec.Path()) > 0 ? in_leading : elsewhere).emplace_back(spec, probability);
   }
-  if (!in_leading.empty()) diagnosis->cautions.push_back(NotInFullModel(in_leading));
-  if (!elsewhere.empty()) diagnosis->cautions.push_back(NotInLeading(elsewhere));
+  const Robot& robot = diagnosis->final.problem->robot();
+  if (!in_leading.empty()) diagnosis->cautions.push_back(NotInFullModel(robot, in_leading));
+  if (!elsewhere.empty()) diagnosis->cautions.push_back(NotInLeading(robot, elsewhere));
 }
 
 void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, bool is_sigma_stated, double significance,

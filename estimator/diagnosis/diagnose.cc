@@ -147,10 +147,26 @@ class Session {
     // The most probable set may be noise alone, and those that hold a cause more probable together.
     const bool is_hardly_noise = d_.noise.is_finding && posterior_.Something() > kEvenOdds;
     d_.has_unexplained |= Misfits() || (selected_.empty() && (MayFollowThePose() || is_hardly_noise));
-    if (!selected_.empty()) return AllowForRivals();
+    if (!selected_.empty()) {
+      judged_ = d_.final;
+      if (d_.has_unexplained && MayFollowThePose()) FollowRepeatability();
+      return AllowForRivals();
+    }
+    judged_ = lacking_;
     if (!d_.has_unexplained) return;
     d_.final = d_.baseline;  // the noise that goes with a cause without a name is no better model
     d_.final_p = LackOfFit(problem_, d_.final, {});
+  }
+
+  // The noise so far is what is left beyond all that the leading set holds. What is named is a part of that, and leaves
+  // more: intervals, predictions and what is said of the joints go by one noise, that of the final model. No figure of
+  // the hold-out closes by that, see NoiseFloor, and how well it fits is no test any more.
+  void FollowRepeatability() {
+    d_.final = WithOwnRepeatability(judged_, IsSigmaStated(problem_), joint_);
+    if (d_.final.problem == judged_.problem) return;
+    d_.noise = FindNoise(*evidence_, leading_, problem_, d_.final);
+    d_.noise.is_of_final = true;
+    d_.final_p = kNotKnown;
   }
 
   // The last that needs an effect, which goes before that does; -1: of none.
@@ -291,7 +307,8 @@ class Session {
       effect.holdout_before = before;
       if (IsUsable(here.estimate.status)) {
         effect.holdout_after = HoldoutRms(here);
-        effect.reduced_chi2_after = here.estimate.chi2 / std::max(1, here.estimate.dof);
+        const Estimate& at_one_noise = (k + 1 == selected_.size() ? judged_ : here).estimate;
+        effect.reduced_chi2_after = at_one_noise.chi2 / std::max(1, at_one_noise.dof);
       }
       before = effect.holdout_after;
     }
@@ -302,8 +319,8 @@ class Session {
     d_.next = ProposeMeasuring();
     d_.gap_map = MapGap(d_.baseline, d_.final);
     d_.gap = JudgeGap(d_.baseline, d_.final, NoiseFloor(), IsSigmaStated(problem_));
-    // Other noise closes nothing.
-    if (selected_.empty() && d_.gap.after != d_.gap.before) d_.gap.closed = d_.gap.closed_ci95.low = kNotKnown;
+    d_.gap.floor_is_as_stated = IsFloorAsStated() && !selected_.empty();
+    if (selected_.empty()) d_.gap.closed = d_.gap.closed_ci95.low = kNotKnown;  // other noise closes nothing
     d_.groups = GroupEffects(d_.effects, lacking_, d_.baseline, d_.final, NoiseFloor(), joint_);
     for (EffectGroup& group : d_.groups) {
       const double probability = sagitta::ProbabilityOf(group.effect, *evidence_, weighed_models_);
@@ -366,13 +383,13 @@ class Session {
     effect.candidate = chosen.candidate;
     effect.probability = ProbabilityOf(chosen);
     effect.reduction = chosen.fit.reduction;
-    const Estimate& after = d_.final.estimate;
+    const Estimate &after = judged_.estimate, &final = d_.final.estimate;
     // The reduction is in units of the evidence's rows, the refit may have other sigmas.
     const double unit = UnitOfRows(*evidence_, leading_);
     effect.corrected_p =
         CorrectedP(chosen.fit.reduction, chosen.fit.parameters, unit * after.chi2 / std::max(1, after.dof), after.dof,
                    evidence_->IsSigmaStated(), d_.screened);
-    effect.parameters = ParameterRowsOf(chosen.candidate.spec, after);
+    effect.parameters = ParameterRowsOf(chosen.candidate.spec, final);
     effect.bounds = PhysicalBoundsOf(d_.final, chosen.candidate.spec, effect.parameters);
     effect.lag = AllowForSetting(d_.final, chosen.candidate.spec, &effect.parameters);
   }
@@ -399,9 +416,9 @@ class Session {
 
   // m. A deviation of the joints that may be an error which follows the pose is no noise: it would close the gap by
   // being called noise.
-  double NoiseFloor() const {
-    const bool is_gap = IsSigmaStated(problem_) && (MayFollowThePose() || evidence_->FollowsPose(leading_));
-    return (is_gap ? d_.baseline : d_.final).estimate.noise_floor;
+  double NoiseFloor() const { return (IsFloorAsStated() ? d_.baseline : d_.final).estimate.noise_floor; }
+  bool IsFloorAsStated() const {
+    return IsSigmaStated(problem_) && (MayFollowThePose() || evidence_->FollowsPose(leading_));
   }
 
   // Where untouched rows get no better at all, what was found is at most a part of it, too. After MeasurePrefixes,
@@ -418,8 +435,7 @@ class Session {
     if (d_.has_unexplained) {
       d_.unexplained = LearnFunction(*evidence_, posterior_, leading_, *lacking_.problem);
       Say("learning what has no name");
-      auto learnt =
-          LearnModel(*evidence_, leading_, Groups(), d_.baseline, selected_.empty() ? lacking_ : d_.final, joint_);
+      auto learnt = LearnModel(*evidence_, leading_, Groups(), d_.baseline, judged_, joint_);
       if (learnt) d_.learnt = std::make_shared<LearntModel>(*std::move(learnt));
       if (d_.learnt && problem_.ValidationObservations().empty()) d_.cautions.push_back(LearntUnchecked());
     }
@@ -435,7 +451,7 @@ class Session {
     std::vector<std::pair<EffectSpec, double>> unconfirmed;
     for (const SelectedEffect& effect : unconfirmed_)
       unconfirmed.emplace_back(effect.candidate.spec, ProbabilityOf(effect));
-    if (!unconfirmed.empty()) d_.cautions.push_back(NotConfirmed(unconfirmed));
+    if (!unconfirmed.empty()) d_.cautions.push_back(NotConfirmed(problem_.robot(), unconfirmed));
     CautionOfNotNamed(unconfirmed, &d_);
     CautionOfHoldout(d_.final, d_.has_unexplained, IsSigmaStated(problem_), options_.significance, &d_.cautions);
   }
@@ -454,6 +470,7 @@ class Session {
   bool named_ = false, is_refuted_ = false;
   WeightedModel leading_;
   DiagnosedModel lacking_;  // the believed model with the noise that goes with the leading set
+  DiagnosedModel judged_;   // the same with what is named
   std::vector<std::vector<NamedProbability>> in_places_;
   std::unique_ptr<PoseGroups> groups_;
   std::vector<RivalSet> rivals_;                        // of the leading set

@@ -122,12 +122,12 @@ GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extende
   };
   gap.before = std::sqrt(SquaredGap(before, held_out, floor));
   gap.after = std::sqrt(SquaredGap(after, held_out, floor));
-  gap.closed = closed(held_out);
+  gap.closed = gap.before > 0.0 ? closed(held_out) : kNotKnown;
   gap.closed_ci95 = {kNotKnown, kNotKnown};
   if (is_noise_stated) gap.p = ChanceOfHoldout(extended, true);
   if (!is_noise_stated) gap.floor = kNotKnown;
   if (held_out.empty() || !is_noise_stated) gap.before = gap.after = gap.closed = kNotKnown;
-  if (held_out.size() < kFewHeldOut || !is_noise_stated) return gap;
+  if (held_out.size() < kFewHeldOut || std::isnan(gap.closed)) return gap;
   std::mt19937_64 random(1);
   std::vector<double> draws;
   for (int d = 0; d < kBootstrapDraws; ++d) {

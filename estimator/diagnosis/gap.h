@@ -44,8 +44,10 @@ struct GapReport {
   double floor = 0.0;                // m; not a number where nothing states the noise
   double p = kNotKnown;              // ChanceOfHoldout of the extended model; known where the noise is stated
   double before = 0.0, after = 0.0;  // m
-  double closed = 0.0;               // share of the squared gap
+  double closed = 0.0;               // share of the squared gap; not a number where there was none
   Interval closed_ci95;              // bootstrap over hold-out configurations
+  // Another noise is found, and the floor goes without it: it may be an error that follows the pose.
+  bool floor_is_as_stated = false;
 };
 
 // How much of the gap of the baseline the extended model closes on the hold-out, above a floor (m).

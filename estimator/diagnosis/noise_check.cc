@@ -365,6 +365,7 @@ RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const Param
   RepeatabilityFit fit;
   if (reml.dof() <= 0 || joints[0].joints.empty()) return fit;
   const RemlFit both = reml.Maximise(sigma_is_open, joints);
+  fit.instrument = std::sqrt(both.variances[0]);
   fit.sigma = std::sqrt(both.variances[1]);
   reml.ProfileInterval(both, sigma_is_open, joints, 1, &fit.low, &fit.high);
   return fit;

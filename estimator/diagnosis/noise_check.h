@@ -54,6 +54,7 @@ CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double s
 // One repeatability of all revolute joints (rad, 95 % interval by the profile) by REML (variance_components.h), given
 // the sigmas at hand or, where sigma_is_open, together with the instrument's.
 struct RepeatabilityFit {
+  double instrument = 1.0;  // times the sigma that is assumed, where that is open
   double sigma = 0.0;
   double low = 0.0, high = 0.0;
 };

@@ -11,8 +11,9 @@
 namespace sagitta {
 namespace {
 
-constexpr double kOnePercent = 1.314;  // arms of an interval of 99 % over those of 95 %
-constexpr double kNearlyAll = 0.999;   // of the probability: best models first
+constexpr double kOnePercent = 1.314;   // arms of an interval of 99 % over those of 95 %
+constexpr double kNearlyAll = 0.999;    // of the probability: best models first
+constexpr double kSettledSize = 0.005;  // of a logarithm: twenty thousand coordinates leave as much open
 
 double MeanStated(const CalibrationProblem& stated) {
   double sum = 0.0;
@@ -135,6 +136,24 @@ NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, con
       noise.HasUndeclaredRepeatability() || noise.scale_differs ||
       std::any_of(noise.groups.begin(), noise.groups.end(), [](const GroupFinding& group) { return group.is_finding; });
   return noise;
+}
+
+// Weights and residuals go with each other: settled after a few rounds.
+DiagnosedModel WithOwnRepeatability(const DiagnosedModel& model, bool is_sigma_stated, const JointOptions& options) {
+  DiagnosedModel own = model;
+  double last = 0.0;
+  for (int round = 0; round < kMostScatterRounds; ++round) {
+    const RepeatabilityFit fit = FitRepeatability(*own.problem, own.estimate.parameters, !is_sigma_stated);
+    if (!(fit.sigma > 0.0) || !(fit.instrument > 0.0)) return own;
+    if (last > 0.0 && std::abs(std::log(fit.sigma / last)) < kSettledSize) return own;
+    last = fit.sigma;
+    CalibrationProblem with = WithRepeatability(*own.problem, fit.sigma);
+    if (!is_sigma_stated) with = WithScaledSigmas(with, fit.instrument);
+    const DiagnosedModel refit = RefitFully(with, own.estimate, options);
+    if (!IsUsable(refit.estimate.status)) return own;
+    own = refit;
+  }
+  return own;
 }
 
 void NameLeftOut(const DiagnosedModel& model, const std::vector<int>& outliers, NoiseFinding* noise) {

@@ -37,6 +37,7 @@ struct NoiseFinding {
   bool scale_differs = false;
   bool is_bound = false;                     // a rest without a name is part of the scatter: an upper bound
   bool repeatability_is_overstated = false;  // the joints deviate less than stated
+  bool is_of_final = false;                  // joints' deviation is that of the final model's own residuals
   bool is_distinguished_from_pose = true;    // poses were visited again: what follows the pose is no repeatability
   double repeatability = 0.0, repeatability_low = 0.0, repeatability_high = 0.0;  // rad; 0: as stated
   double stated_repeatability = 0.0;                                              // rad, mean of the joints
@@ -65,6 +66,11 @@ double UnitOfRows(const Evidence& evidence, const WeightedModel& model);
 // `final`: the extended model with that noise. `stated`: the problem as it was stated.
 NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& stated,
                        const DiagnosedModel& final);
+
+// The model with the deviation of its joints that its own residuals show, sigma open where nothing states it: the noise
+// of a view goes with all that its set holds, and less of that leaves more. Of poses that were visited once. The model
+// itself where no fit is usable.
+DiagnosedModel WithOwnRepeatability(const DiagnosedModel& model, bool is_sigma_stated, const JointOptions& options);
 
 // The rows that were left out, and which of them are all of a shot, two points at least.
 void NameLeftOut(const DiagnosedModel& model, const std::vector<int>& outliers, NoiseFinding* noise);

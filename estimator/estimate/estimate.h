@@ -98,13 +98,23 @@ struct IntervalReport {
   bool is_empirical() const { return method == CovarianceKind::kSandwich || kind == BootstrapKind::kConfigurations; }
 };
 
+// What stated priors add to chi-square beyond that of the rows alone, at the noise as it weighs the rows: its
+// expectation is their number. Where that is more than chance and the noise of the rows explain, it is set aside: a
+// prior that is wrong says nothing of the noise of the rows.
+struct PriorPull {
+  double squares = 0.0;
+  int priors = 0;  // that the rows can contradict
+  bool is_set_aside = false;
+};
+
 // The noise that the estimate goes by, against what was stated.
 struct SigmaReport {
   bool stated = false;        // by rows, experiment or flag, or put in their place before the fit: `origin`
   double estimated = 0.0;     // m, the common sigma where none is stated
-  double a_posteriori = 1.0;  // root of reduced chi-square
+  double a_posteriori = 1.0;  // root of reduced chi-square, without what is set aside
   bool scaled = false;        // the noise is assumed to be a_posteriori times the stated sigmas
-  double p_value = 1.0;       // of chi-square at the stated sigmas
+  double p_value = 1.0;       // of that chi-square at the stated sigmas
+  PriorPull pull;
   NoiseOrigin origin = NoiseOrigin::kStated;
   double rotation = 0.0;  // rad, of every axis of rotations that state none, as it was found; 0: none was looked for
 
@@ -141,6 +151,7 @@ struct Estimate {
   std::vector<int> estimated;        // coordinates behind the rows of `covariance`
   Eigen::MatrixXd covariance;        // SI, by the noise alone, by intervals.method; profile: that of the model
   Eigen::MatrixXd model_covariance;  // SI, (J'J)^-1, scaled where sigma.scaled or not stated
+  Eigen::MatrixXd fit_covariance;    // SI, (J'J)^-1 by the weights of the fit, not scaled
   Eigen::VectorXd interval_dof;      // of each estimated one's interval by the noise alone; infinity: normal
   HeldInfluence held;                // what held parameters do to the estimated ones
   IntervalReport intervals;

@@ -38,7 +38,9 @@ ParameterEstimate Line(const CalibrationProblem& problem, const Estimate& estima
 
 double ModelDof(const Estimate& estimate) {
   const bool is_student = estimate.sigma.IsOfResiduals() || estimate.sigma.scaled;
-  return is_student ? std::max(1, estimate.dof) : std::numeric_limits<double>::infinity();
+  if (!is_student) return std::numeric_limits<double>::infinity();
+  const PriorPull& pull = estimate.sigma.pull;
+  return std::max(1, estimate.dof - (pull.is_set_aside ? pull.priors : 0));
 }
 
 void FillTable(const CalibrationProblem& problem, Estimate* estimate) {

@@ -65,7 +65,10 @@ struct NoisePart {
   double about = 0.0;  // the group's factor is near it
   std::optional<ReadingGroup> instead_of = std::nullopt;
 
-  bool operator<(const NoisePart& other) const { return std::tie(joints, group) < std::tie(other.joints, other.group); }
+  // By all that a search for its size depends on, given the view without it.
+  bool operator<(const NoisePart& other) const {
+    return std::tie(joints, group, about) < std::tie(other.joints, other.group, other.about);
+  }
 };
 
 // Weights over all views and sets, normalised.

@@ -27,6 +27,7 @@ constexpr unsigned long long kSeedOfPoses = 1;
 constexpr double kLeastPivot = 1e-300;
 constexpr double kDecided = 0.95;        // of the leading answer: nothing is left to decide
 constexpr double kWorthDeciding = 0.02;  // of an answer
+constexpr double kSeen = 0.0005;         // of a model: of what is said in percent, the third digit
 constexpr size_t kMostAnswers = 5;       // beyond kDecided and these little is left
 constexpr size_t kFirstAnswers = 2;      // the most probable ones, which are named to people
 constexpr size_t kMostShapes = 3;        // of an answer, such as those of a compensator
@@ -267,6 +268,7 @@ std::vector<Rival> RivalsOf(const Evidence& evidence, NextPoses* next) {
     for (const int member : model.set.members) names.insert(NameAtNewPoses(evidence, member));
     Answer& answer = answers[names];
     answer.probability += model.probability;
+    next->counts_pieces |= !model.pieces.empty() && model.probability >= kSeen;
     const bool is_met = std::any_of(answer.models.begin(), answer.models.end(), [&](int other) {
       return evidence.models()[other].set.members == model.set.members;
     });

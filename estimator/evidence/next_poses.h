@@ -23,6 +23,9 @@ struct NextPoses {
   std::vector<ProposedPose> poses;
   std::vector<NamedSet> rivals;  // that the poses are to decide between, most probable first
   double of_probability = 0.0;   // that they have together
+  // Readings in which an effect is a piece of a cause without a name count as sets that hold both: no pose shows which
+  // it is. Of such readings there are enough to be seen in the probabilities.
+  bool counts_pieces = false;
   bool depends_on_when = false;  // time or temperature drives one of them, which poses measured at once do not change
   double decides = 0.0;          // that the right one is expected to have after measuring the poses
   double decided = 0.0;          // that it has now, expected in the same way: the sum of squared shares

@@ -9,6 +9,7 @@
 #include "estimator/explanations/scan.h"
 #include "estimator/random_effects/sweep.h"
 #include "models/effects/catalogue.h"
+#include "problems/io/files.h"
 
 namespace sagitta {
 namespace {
@@ -33,7 +34,7 @@ size_t StrideOf(const std::vector<double>& times) { return std::max<size_t>(1, t
 
 // Before the i-th time.
 std::string MomentBefore(const std::vector<double>& times, size_t i) {
-  return std::to_string(0.5 * (times[i - 1] + times[i]));
+  return FormatNumber(0.5 * (times[i - 1] + times[i]));  // as a robot file has it: settings are part of names
 }
 
 // Of each effect on each target, the others of its settings alike: the moments that alone explain most.

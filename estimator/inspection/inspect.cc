@@ -225,7 +225,9 @@ Inspection Inspect(const CalibrationProblem& problem, const std::function<void(c
   inspection.aligned = AlignedSize(problem);
   inspection.torques = CompareTorques(state.problem, state.parameters);
   if (!inspection.torques.joints.empty()) {
-    inspection.findings.push_back({Severity::kNote, "torques", inspection.torques.words, "", {}});
+    std::string words = inspection.torques.words;
+    if (!words.empty() && words.back() == '.') words.pop_back();  // findings end without
+    inspection.findings.push_back({Severity::kNote, "torques", words, "", {}});
   }
   FillNoise(state, &inspection);
   inspection.unknowns = state.all.num_columns();

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "estimator/report/inspection_words.h"
+#include "estimator/statistics/distributions.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -57,6 +58,8 @@ JointTorqueComparison CompareTorquesOfJoint(int joint, const Eigen::VectorXd& me
   line.slope = x.dot(y) / x.squaredNorm();
   line.offset = measured.mean() - line.slope * modelled.mean();
   line.correlation = x.dot(y) / (x.norm() * y.norm());
+  const double left = std::max(0.0, y.squaredNorm() - line.slope * x.dot(y));
+  line.slope_sigma = std::sqrt(left / std::max<long>(1, x.size() - 2)) / x.norm();
   return line;
 }
 
@@ -80,6 +83,19 @@ std::string InWords(const CalibrationProblem& problem, const TorqueComparison& c
 }
 
 }  // namespace
+
+std::vector<ScaledTorque> TorquesOffByAFactor(const TorqueComparison& comparison, double significance) {
+  const double tail = 0.5 * significance / std::max<size_t>(1, comparison.joints.size());
+  std::vector<ScaledTorque> off;
+  for (const JointTorqueComparison& line : comparison.joints) {
+    if (!line.varies || line.correlation < kAgrees || line.shots < 3) continue;
+    const double least = std::abs(line.slope - 1.0) - StudentQuantile(1.0 - tail, line.shots - 2) * line.slope_sigma;
+    if (least > kSlopeError) off.push_back({line.joint, line.slope});
+  }
+  const auto away = [](const ScaledTorque& torque) { return std::abs(std::log(torque.slope)); };
+  std::stable_sort(off.begin(), off.end(), [&](const auto& a, const auto& b) { return away(a) > away(b); });
+  return off;
+}
 
 TorqueComparison CompareTorques(const CalibrationProblem& problem, const ParameterSet& parameters) {
   TorqueComparison comparison;

@@ -149,7 +149,7 @@ void ProfileIntervals(const CalibrationProblem& problem, const ProfileOptions& o
   }
   // A loss costs certainty; variances that were estimated make a Student's t of the normal quantile.
   const double inflation = estimate->noise_report.loss_inflation;
-  const double noise = std::isfinite(ModelDof(*estimate)) ? here.chi2 / std::max(1, estimate->dof) : 1.0;
+  const double noise = std::isfinite(ModelDof(*estimate)) ? std::pow(AppliedNoise(estimate->sigma), 2) : 1.0;
   const double scale = std::sqrt(inflation * noise);
   std::vector<End> ends(2 * n);
   ParallelFor(2 * n, options.num_threads, [&](int i, int) {

@@ -11,8 +11,8 @@
 namespace sagitta {
 namespace {
 
-constexpr double kSmallestFreedom = 0.05;  // of a row that the fit runs through
-constexpr double kLeastKept = 0.05;        // of the information of a row whose weight follows its own residual
+constexpr double kLeastFreedom = 0.05;  // of a row that the fit runs through
+constexpr double kLeastKept = 0.05;     // of the information of a row whose weight follows its own residual
 
 }  // namespace
 
@@ -75,7 +75,7 @@ NoiseRoots SpreadOfResiduals(const CalibrationProblem& problem, const Estimate& 
       const double leverage =
           columns.empty() ? 0.0 : here.jacobian.row(i).dot(solution.covariance * here.jacobian.row(i).transpose());
       residual[i] = meters[a];
-      freedom[i] = std::max(kSmallestFreedom, 1.0 - leverage);
+      freedom[i] = std::max(kLeastFreedom, 1.0 - leverage);
       group[i] = groups.group[3 * rows[k] + a];
       axis[i] = a;
     }

@@ -74,10 +74,13 @@ std::string FollowsTheCommandAlone(const std::string& joint, const std::string& 
          " are not recognised. Where the controller alone couples them (FANUC J2 and J3) all is well";
 }
 
-std::string StandsOnBound(const std::string& parameter, double below) {
+std::string StandsOnBound(const std::string& parameter, double below, bool by_sensor) {
+  const char* const of_loads = "the loads, the load point";
+  const char* const of_sensor =
+      "the columns tau<i> (the torque of the loads on the joint, about its positive direction)";
   return parameter + " stands on its bound, 0, but the data want it " + Significant(below, 2) +
-         " standard deviations below: check the sign and the unit of the loads, the load point and what is held; "
-         "or the model lacks an effect (sagitta diagnose)";
+         " standard deviations below: check the sign and the unit of " + (by_sensor ? of_sensor : of_loads) +
+         " and what is held; or the model lacks an effect (sagitta diagnose)";
 }
 
 std::string ReachedInWords(const std::string& parameter, double reached, const std::string& unit) {

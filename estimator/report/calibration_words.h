@@ -30,11 +30,11 @@ std::string ShotThatFolds(const std::string& load, const std::string& configurat
 std::string CentreOfHeavierLoad(const std::string& load, double mass, const Vector3<double>& off);
 
 std::string SandwichInWords(int clusters);
-// below: how far below its bound the data want it, in standard deviations.
 // A joint that follows another one by a stated coupling, and what of the other one it does not follow.
 std::string FollowsTheCommandAlone(const std::string& joint, const std::string& driver);
 
-std::string StandsOnBound(const std::string& parameter, double below);
+// below: how far below its bound the data want it, in standard deviations; by_sensor: measured torques drive it.
+std::string StandsOnBound(const std::string& parameter, double below, bool by_sensor);
 
 // Loads to hang or pull with. reached: what the parameter would be known to, in its unit.
 std::string ReachedInWords(const std::string& parameter, double reached, const std::string& unit);

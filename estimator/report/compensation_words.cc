@@ -43,6 +43,13 @@ std::string TargetsAreAWay(const std::vector<std::string>& effects) {
          "than u95";
 }
 
+std::string TargetsHaveRotationVectors() {
+  return "rx, ry, rz of the targets are read as a rotation vector, the axis times the angle; angles about one axis "
+         "after "
+         "the other have other columns: a_deg, b_deg, c_deg for A, B, C of a KUKA, roll_deg, pitch_deg, yaw_deg about "
+         "fixed axes x, y, z";
+}
+
 std::string LoadFoldsArm() { return "the load folds the arm: no equilibrium of load and compliances was found"; }
 
 std::string IterationUnsettled(double position, double rotation) {

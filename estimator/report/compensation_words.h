@@ -16,6 +16,8 @@ std::string OutOfReach(bool joints_are_given, double position, double rotation);
 std::string LoadFoldsArm();
 // Of effects with a memory.
 std::string TargetsAreAWay(const std::vector<std::string>& effects);
+// Of a list whose rx, ry, rz are in degrees: what they are read as, and which columns angles about axes have.
+std::string TargetsHaveRotationVectors();
 std::string IterationUnsettled(double position, double rotation);
 
 // Why a pose of a program has no joint solution.

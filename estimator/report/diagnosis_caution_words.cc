@@ -22,10 +22,10 @@ std::string NameOnTarget(const EffectSpec& spec) {
   return spec.effect + (spec.target.empty() ? "" : " on " + spec.target);
 }
 
-std::string WithProbabilities(const std::vector<std::pair<EffectSpec, double>>& effects) {
+std::string WithProbabilities(const Robot& robot, const std::vector<std::pair<EffectSpec, double>>& effects) {
   std::vector<std::string> names;
   for (const auto& [spec, probability] : effects) {
-    names.push_back(NameOnTarget(spec) + " (" + WholePercent(probability) + ")");
+    names.push_back(Title(robot, spec) + " with " + Percent(probability));
   }
   return Enumerate(names, kNamesListed);
 }
@@ -38,6 +38,10 @@ std::string LookAtThisFirst(const Finding& finding) {
 
 std::string LookAtSuspectsFirst(const std::string& suspects) {
   return "Look at this first: " + suspects + "; correct these rows or leave them out, and diagnose again.";
+}
+
+std::string PriorsFirst(const std::string& conflict) {
+  return "Look at this first: " + conflict + ", and diagnose again; what is found below may be its pull.";
 }
 
 std::string NoNoiseIsStated(bool rows_share_visits) {
@@ -200,21 +204,21 @@ std::string ScaleMayBeWarmth(const EffectSpec& scale, double kelvin) {
          "corrected targets are right depends on which of the two it was: state temperature_degC.";
 }
 
-std::string NotConfirmed(const std::vector<std::pair<EffectSpec, double>>& effects) {
-  return WithProbabilities(effects) + (effects.size() == 1 ? " is" : " are") +
+std::string NotConfirmed(const Robot& robot, const std::vector<std::pair<EffectSpec, double>>& effects) {
+  return WithProbabilities(robot, effects) + (effects.size() == 1 ? " is" : " are") +
          " not named: where something without a name may be left, an effect is named only if it predicts rows "
          "that were not fitted better, beyond chance.";
 }
 
-std::string NotInLeading(const std::vector<std::pair<EffectSpec, double>>& effects) {
+std::string NotInLeading(const Robot& robot, const std::vector<std::pair<EffectSpec, double>>& effects) {
   const bool is_one = effects.size() == 1;
-  return WithProbabilities(effects) + (is_one ? " is" : " are") +
+  return WithProbabilities(robot, effects) + (is_one ? " is" : " are") +
          " probable and not named: " + (is_one ? "it is" : "they are") +
          " in most of the answers that share the probability, and not in the one that is most probable as a whole.";
 }
 
-std::string NotInFullModel(const std::vector<std::pair<EffectSpec, double>>& effects) {
-  return WithProbabilities(effects) + (effects.size() == 1 ? " is" : " are") +
+std::string NotInFullModel(const Robot& robot, const std::vector<std::pair<EffectSpec, double>>& effects) {
+  return WithProbabilities(robot, effects) + (effects.size() == 1 ? " is" : " are") +
          " probable and not named: the full model with it found no optimum, values that may be chance, or rows that "
          "were not fitted predicted worse.";
 }

@@ -27,6 +27,9 @@ std::string LookAtThisFirst(const Finding& finding);
 // suspects: how many rows, and the first.
 std::string LookAtSuspectsFirst(const std::string& suspects);
 
+// conflict: a prior that the rows contradict, with its cure.
+std::string PriorsFirst(const std::string& conflict);
+
 // rows_share_visits: rows of one arrival can share an error.
 std::string NoNoiseIsStated(bool rows_share_visits);
 std::string MethodKeysUnused(const std::vector<std::string>& keys);
@@ -71,10 +74,10 @@ std::string HalvesContradict(const std::vector<EffectSpec>& effects);
 std::string LinksBendToo(const std::vector<EffectSpec>& effects);
 // kelvin: by which the arm, of steel, was warmer if it was the arm.
 std::string ScaleMayBeWarmth(const EffectSpec& scale, double kelvin);
-std::string NotConfirmed(const std::vector<std::pair<EffectSpec, double>>& effects);
+std::string NotConfirmed(const Robot& robot, const std::vector<std::pair<EffectSpec, double>>& effects);
 // Probable, and not in the most probable set; in it, and refused by the full model.
-std::string NotInLeading(const std::vector<std::pair<EffectSpec, double>>& effects);
-std::string NotInFullModel(const std::vector<std::pair<EffectSpec, double>>& effects);
+std::string NotInLeading(const Robot& robot, const std::vector<std::pair<EffectSpec, double>>& effects);
+std::string NotInFullModel(const Robot& robot, const std::vector<std::pair<EffectSpec, double>>& effects);
 // Of probabilities: averaged over so many resamples of the poses.
 std::string AreBagged(int resamples);
 // Of held-out configurations between the visits next to the moment of an effect.

@@ -43,6 +43,13 @@ std::string RivalsInWords(const Robot& robot, const std::vector<NamedSet>& rival
   return Enumerate(words) + (is_shared ? ", given what all of them hold" : "");
 }
 
+// Why these probabilities are not those of the sets of diagnosis.json.
+std::string PiecesInWords(const NextPoses& next) {
+  return next.counts_pieces ? " An effect that may be a piece of what has no name counts here as an effect of its own, "
+                              "for no pose distinguishes the two: 'sets' of diagnosis.json has both readings."
+                            : "";
+}
+
 std::string NeededInWords(const NextPoses& next) {
   const std::string wanted = WholePercent(kWanted);
   if (next.needed == 0) {
@@ -89,7 +96,7 @@ std::string NextInWords(const CalibrationProblem& problem, const NextPoses& next
          poses + " of " + kNextFile + ": fill in that file and add it to the measurements. To decide between " +
          RivalsInWords(problem.robot(), next.rivals) + ": whichever of these is right is expected to have " +
          Percent(next.decides) + " of what they have together (" + Percent(next.of_probability) + ") then; now " +
-         Percent(next.decided) + "." + NeededInWords(next);
+         Percent(next.decided) + "." + PiecesInWords(next) + NeededInWords(next);
 }
 
 }  // namespace sagitta

@@ -77,9 +77,10 @@ std::string WrongNoiseInWords(const NoiseFinding& noise) {
 std::string NoiseInWords(const NoiseFinding& noise) {
   std::string words;
   if (noise.scale_differs) {
-    words += (noise.groups.empty() ? "The instrument's noise is " : "The noise of the other readings is ") +
-             Significant(noise.scale, 3) + " times what is stated (95 %: " + Significant(noise.low, 3) + " to " +
-             Significant(noise.high, 3) + "). ";
+    words += std::string(noise.groups.empty() ? "The instrument's noise" : "The noise of the other readings") +
+             (noise.is_bound ? " is at most " : " is ") + Significant(noise.scale, 3) +
+             " times what is stated (95 %: " + Significant(noise.low, 3) + " to " + Significant(noise.high, 3) +
+             (noise.is_bound ? "): what has no name may be a part of it. " : "). ");
   }
   words += GroupsInWords(noise);
   if (noise.repeatability > 0.0) {

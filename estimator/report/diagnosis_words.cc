@@ -8,6 +8,7 @@
 #include "estimator/estimate/parameter_table.h"
 #include "estimator/explanations/compensator_shapes.h"
 #include "estimator/report/diagnosis_caution_words.h"
+#include "estimator/report/diagnosis_gap_words.h"
 #include "estimator/report/diagnosis_next_words.h"
 #include "estimator/report/diagnosis_noise_words.h"
 #include "estimator/report/explanations_words.h"
@@ -45,24 +46,6 @@ std::string SettingsInWords(const EffectDefinition* definition, const EffectSpec
   return words;
 }
 
-// p: not a number where it was not asked.
-std::string ChanceInWords(double p) {
-  if (std::isnan(p)) return "on too few configurations to say whether noise alone gives as much";
-  return "noise alone gives as much in " + Percent(p) + " of such hold-outs";
-}
-
-std::string GapInWords(const Diagnosis& d) {
-  if (std::isnan(d.gap.before)) return "Gap on untouched configurations: " + GapIsNotKnown(d.gap) + "\n";
-  if (d.gap.before == 0.0) return "Gap on untouched configurations: none beyond the noise floor\n";
-  const std::string words =
-      "Gap on untouched configurations, beyond the noise floor: " + Significant(1e3 * d.gap.before, 3);
-  if (d.verdict == DiagnosisVerdict::kConsistent) return words + " mm, " + ChanceInWords(d.gap.p) + "\n";
-  if (d.effects.empty() && d.gap.after < d.gap.before)
-    return words + " mm; given the noise that was found " + Significant(1e3 * d.gap.after, 3) + " mm\n";
-  if (d.effects.empty()) return words + " mm\n";
-  return words + " -> " + Significant(1e3 * d.gap.after, 3) + " mm, " + ClosedInWords(d.gap) + "\n";
-}
-
 std::string HoldoutInWords(const Estimate& estimate) {
   if (estimate.validation.observations == 0) return "no hold-out";
   return "hold-out RMS " + Significant(1e3 * estimate.validation.rms, 3) + " mm";
@@ -92,6 +75,7 @@ std::string LagInWords(const ThermalLag& lag) {
 // Of the squared gap on untouched rows: those of the groups add up to what is closed of it.
 std::string ShareOfGap(const Diagnosis& d, double share) {
   const bool is_known = !std::isnan(d.gap.closed);
+  if (d.gap.before == 0.0 || MayBeAnyShare(d.gap)) return "";
   const std::string whole = is_known ? " % of the gap" : " % of what is explained";
   if (!std::isfinite(share) || (is_known && !(d.gap.closed > 0.0))) return "";
   return share > 0.0 ? Significant(100.0 * share, 2) + whole : "no gain on untouched rows";
@@ -410,24 +394,6 @@ std::string ShareInWords(const WhereShare& share) {
   return Significant(100 * share.share, 3) + " % of the excess is at " + share.by + " " + share.key;
 }
 
-std::string GapIsNotKnown(const GapReport& gap) {
-  return std::isnan(gap.floor) ? "not known, for nothing states the noise" : "not known, for nothing is held out";
-}
-
-std::string ClosedInWords(const GapReport& gap) {
-  if (std::isnan(gap.closed)) {
-    return std::string("which share of the gap that is is not known without a ") +
-           (std::isnan(gap.floor) ? "stated noise" : "hold-out");
-  }
-  const std::string words = "closed " + Significant(100 * gap.closed, 3) + " % of the squared gap";
-  if (std::isnan(gap.closed_ci95.low)) return words;
-  return words + " (95 %: " + Significant(100 * gap.closed_ci95.low, 3) + " to " +
-         Significant(100 * gap.closed_ci95.high, 3) + ")";
-}
-
-// Where a cause without a name is all that is found (JudgeFinal): the noise as it was stated.
-bool IsBelievedModel(const Diagnosis& d) { return d.effects.empty() && d.has_unexplained; }
-
 std::string DiagnosisToText(const Diagnosis& d) {
   std::ostringstream text;
   const Robot& robot = d.final.problem->robot();
@@ -440,8 +406,7 @@ std::string DiagnosisToText(const Diagnosis& d) {
   text << "Verdict: " << WordOf(d.verdict) << ".";
   for (const std::string& line : VerdictLines(d)) text << " " << line << "\n";
   text << "\n";
-  text << "Baseline: reduced chi-square " << Significant(before.chi2 / std::max(1, before.dof), 3) << ", "
-       << HoldoutInWords(before) << "\n";
+  text << "Baseline: " << FitInWords(d, before) << ", " << HoldoutInWords(before) << "\n";
   for (size_t i = 0; i < std::min(kMostEffects, d.effects.size()); ++i) {
     text << "Effect " << i + 1 << ": " << EffectInWords(robot, d.effects[i]) << "\n";
     text << "    " << HalvesInWords(d.effects[i].confirmation) << "\n";
@@ -454,11 +419,13 @@ std::string DiagnosisToText(const Diagnosis& d) {
   }
   if (d.effects.size() > kMostEffects)
     text << d.effects.size() - kMostEffects << " more effects: in report.html and diagnosis.json\n";
-  text << "Final: reduced chi-square " << Significant(after.chi2 / std::max(1, after.dof), 3)
-       << (d.noise.scale_differs && !IsBelievedModel(d) ? " with the noise that is found, " : ", ")
-       << HoldoutInWords(after);
+  const std::string noise = NoiseOfFinalInWords(d);
+  text << "Final: " << FitInWords(d, after) << (noise.empty() ? "" : " " + noise) << ", " << HoldoutInWords(after);
   const bool is_held_out = after.validation.observations > 0;
-  if (is_held_out && !std::isnan(d.gap.floor)) text << ", noise floor " << Significant(1e3 * d.gap.floor, 3) << " mm";
+  if (is_held_out && !std::isnan(d.gap.floor)) {
+    text << ", noise floor " << Significant(1e3 * d.gap.floor, 3) << " mm";
+    if (d.gap.floor_is_as_stated) text << " (" << FloorGoesByStatedNoise() << ")";
+  }
   text << "\n";
   if (is_held_out || !std::isnan(d.gap.before)) text << GapInWords(d);
   text << "Noise: " << NoiseInWords(d.noise) << "\n";

@@ -11,6 +11,7 @@ namespace sagitta {
 // Files of a diagnosis that its words name.
 constexpr char kNextFile[] = "next.csv";
 constexpr char kLearntFile[] = "robot.learnt.yaml";
+constexpr char kNextRobotFile[] = "robot.next.yaml";  // where effects go with times of this campaign
 constexpr char kLearntEstimateFile[] = "estimate.learnt.json";
 
 // "51 %"; below and above what percents can say in words.
@@ -38,9 +39,6 @@ std::string FlipInWords(const Robot& robot, const ReportedFlip& flip);
 // "periodic joint error on A1, A2 and A3".
 std::string GroupInWords(const Diagnosis& diagnosis, const EffectGroup& group);
 std::string ShareInWords(const WhereShare& share);
-
-std::string GapIsNotKnown(const GapReport& gap);
-std::string ClosedInWords(const GapReport& gap);
 
 // Whether the data determine this parameter of the effect; the others are held near neutral.
 bool IsDetermined(const FoundEffect& effect, const ParameterEstimate& row);

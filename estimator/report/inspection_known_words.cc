@@ -71,8 +71,9 @@ std::string CalibrationLeftOpen(double held_rms, const std::vector<std::string>&
 
 std::string BeginAtTheFirstRow(const std::vector<std::string>& effects) {
   return Enumerate(effects) + (effects.size() == 1 ? " depends" : " depend") +
-         " on what was done before each row: give all rows of a campaign, in their order and with their times. The "
-         "first one given is predicted as if nothing had been before it, and no standard deviation allows for that";
+         " on what was done before each row: give all rows of a campaign, in their order and with their times. What "
+         "was done between the calibration and the first one given is not known, and no standard deviation allows for "
+         "it";
 }
 
 std::string PValueInWords(double p_value) { return p_value < 1e-300 ? "p < 1e-300" : "p = " + Significant(p_value, 2); }

@@ -33,6 +33,10 @@ std::string RemedyFor(const std::vector<std::pair<std::string, double>>& compone
   if (!components.empty() && IsOf(components[0].first, "compliance")) {
     return "load the arm more heavily in configurations in which the load turns this joint, or state a prior";
   }
+  if (!components.empty() && IsOf(components[0].first, "effect/payload")) {
+    return "measure with this load where it turns the joints as much as a load of known mass does (where torques: "
+           "measured is stated, loads drive nothing, and torques: model is what can determine it), or weigh it";
+  }
   if (base && marker) {
     return std::string("measure with the flange turned about at least two axes (wrist joints spread over 60 degrees ") +
            "or more) where the arm can turn it so, or " + kHoldTheMarker;

@@ -9,6 +9,7 @@
 
 #include "estimator/noise/robot_scatter.h"
 #include "estimator/noise/rotation_noise.h"
+#include "estimator/report/inspection_known_words.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -279,10 +280,10 @@ std::string NameOfNoise(NoiseOrigin origin) {
 }
 
 std::string SigmaInWords(const Estimate& estimate, double significance) {
-  const double reduced = estimate.chi2 / std::max(1, estimate.dof);
   const SigmaReport& sigma = estimate.sigma;
+  const double reduced = sigma.a_posteriori * sigma.a_posteriori;
   const std::string name = NameOfNoise(sigma.origin), times = Significant(sigma.a_posteriori, 3);
-  const std::string chance = " (p = " + Significant(sigma.p_value, 2) + ")";
+  const std::string chance = " (" + PValueInWords(sigma.p_value) + ")";
   if (sigma.scaled && estimate.intervals.is_empirical()) {
     return "The residuals are " + times + " times " + name + chance +
            "; the intervals use the scatter as it is seen between configurations.";

@@ -25,7 +25,9 @@ std::string InWords(CriterionKind kind) {
 }
 
 std::string OrderIsMixed() {
-  return "The order is mixed at random, so that what goes with time is not mistaken for what goes with the place.";
+  return "The order is mixed at random, so that what goes with time is not mistaken for what goes with the place. "
+         "Each pose is assumed to be measured at the time of the configuration that it is measured like; the plan "
+         "states no times, and at others what goes with time may be several times less well known than predicted.";
 }
 
 std::string OrderIsShort(double share) {
@@ -45,8 +47,8 @@ std::vector<std::string> AssumptionsInWords(const Plan& plan, bool candidates_ar
   if (plan.moved) words.push_back("The poses chosen were moved to where they determine more.");
   words.push_back(plan.order);
   if (plan.knee > 0) {
-    words.push_back("From " + std::to_string(plan.knee) +
-                    " poses on, more poses only average the noise (the error falls no faster than N^-0.6).");
+    words.push_back("From " + std::to_string(plan.knee) + (plan.knee == 1 ? " pose" : " poses") +
+                    " on, more poses only average the noise (the error falls no faster than N^-0.6).");
   }
   if (plan.field_amplitude > 0.0) {
     words.push_back(

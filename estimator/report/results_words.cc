@@ -24,7 +24,7 @@ std::string Named(const std::string& name) { return name.empty() ? "none" : name
 }  // namespace
 
 std::string WhatTheWayDoes(const KnownRobot& known) {
-  const std::vector<std::string> effects = RememberingEffects(known);
+  const std::vector<std::string> effects = RememberingEffectsOfTheArm(known);
   return effects.empty() ? "" : TargetsAreAWay(effects);
 }
 
@@ -78,12 +78,24 @@ std::string ShotsBeyondTemperature(size_t beyond, size_t shots, double most, con
          " K" + NothingHasChecked(effects);
 }
 
+std::string ShotsAroundMoment(size_t around, size_t shots, const std::string& effect) {
+  return ShotsBeyond(around, shots) + " between the two readings between which " + effect +
+         " happened: whether before or after it is not known, and no standard deviation allows for that";
+}
+
 std::string ShotsBeyondLoads(size_t beyond, size_t shots, double largest, double calibrated) {
   const std::string of_calibration =
       calibrated > 0.0 ? "the calibration's loads pull with at most " + Significant(calibrated, 3) + " N"
                        : "the calibration has no load";
   return ShotsBeyond(beyond, shots) + " under loads of up to " + Significant(largest, 3) + " N, and " + of_calibration +
          ": nothing has checked the deflections there";
+}
+
+std::string LearntFunctionsAreHeld(const std::vector<std::string>& effects) {
+  return Enumerate(effects, 4) + (effects.size() == 1 ? " is" : " are") +
+         " held as learnt from the rows of another run: no interval allows for what is off in it. The "
+         "estimate.learnt.json "
+         "of that run allows for it";
 }
 
 std::string PosesOutsideMeasured(size_t outside, size_t poses, const std::vector<std::string>& joints) {
@@ -109,12 +121,16 @@ std::string InputOfTheEstimate(const std::string& file) {
          "validation";
 }
 
-std::string PointsAreCorrected(const std::string& dialect, int corrected, size_t points, double before, double u95) {
+std::string PointsAreCorrected(const std::string& dialect, int corrected, size_t points, double before, double u95,
+                               double u95_rotation) {
   std::string words =
       dialect + ": " + std::to_string(corrected) + " of " + std::to_string(points) + " points corrected";
   if (corrected == 0) return words;
-  return words + "; off target before by at most " + InMillimetres(before) + ", after by at most " +
-         InMillimetres(u95) + " (95 %, by the uncertainty of the estimate)";
+  const std::string angle = Significant(1e3 * u95_rotation, 3);
+  return words + "; the flange is off target before by at most " + InMillimetres(before) + ", after by at most " +
+         InMillimetres(u95) + " and " + angle +
+         " mrad (95 %, by the uncertainty of the estimate), a tool point by up to " + angle +
+         " mm more for each metre that it is from the flange";
 }
 
 std::string MotionsAreCorrected(int corrected, size_t motions) {
@@ -174,10 +190,17 @@ std::string LoadUsedInWords(const std::string& name, const ProgramLoad& load, in
          ") mm of the controller's flange; --load=NAME uses one of the estimate instead";
 }
 
+std::string LoadNotStatedInWords(const std::string& name, const std::string& why) {
+  return "its load " + name +
+         " is not known: " + (why.empty() ? "this file has no numbers for it that are understood" : why);
+}
+
 std::string LoadUnknownInWords(const std::string& name, int points) {
   return "the program names the load " + name + " at " + Points(points) +
-         " and does not state it: they are corrected for the load 'none' of the estimate; --loads_kg_mm='" + name +
-         "=mass,x,y,z' (centre of mass in the controller's flange) states it, --load=NAME uses one of the estimate";
+         (points == 1 ? ", which stays" : ", which stay") + " as " + (points == 1 ? "it is" : "they are") +
+         ": --loads_kg_mm='" + name +
+         "=mass,x,y,z' (centre of mass in the controller's flange) states it, --load=NAME uses one of the estimate "
+         "(none: its tool alone)";
 }
 
 std::string LoadOfTwoInWords(const std::string& one, const std::string& other) {

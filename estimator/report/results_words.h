@@ -21,7 +21,11 @@ std::string WhatTheWayDoes(const KnownRobot& known);
 // effects go with, loads (N; calibrated: the heaviest one of the calibration, 0: none).
 std::string ShotsBeyondTime(size_t beyond, size_t shots, double most, const std::vector<std::string>& effects);
 std::string ShotsBeyondTemperature(size_t beyond, size_t shots, double most, const std::vector<std::string>& effects);
+std::string ShotsAroundMoment(size_t around, size_t shots, const std::string& effect);
 std::string ShotsBeyondLoads(size_t beyond, size_t shots, double largest, double calibrated);
+
+// Learnt functions of a robot file that is calibrated; effects: their titles.
+std::string LearntFunctionsAreHeld(const std::vector<std::string>& effects);
 
 // Poses outside the joint ranges of the calibration; joints: "j1 by 100 deg".
 std::string PosesOutsideMeasured(size_t outside, size_t poses, const std::vector<std::string>& joints);
@@ -31,8 +35,10 @@ std::string TargetsOutsideMeasured(size_t outside);
 // A measurement file that is validated against although the estimate was made of it.
 std::string InputOfTheEstimate(const std::string& file);
 
-// Of a program's points; largest distance off target before, largest 95 % uncertainty, m.
-std::string PointsAreCorrected(const std::string& dialect, int corrected, size_t points, double before, double u95);
+// Of a program's points; of the flange there the largest distance off target before, m, and the largest 95 %
+// uncertainty, m and rad.
+std::string PointsAreCorrected(const std::string& dialect, int corrected, size_t points, double before, double u95,
+                               double u95_rotation);
 
 // Of the targets of all motions of the program; a circle has two.
 std::string MotionsAreCorrected(int corrected, size_t motions);
@@ -56,6 +62,8 @@ std::string OtherConfigurationInWords(const std::vector<std::string>& joints);  
 
 // Which load a program's points are corrected for, and why one is not known; tool_mass: kg.
 std::string LoadUsedInWords(const std::string& name, const ProgramLoad& load, int points);
+// Why a point with a load that the program names stays; `why` may be empty.
+std::string LoadNotStatedInWords(const std::string& name, const std::string& why);
 std::string LoadUnknownInWords(const std::string& name, int points);
 std::string LoadOfTwoInWords(const std::string& one, const std::string& other);
 std::string ToolReplacedInWords(double tool_mass);

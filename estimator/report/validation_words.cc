@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "estimator/report/inspection_known_words.h"
 #include "models/constants.h"
 #include "problems/text.h"
 
@@ -31,10 +32,18 @@ std::string GainInWords(const Trust& trust) {
 }
 
 // What of the RMS is no error of the robot.
-std::string NoiseShareInWords(const NoiseShare& share) {
+std::string NoiseShareInWords(const NoiseShare& share, double rms) {
   if (!(share.noise > 0.0)) return "";
   const std::string rest = (share.rest_is_bound ? "at most " : "") + InMillimetres(share.rest) + ".";
   const std::string known = " Of this RMS, known to ± " + Significant(100.0 * share.rms_known_to, 2) + " %, ";
+  if (share.of_residuals && share.noise > rms) {
+    return " This RMS, known to ± " + Significant(100.0 * share.rms_known_to, 2) +
+           " %, is no more than what the residuals scatter by, as of instrument and arm and of what the model lacks "
+           "alike: " +
+           InMillimetres(share.noise) +
+           " where the fitted parameters are counted (degrees of freedom in place of rows); " +
+           "what uncertain parameters add is " + rest;
+  }
   if (share.of_residuals) {
     return known + "the scatter of the residuals, of instrument and arm and of what the model lacks alike, is " +
            InMillimetres(share.noise) + ", and what uncertain parameters add " + rest;
@@ -59,7 +68,7 @@ std::string AccuracyInWords(const Trust& trust, double significance, double bett
              : is_large ? "; the prediction was " + Significant(1.0 / excess, 2) + " times larger"
                         : "; the prediction agrees";
   }
-  return words + "." + NoiseShareInWords(trust.noise);
+  return words + "." + NoiseShareInWords(trust.noise, quoted.distance_rms);
 }
 
 }  // namespace
@@ -89,7 +98,7 @@ std::string NothingChecksTheMethod() {
 
 std::string PredictionIsOff(bool is_holdout, double excess, double p_value) {
   return std::string("the errors ") + (is_holdout ? "on the points held out" : "in the cross-validation") + " are " +
-         Significant(excess, 2) + " times what the estimate predicted for them (p = " + Significant(p_value, 2) + ")";
+         Significant(excess, 2) + " times what the estimate predicted for them (" + PValueInWords(p_value) + ")";
 }
 
 std::string WorseThanNominal(double nominal_rms) {
@@ -101,7 +110,7 @@ std::string NoRedundancy() { return "there are as many unknowns as readings: the
 
 std::string BelowAnyInstrument(double rms) {
   return "residuals of " + Significant(1e6 * rms, 2) +
-         " um are below any instrument's noise: were the points measured, or commanded or simulated?";
+         " um are below any instrument's noise, as of points that are commanded or simulated and not measured";
 }
 
 std::string RowsAreSuspect(size_t rows, const std::string& first) {
@@ -114,9 +123,19 @@ std::string HeldOutIsFitted(int seen, int held_out) {
          " configurations held out have the joint values of fitted ones (within 0.06 deg): these have been seen";
 }
 
-std::string ComesOutNegative(const std::string& name, double sigmas) {
-  return name + " comes out negative, " + Significant(sigmas, 2) +
-         " standard deviations below 0: check the sign and the unit of the loads and the load point";
+std::string ComesOutNegative(const std::string& name, double sigmas, bool by_sensor) {
+  return name + " comes out negative, " + Significant(sigmas, 2) + " standard deviations below 0: check the sign and " +
+         (by_sensor
+              ? "the unit of the columns tau<i>, the torque of the loads on the joint, about its positive direction"
+              : "the unit of the loads and the load point");
+}
+
+std::string TorquesAreOthers(const std::string& joint, double slope, size_t joints) {
+  const std::string more = joints > 1 ? " (and of " + std::to_string(joints - 1) + " more)" : "";
+  return "the torques that were measured on " + joint + more + " are " + Significant(slope, 2) +
+         " times those that the model knows of, and what bends under them is wrong by as much: state torques: "
+         "measured, or "
+         "the weights that the model lacks (links, tool, load)";
 }
 
 std::string WeightsAreWrong(double worse) {

@@ -25,7 +25,10 @@ std::string NoRedundancy();
 std::string BelowAnyInstrument(double rms);
 std::string RowsAreSuspect(size_t rows, const std::string& first);
 std::string HeldOutIsFitted(int seen, int held_out);
-std::string ComesOutNegative(const std::string& name, double sigmas);
+// by_sensor: measured torques drive the deflections.
+std::string ComesOutNegative(const std::string& name, double sigmas, bool by_sensor);
+// slope: measured over modelled, of the joint of `joints` where it is farthest from 1.
+std::string TorquesAreOthers(const std::string& joint, double slope, size_t joints);
 std::string WeightsAreWrong(double worse);
 // The worst of `all` conflicts.
 std::string RowsContradictPrior(const ParameterSet& parameters, const PriorConflict& worst, size_t all);

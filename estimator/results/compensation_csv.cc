@@ -6,6 +6,7 @@
 
 #include "estimator/explanations/moments.h"
 #include "estimator/results/known_loads.h"
+#include "estimator/results/remembering_effects.h"
 #include "estimator/results/residuals_csv.h"
 #include "models/constants.h"
 #include "models/effects/catalogue.h"
@@ -42,6 +43,7 @@ class ColumnWriter {
 }  // namespace
 
 Chain NominalChain(const KnownRobot& known) {
+  if (known.robot.controller) return known.robot.controller->chain;
   const ForwardModel model(known.robot);
   std::map<std::string, double> errors;
   for (const ModelParameter& parameter : model.parameters()) {
@@ -60,13 +62,9 @@ const std::string& StationOfTargets(const KnownRobot& known) {
 
 namespace {
 
-// What an instrument reads and where markers sit moves no flange.
 Robot WithEffectsOfTheArm(const KnownRobot& known) {
   Robot robot = known.robot;
-  const auto is_of_the_arm = [&](const EffectSpec& spec) {
-    const EffectTarget target = FindEffect(known.robot, spec.effect)->target;
-    return target != EffectTarget::kStation && target != EffectTarget::kMarker;
-  };
+  const auto is_of_the_arm = [&](const EffectSpec& spec) { return MovesTheArm(*FindEffect(known.robot, spec.effect)); };
   const auto others = std::stable_partition(robot.effects.begin(), robot.effects.end(), is_of_the_arm);
   robot.effects.erase(others, robot.effects.end());
   return robot;
@@ -137,10 +135,40 @@ CompensationInput MakeCompensationInput(const KnownRobot& known, const Targets& 
   CompensationInput input{
       MakeKnownProblem(WithEffectsOfTheArm(known), targets.shots, known.loading, {known.base_in_station, {}}),
       NominalChain(known), known.uncertainty, known.rest, known.noise.freedom};
+  std::vector<std::string> names = known.uncertainty.estimated;
+  names.insert(names.end(), known.uncertainty.held.begin(), known.uncertainty.held.end());
+  input.flange = FlangeFromMarkers(known.markers, names);
   SetAfterMoments(&input.problem);
   CheckColumnsOfTargets(input.problem, from);
   return input;
 }
+
+namespace {
+
+// The mirrored rotation in the form of the targets (RotationForm).
+struct NamedNumbers {
+  std::vector<std::string> names;
+  Eigen::VectorXd values;
+};
+
+NamedNumbers RotationAs(RotationForm form, const Matrix3<double>& rotation) {
+  const Vector3<double> rpy = RpyFromRotation(rotation) / kDegree;
+  Eigen::Quaterniond q(rotation);
+  if (q.w() < 0.0) q.coeffs() *= -1.0;
+  switch (form) {
+    case RotationForm::kVector:
+      break;
+    case RotationForm::kQuaternion:
+      return {{"ow_cmd", "ox_cmd", "oy_cmd", "oz_cmd"}, Eigen::Vector4d(q.w(), q.x(), q.y(), q.z())};
+    case RotationForm::kAbc:
+      return {{"a_cmd_deg", "b_cmd_deg", "c_cmd_deg"}, rpy.reverse()};
+    case RotationForm::kRollPitchYaw:
+      return {{"roll_cmd_deg", "pitch_cmd_deg", "yaw_cmd_deg"}, rpy};
+  }
+  return {{"rx_cmd_mrad", "ry_cmd_mrad", "rz_cmd_mrad"}, 1e3 * RotationVector(Eigen::Quaterniond(rotation))};
+}
+
+}  // namespace
 
 std::string CompensationToCsv(const Targets& targets, const std::vector<CompensatedTarget>& results) {
   ColumnWriter out(results.size());
@@ -153,11 +181,13 @@ std::string CompensationToCsv(const Targets& targets, const std::vector<Compensa
       const std::string name = "q" + std::to_string(j + 1) + (turns ? "_cmd_deg" : "_cmd_mm");
       out.Number(name, i, r.solution.q[j] / (turns ? kDegree : 1e-3), solved);
     }
-    const Vector3<double> turn = RotationVector(Eigen::Quaterniond(r.commanded.rotation));
+    const NamedNumbers rotation = RotationAs(targets.rotation_form, r.commanded.rotation);
     for (int a = 0; a < 3; ++a) {
       out.Number(std::string(1, "xyz"[a]) + "_cmd_mm", i, 1e3 * r.commanded.translation[a], solved);
     }
-    for (int a = 0; a < 3; ++a) out.Number(std::string("r") + "xyz"[a] + "_cmd_mrad", i, 1e3 * turn[a], solved);
+    for (size_t a = 0; a < rotation.names.size(); ++a) {
+      out.Number(rotation.names[a], i, rotation.values[static_cast<Eigen::Index>(a)], solved);
+    }
     out.Number("u95_mm", i, 1e3 * r.u95_position, solved);
     out.Number("u95_mrad", i, 1e3 * r.u95_rotation, solved);
     out.Number("left_mm", i, 1e3 * r.solution.left_position, solved);

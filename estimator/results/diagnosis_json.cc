@@ -43,7 +43,11 @@ Json HalvesToJson(const Confirmation& confirmation) {
   return json;
 }
 
-Json FoundToJson(const Robot& robot, const FoundEffect& effect) {
+// Where nothing states the noise, the scatter about each model is its own unit: figures in it compare nothing.
+Json OnStatedNoise(const Diagnosis& d, double figure) { return d.noise.is_stated ? Finite(figure) : Json(nullptr); }
+
+Json FoundToJson(const Diagnosis& d, const FoundEffect& effect) {
+  const Robot& robot = d.final.problem->robot();
   Json json = SpecToJson(robot, effect.candidate.spec);
   json["probability"] = effect.probability;
   json["p_value"] = effect.corrected_p;
@@ -63,7 +67,7 @@ Json FoundToJson(const Robot& robot, const FoundEffect& effect) {
   }
   json["holdout_rms_before_mm"] = Finite(1e3 * effect.holdout_before);
   json["holdout_rms_after_mm"] = Finite(1e3 * effect.holdout_after);
-  json["reduced_chi2_after"] = Finite(effect.reduced_chi2_after);
+  json["reduced_chi2_after"] = OnStatedNoise(d, effect.reduced_chi2_after);
   json["halves"] = HalvesToJson(effect.confirmation);
   json["physical"] = {{"plausible", effect.bounds.IsPlausible()}, {"words", PhysicalInWords(effect.bounds)}};
   json["alternatives"] = Json::array();
@@ -206,8 +210,8 @@ Json CandidatesToJson(const Diagnosis& d) {
 
 Json FinalToJson(const Diagnosis& d) {
   const Estimate& after = d.final.estimate;
-  Json json = {{"reduced_chi2", after.chi2 / std::max(1, after.dof)},
-               {"lack_of_fit_p", Finite(d.final_p)},
+  Json json = {{"reduced_chi2", OnStatedNoise(d, after.chi2 / std::max(1, after.dof))},
+               {"lack_of_fit_p", OnStatedNoise(d, d.final_p)},
                {"rms_mm", 1e3 * after.fit.rms},
                {"holdout_rms_mm", HeldOut(after, after.validation.rms)},
                {"holdout_distance_rms_mm", HeldOut(after, after.validation.distance_rms)},
@@ -259,8 +263,8 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
   if (!d.cautions.empty()) json["cautions"] = d.cautions;
   const std::vector<std::string>& warnings = d.baseline.problem->data().warnings;
   if (!warnings.empty()) json["warnings"] = warnings;
-  json["baseline"] = {{"reduced_chi2", before.chi2 / std::max(1, before.dof)},
-                      {"lack_of_fit_p", Finite(d.baseline_p)},
+  json["baseline"] = {{"reduced_chi2", OnStatedNoise(d, before.chi2 / std::max(1, before.dof))},
+                      {"lack_of_fit_p", OnStatedNoise(d, d.baseline_p)},
                       {"rms_mm", 1e3 * before.fit.rms},
                       {"holdout_rms_mm", HeldOut(before, before.validation.rms)},
                       {"holdout_distance_rms_mm", HeldOut(before, before.validation.distance_rms)}};
@@ -277,7 +281,7 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
     json["not_testable"].push_back({{"effect", entry.effect}, {"target", entry.target}, {"needs", entry.needs}});
   }
   json["steps"] = Json::array();
-  for (const FoundEffect& effect : d.effects) json["steps"].push_back(FoundToJson(robot, effect));
+  for (const FoundEffect& effect : d.effects) json["steps"].push_back(FoundToJson(d, effect));
   json["final"] = FinalToJson(d);
   json["unexplained"] = nullptr;
   if (d.verdict == DiagnosisVerdict::kUnknown || d.verdict == DiagnosisVerdict::kPartly)

@@ -258,6 +258,11 @@ Json SigmaToJson(const Estimate& estimate) {
   const double of_rotations = rotation != nullptr ? rotation->value : sigma.rotation;
   if (of_rotations > 0.0) json["estimated_rotation_mrad"] = 1e3 * of_rotations;
   json["p_value"] = sigma.p_value;
+  if (sigma.pull.priors > 0) {
+    json["priors"] = {{"chi2", stated ? Json(sigma.pull.squares) : Json(nullptr)},
+                      {"number", sigma.pull.priors},
+                      {"set_aside", sigma.pull.is_set_aside}};
+  }
   return json;
 }
 

@@ -43,6 +43,8 @@ struct MeasuredConditions {
   std::optional<MeasuredInterval> time;         // s, as in the files of the rows; absent: no row states it
   std::optional<MeasuredInterval> temperature;  // degC
   double load_force = 0.0;                      // N, of the heaviest load; 0: none
+  // Between which readings something happened, by the moment that its effect states; s of the campaign's clock.
+  std::map<double, MeasuredInterval> moments;
 };
 
 // A robot with its surroundings, as an estimate or an experiment states it; SI.

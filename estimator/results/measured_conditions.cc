@@ -6,6 +6,7 @@
 
 #include "estimator/report/diagnosis_words.h"
 #include "estimator/report/results_words.h"
+#include "models/constants.h"
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
@@ -61,6 +62,56 @@ Json RangeToJson(const std::optional<MeasuredInterval>& range) {
   return range ? Json::array({range->least, range->most}) : Json(nullptr);
 }
 
+// What an effect of a moment states, s of the campaign's clock.
+std::optional<double> MomentStated(const Robot& robot, const EffectSpec& spec) {
+  for (const SettingDefinition& setting : FindEffect(robot, spec.effect)->settings) {
+    if (setting.kind == SettingDefinition::Kind::kMoment) return spec.NumberSetting(setting.name, 0.0);
+  }
+  return std::nullopt;
+}
+
+// The last fitted shot before a moment and the first one after it.
+MeasuredInterval ReadingsAround(const CalibrationProblem& problem, double moment) {
+  MeasuredInterval around{-kInfinity, kInfinity};
+  for (const int k : problem.CalibrationObservations()) {
+    const ShotConditions& shot = problem.shot_inputs()[problem.data().observations[k].shot].conditions;
+    if (!shot.has_time) continue;
+    if (shot.time <= moment) around.least = std::max(around.least, shot.time);
+    if (shot.time > moment) around.most = std::min(around.most, shot.time);
+  }
+  return around;
+}
+
+Json MomentsToJson(const CalibrationProblem& problem) {
+  Json list = Json::array();
+  for (const EffectSpec& spec : problem.robot().effects) {
+    const std::optional<double> moment = MomentStated(problem.robot(), spec);
+    if (!moment) continue;
+    const MeasuredInterval around = ReadingsAround(problem, *moment);
+    if (std::isfinite(around.least) && std::isfinite(around.most))
+      list.push_back({{"after_s", *moment}, {"between_s", RangeToJson(around)}});
+  }
+  return list;
+}
+
+// A sentence on each effect whose moment lies between the same two readings as shots that are asked for.
+void AddAroundMoments(const KnownRobot& known, const CalibrationProblem& problem, std::vector<std::string>* words) {
+  for (const EffectSpec& spec : known.robot.effects) {
+    const std::optional<double> moment = MomentStated(known.robot, spec);
+    const auto found =
+        moment ? known.measured_conditions.moments.find(*moment) : known.measured_conditions.moments.end();
+    if (found == known.measured_conditions.moments.end()) continue;
+    const auto is_between = [&](const ShotInput& shot) {
+      const ShotConditions& at = shot.conditions;
+      return at.has_time && at.time > found->second.least && at.time < found->second.most;
+    };
+    const auto count = std::count_if(problem.shot_inputs().begin(), problem.shot_inputs().end(), is_between);
+    if (count > 0)
+      words->push_back(
+          ShotsAroundMoment(static_cast<size_t>(count), problem.shot_inputs().size(), Title(known.robot, spec)));
+  }
+}
+
 std::optional<MeasuredInterval> RangeFrom(const JsonValue& json) {
   if (json.IsNull()) return std::nullopt;
   const std::vector<JsonValue> ends = json.Items();
@@ -81,7 +132,8 @@ Json MeasuredConditionsToJson(const CalibrationProblem& problem) {
   }
   return {{"time_s", RangeToJson(measured.time)},
           {"temperature_degC", RangeToJson(measured.temperature)},
-          {"load_force_N", measured.load_force > 0.0 ? Json(measured.load_force) : Json(nullptr)}};
+          {"load_force_N", measured.load_force > 0.0 ? Json(measured.load_force) : Json(nullptr)},
+          {"moments", MomentsToJson(problem)}};
 }
 
 MeasuredConditions MeasuredConditionsFrom(const JsonValue& json) {
@@ -91,6 +143,11 @@ MeasuredConditions MeasuredConditionsFrom(const JsonValue& json) {
   measured.temperature = RangeFrom(json.Get("temperature_degC"));
   const JsonValue force = json.Get("load_force_N");
   if (!force.IsNull()) measured.load_force = force.PositiveNumber();
+  const auto moments = json.Find("moments");
+  for (const JsonValue& moment : moments ? moments->Items() : std::vector<JsonValue>()) {
+    if (const auto between = RangeFrom(moment.Get("between_s")))
+      measured.moments[moment.Get("after_s").Number()] = *between;
+  }
   return measured;
 }
 
@@ -115,6 +172,7 @@ std::vector<std::string> BeyondMeasuredInWords(const KnownRobot& known, const Ca
   const std::vector<std::string> by_heat = DrivenBy(EffectDriver::kTemperature, known.robot);
   if (warm.shots > 0 && !by_heat.empty()) words.push_back(ShotsBeyondTemperature(warm.shots, all, warm.most, by_heat));
   if (heavy.shots > 0) words.push_back(ShotsBeyondLoads(heavy.shots, all, heavy.most, measured.load_force));
+  AddAroundMoments(known, problem, &words);
   return words;
 }
 

@@ -12,12 +12,13 @@
 namespace sagitta {
 
 // Of the calibration rows, as estimate.json has it: {time_s: [first, last], temperature_degC: [least, most],
-// load_force_N: largest}; null: no row states it, or none bears a load.
+// load_force_N: largest, moments: [{after_s, between_s: [last reading before it, first one after it]}]}; null: no row
+// states it, or none bears a load.
 nlohmann::ordered_json MeasuredConditionsToJson(const CalibrationProblem& problem);
 MeasuredConditions MeasuredConditionsFrom(const JsonValue& json);
 
-// A sentence each on shots beyond the loads, and beyond the times and the temperatures where an effect of the robot
-// goes with these. `problem`: a PredictionProblem of `known`.
+// A sentence each on shots beyond the loads, beyond the times and temperatures that an effect of the robot goes with,
+// and between the readings between which something happened. `problem`: a PredictionProblem of `known`.
 std::vector<std::string> BeyondMeasuredInWords(const KnownRobot& known, const CalibrationProblem& problem);
 
 }  // namespace sagitta

@@ -9,6 +9,7 @@
 #include "estimator/compensation/joint_solutions.h"
 #include "estimator/report/compensation_words.h"
 #include "estimator/report/results_words.h"
+#include "estimator/results/measured_conditions.h"
 #include "estimator/results/program_loads.h"
 #include "estimator/results/program_names.h"
 #include "models/constants.h"
@@ -319,6 +320,9 @@ void CheckProgramIsKept(const std::string& program, const std::string& out, cons
 
 CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram program, const ProgramScene& stated,
                                      int threads, const std::function<void(size_t done)>& progress) {
+  if (!stated.turn_joints.empty() && program.dialect != ProgramDialect::kFanuc) {
+    throw InputError({program.path, 0, "--turn_joints"}, "only FANUC positions count turns of three joints");
+  }
   const std::string& station = StationOfTargets(known);
   const Chain nominal = NominalChain(known);
   CompensatedProgram result;
@@ -337,6 +341,7 @@ CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram progr
   KnownRobot loaded = known;
   loaded.loading = loads.loading;
   const CompensationInput input = MakeCompensationInput(loaded, result.targets, TargetsFrom::kProgram);
+  result.beyond = BeyondMeasuredInWords(loaded, input.problem);
   result.solved = Compensate(input, result.targets.rows, threads, progress);
   std::vector<CorrectedPoint> corrected;
   for (size_t row = 0; row < result.solved.size(); ++row) {
@@ -393,7 +398,7 @@ std::string ListOf(std::vector<LineWords> lines) {
 
 std::string SummaryOf(const CompensatedProgram& result) {
   int corrected = 0;
-  double before = 0.0, u95 = 0.0;
+  double before = 0.0, u95 = 0.0, u95_rotation = 0.0;
   std::vector<LineWords> untouched, moves, leaves;
   for (const ProgramPointResult& point : result.results) {
     const ProgramPoint& read = result.program.points[static_cast<size_t>(point.point)];
@@ -406,9 +411,12 @@ std::string SummaryOf(const CompensatedProgram& result) {
     if (!point.leaves.empty()) leaves.emplace_back(read.line, read.name + ": " + point.leaves);
     before = std::max(before, point.solution->before_position);
     if (std::isfinite(point.solution->u95_position)) u95 = std::max(u95, point.solution->u95_position);
+    if (std::isfinite(point.solution->u95_rotation))
+      u95_rotation = std::max(u95_rotation, point.solution->u95_rotation);
   }
-  std::string text =
-      PointsAreCorrected(DialectName(result.program.dialect), corrected, result.results.size(), before, u95) + "\n";
+  std::string text = PointsAreCorrected(DialectName(result.program.dialect), corrected, result.results.size(), before,
+                                        u95, u95_rotation) +
+                     "\n";
   text += MotionsToUntouched(result, &untouched);
   if (!untouched.empty()) text += "Left as they are\n" + ListOf(untouched);
   if (!moves.empty()) text += PosesWithLargeMoves(kLargestMove) + "\n" + ListOf(moves);

@@ -58,7 +58,8 @@ struct CompensatedProgram {
   std::vector<ProgramPointResult> results;  // one per point of the program
   Targets targets;                          // those that were solved
   std::vector<CompensatedTarget> solved;
-  std::string text;  // the corrected program
+  std::string text;                 // the corrected program
+  std::vector<std::string> beyond;  // what of the points is beyond the conditions that were measured
 };
 
 // Throws InputError where a frame or tool is stated neither by the file nor by `stated`, naming all of them, and where

@@ -1,5 +1,7 @@
 #include "estimator/results/program_loads.h"
 
+#include <set>
+
 #include "estimator/report/results_words.h"
 #include "models/constants.h"
 #include "problems/input_error.h"
@@ -51,7 +53,10 @@ class LoadsReader {
     }
     const ProgramLoad* load = Stated(point.load);
     if (load == nullptr) {
-      if (!point.load.empty()) ++unknown_[point.load];
+      if (point.load.empty()) return;
+      ++unknown_[point.load];
+      const auto why = program_.unclear_loads.find(point.load);
+      loads_.unclear.back() = LoadNotStatedInWords(point.load, why == program_.unclear_loads.end() ? "" : why->second);
       return;
     }
     const std::string name = point.load.empty() ? kDefaultName : point.load;
@@ -157,8 +162,9 @@ std::vector<int> TurnJointsFrom(const std::vector<double>& numbers, int joints, 
     const bool is_joint = number == static_cast<int>(number) && number >= 1 && number <= joints;
     if (is_joint) turns.push_back(static_cast<int>(number) - 1);
   }
-  if (!numbers.empty() && (numbers.size() != 3 || turns.size() != 3)) {
-    throw InputError({"", 0, key}, "three joints are expected, counted from 1", key + "=1,4,6");
+  const size_t distinct = std::set<int>(turns.begin(), turns.end()).size();
+  if (!numbers.empty() && (numbers.size() != 3 || distinct != 3)) {
+    throw InputError({"", 0, key}, "three joints are expected, each once, counted from 1", key + "=1,4,6");
   }
   return turns;
 }

@@ -15,12 +15,12 @@ bool CarriesOn(const EffectDefinition& definition, const EffectSpec& spec) {
   return definition.driven_by != EffectDriver::kTemperature || spec.NumberSetting("lag_s", 0.0) > 0.0;
 }
 
-}  // namespace
-
-std::vector<std::string> RememberingEffects(const KnownRobot& known) {
+template <typename IsAsked>
+std::vector<std::string> PathsOf(const KnownRobot& known, const IsAsked& is_asked) {
   std::vector<std::string> paths;
   for (const EffectSpec& spec : known.robot.effects) {
-    if (!CarriesOn(*FindEffect(known.robot, spec.effect), spec)) continue;
+    const EffectDefinition& definition = *FindEffect(known.robot, spec.effect);
+    if (!is_asked(definition) || !CarriesOn(definition, spec)) continue;
     const bool acts = std::any_of(known.parameters.begin(), known.parameters.end(), [&spec](const auto& parameter) {
       return IsParameterOf(spec, parameter.first) && parameter.second.value != 0.0;
     });
@@ -28,5 +28,17 @@ std::vector<std::string> RememberingEffects(const KnownRobot& known) {
   }
   return paths;
 }
+
+}  // namespace
+
+bool MovesTheArm(const EffectDefinition& effect) {
+  return effect.target != EffectTarget::kStation && effect.target != EffectTarget::kMarker;
+}
+
+std::vector<std::string> RememberingEffects(const KnownRobot& known) {
+  return PathsOf(known, [](const EffectDefinition&) { return true; });
+}
+
+std::vector<std::string> RememberingEffectsOfTheArm(const KnownRobot& known) { return PathsOf(known, MovesTheArm); }
 
 }  // namespace sagitta

@@ -13,6 +13,7 @@ struct PriorConflict {
   int coordinate = -1;
   double rows = 0.0, rows_sigma = 0.0;  // what the rows say without it, by their noise
   double sigmas = 0.0;                  // apart
+  double dof = 0.0;                     // that the scatter of what is apart is known with
 };
 
 // Of a judged estimate, the worst first; of those that chance brings about in one of 1 / significance experiments none

@@ -248,6 +248,14 @@ int HeldOutWhereFitted(const CalibrationProblem& problem, int* all) {
   }));
 }
 
+// Torques that the model lacks bend the arm: what gives way to those it knows, or their mass, comes out wrong by them.
+bool LoadsDriveUnknowns(const CalibrationProblem& problem, const Estimate& estimate) {
+  if (problem.experiment().torques_measured) return false;
+  return std::any_of(estimate.table.begin(), estimate.table.end(), [](const ParameterEstimate& row) {
+    return row.free && (CoordinateKindOf(row.name) == CoordinateKind::kCompliance || row.quantity == Quantity::kMass);
+  });
+}
+
 std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const Estimate& estimate,
                                         const Trust& trust) {
   std::vector<std::string> reasons;
@@ -272,7 +280,13 @@ std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const
   }
   if (const std::optional<BelowBound> lowest = LowestBelowBound(problem, estimate, trust.model_error_sigma)) {
     const std::string& name = estimate.parameters.coordinates()[lowest->coordinate].name;
-    reasons.push_back(ComesOutNegative(name, lowest->sigmas));
+    reasons.push_back(ComesOutNegative(name, lowest->sigmas, problem.experiment().torques_measured));
+  }
+  if (LoadsDriveUnknowns(problem, estimate)) {
+    const std::vector<ScaledTorque> off = TorquesOffByAFactor(trust.torques, problem.experiment().significance);
+    if (!off.empty()) {
+      reasons.push_back(TorquesAreOthers(problem.robot().chain.joints[off[0].joint].name, off[0].slope, off.size()));
+    }
   }
   const std::vector<PriorConflict> priors = PriorsAgainstRows(problem, estimate);
   if (!priors.empty()) reasons.push_back(RowsContradictPrior(estimate.parameters, priors[0], priors.size()));
@@ -329,6 +343,7 @@ Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, 
   trust.gain = CompareRms(trust.nominal, trust.Quoted(), problem.experiment().significance, kBetter);
   AddModelError(problem.experiment().significance, &trust, estimate);
   trust.across = FindLoadDirection(problem);
+  trust.torques = CompareTorques(problem, estimate->parameters);
   trust.verdict.reasons = ReasonsAgainst(problem, *estimate, trust);
   trust.verdict.trusted = trust.verdict.reasons.empty();
   trust.limits = LimitsOf(problem, *estimate);

@@ -9,6 +9,7 @@
 
 #include "estimator/agreement/between_parts.h"
 #include "estimator/inspection/load_direction.h"
+#include "estimator/inspection/torque_lint.h"
 #include "estimator/validation/cross_validation.h"
 #include "estimator/validation/noise_share.h"
 #include "estimator/validation/suspects.h"
@@ -31,6 +32,7 @@ struct Trust {
   PoseRepeatability repeatability;   // RP of ISO 9283, of all points
   std::vector<Suspect> suspects;
   std::optional<LoadDirection> across;  // where weights do not pull as stated
+  TorqueComparison torques;             // where rows state them
   // Model error: what it is between parts of the data, at least the excess where points that were not fitted are off by
   // more than predicted.
   BetweenParts between;                   // not known: the parts agree

@@ -13,9 +13,6 @@
 namespace sagitta {
 namespace {
 
-// Of a quaternion's length from 1: numbers of three digits, nothing that was scaled.
-constexpr double kUnitQuaternion = 5e-3;
-
 class RowReader {
  public:
   RowReader(const MeasurementFile& file, const MeasurementFile::Row& row, std::vector<NumberRead>* last)

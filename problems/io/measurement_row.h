@@ -10,6 +10,9 @@
 
 namespace sagitta {
 
+// Of a quaternion's length from 1: numbers of three digits, nothing that was scaled.
+inline constexpr double kUnitQuaternion = 5e-3;
+
 struct MeasurementRow {
   bool lost = false;  // points are required and x, y, z are all empty; nothing else of the row is read
   std::string_view config, marker, station, visit, repeat, load;  // in the memory of the file's rows

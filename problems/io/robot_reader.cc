@@ -183,6 +183,15 @@ void ReadKinematics(const YamlValue& value, const KinematicsKeys& keys, const st
   if (!defect.empty()) value.Fail(defect);
 }
 
+// Of the same joints and couplings as the chain.
+Kinematics ReadController(const YamlValue& value, const Chain& chain) {
+  const KinematicsKeys keys = ReadKinematicsKeys(value);
+  if (keys.urdf) value.Fail("a chain or a DH table is expected here", "one of: chain, dh");
+  Robot described;
+  ReadKinematics(value, keys, chain.couplings, chain.joints, &described);
+  return {described.chain, described.dh};
+}
+
 Robot ReadRobot(const YamlValue& root, const std::string& file,
                 const std::vector<const EffectDefinition*>& own_effects) {
   YamlMap map(root);
@@ -198,6 +207,7 @@ Robot ReadRobot(const YamlValue& root, const std::string& file,
   const auto compensator = map.Find("gravity_compensator");
   const auto effects = map.Find("effects");
   const auto reference = map.Find("reference_temperature_degC");
+  const auto controller = map.Find("controller_kinematics");
   map.Finish();
 
   std::vector<Joint> joints;
@@ -214,6 +224,7 @@ Robot ReadRobot(const YamlValue& root, const std::string& file,
   std::vector<Coupling> couplings;
   if (coupling) couplings = ReadCouplings(*coupling, joints, robot.chain.couplings);
   ReadKinematics(kinematics, keys, couplings, joints, &robot);
+  if (controller) robot.controller = ReadController(*controller, robot.chain);
   if (compliance) robot.compliances = ReadCompliances(*compliance, joints);
   if (compensator) robot.gravity_compensator = ReadGravityCompensator(*compensator, joints);
   if (effects) robot.effects = ReadEffects(*effects, robot);

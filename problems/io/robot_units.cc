@@ -60,6 +60,12 @@ void CheckReach(const Chain& chain, const InputError::Where& where) {
   CheckReach((state.frames.back().translation - first).norm(), where);
 }
 
+void CheckTrack(double limit, const InputError::Where& where) {
+  if (std::abs(limit) <= kLongestTrack) return;
+  throw InputError(where, "the joint has a limit of " + FormatNumber(limit) + " m, which no track is long",
+                   "state the unit of limits in the header: min [mm], max [mm]");
+}
+
 void CheckLimitUnits(const UrdfJoint& joint, const InputError::Where& where) {
   CheckLimit(joint.min, joint, where);
   CheckLimit(joint.max, joint, where);

@@ -24,6 +24,9 @@ void CheckRowUnits(const DhLink& row, const InputError::Where& where);
 void CheckReach(double distance, const InputError::Where& where);
 void CheckReach(const Chain& chain, const InputError::Where& where);
 
+// A limit of a joint that slides, m: none is 200 m long. Throws InputError.
+void CheckTrack(double limit, const InputError::Where& where);
+
 // Limits of a joint in rad or m. Throws InputError.
 void CheckLimitUnits(const UrdfJoint& joint, const InputError::Where& where);
 

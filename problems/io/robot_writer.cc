@@ -77,6 +77,10 @@ Json DhToJson(const Chain& chain, const DhTable& table) {
   return json;
 }
 
+Json KinematicsToJson(const Chain& chain, const std::optional<DhTable>& dh) {
+  return dh ? Json{{"dh", DhToJson(chain, *dh)}} : Json{{"chain", ChainToJson(chain)}};
+}
+
 Json ComplianceToJson(const Joint& joint, const JointCompliance& compliance) {
   const bool revolute = joint.type == JointType::kRevolute;
   const std::string key = revolute ? "k_urad_per_Nm" : "k_um_per_N";
@@ -160,11 +164,7 @@ Json RobotToJson(const Robot& robot) {
   if (!robot.name.empty()) json["name"] = robot.name;
   json["joints"] = Json::array();
   for (const Joint& joint : chain.joints) json["joints"].push_back(JointToJson(joint));
-  if (robot.dh) {
-    json["kinematics"]["dh"] = DhToJson(chain, *robot.dh);
-  } else {
-    json["kinematics"]["chain"] = ChainToJson(chain);
-  }
+  json["kinematics"] = KinematicsToJson(chain, robot.dh);
   for (const Coupling& coupling : chain.couplings) {
     json["coupling"].push_back({{"joint", chain.joints[coupling.joint].name},
                                 {"driver", chain.joints[coupling.driver].name},
@@ -177,6 +177,9 @@ Json RobotToJson(const Robot& robot) {
   if (robot.gravity_compensator) json["gravity_compensator"] = CompensatorToJson(chain, *robot.gravity_compensator);
   json["effects"] = Json::array();
   for (const EffectSpec& effect : robot.effects) json["effects"].push_back(EffectToJson(robot, effect));
+  if (robot.controller) {
+    json["controller_kinematics"] = KinematicsToJson(robot.controller->chain, robot.controller->dh);
+  }
   if (robot.reference_temperature) json["reference_temperature_degC"] = *robot.reference_temperature;
   return json;
 }

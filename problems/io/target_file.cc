@@ -4,13 +4,17 @@
 #include <array>
 #include <cmath>
 
+#include "models/constants.h"
 #include "models/effects/effect.h"
+#include "models/geometry.h"
 #include "problems/input_error.h"
 #include "problems/io/csv_table.h"
 #include "problems/io/files.h"
 #include "problems/io/load_names.h"
+#include "problems/io/measurement_row.h"
 #include "problems/io/units.h"
 #include "problems/limits.h"
+#include "problems/text.h"
 #include "problems/unit_words.h"
 
 namespace sagitta {
@@ -20,6 +24,25 @@ struct TargetColumn {
   int index = -1;
   Unit unit{"", 1.0, 1.0};
 };
+
+constexpr const char* kRotations =
+    "rx_mrad, ry_mrad, rz_mrad (rotation vector), ow, ox, oy, oz (unit quaternion, scalar first), a_deg, b_deg, c_deg "
+    "(KUKA: Rz(a) Ry(b) Rx(c)) or roll_deg, pitch_deg, yaw_deg (Rz(yaw) Ry(pitch) Rx(roll))";
+
+// The columns of a rotation; those of a quaternion have no unit.
+struct RotationNames {
+  RotationForm form;
+  std::vector<std::string> stems;
+};
+
+const std::vector<RotationNames>& AllRotationNames() {
+  static const std::vector<RotationNames> names = {{RotationForm::kVector, {"rx", "ry", "rz"}},
+                                                   {RotationForm::kQuaternion, {"ow", "ox", "oy", "oz"}},
+                                                   {RotationForm::kQuaternion, {"qw", "qx", "qy", "qz"}},
+                                                   {RotationForm::kAbc, {"a", "b", "c"}},
+                                                   {RotationForm::kRollPitchYaw, {"roll", "pitch", "yaw"}}};
+  return names;
+}
 
 class TargetReader {
  public:
@@ -37,14 +60,20 @@ class TargetReader {
   // One per joint, or per axis; `any`: whether the file has one of them.
   std::vector<TargetColumn> Group(const std::vector<std::string>& stems, const std::vector<Dimension>& dimensions,
                                   bool* any);
+  std::vector<TargetColumn> Quaternion(const std::vector<std::string>& names, bool* any);
   void FindColumns();
+  void FindPose();
   void CheckUnlisted();
+  void CheckOtherLetters(const std::string& name) const;
 
   std::string Cell(const TargetColumn& column) const;
   std::optional<double> Number(const TargetColumn& column) const;
   // All of a group or none.
   std::optional<Eigen::VectorXd> Numbers(const std::vector<TargetColumn>& columns) const;
+  std::optional<Matrix3<double>> Rotation() const;
+  std::optional<Pose<double>> PoseOfRow() const;
   Target ReadTarget();
+  bool MayBeNoVector() const;
   void AddShot(const Target& target, Measurements* data);
 
   CsvTable table_;
@@ -52,9 +81,11 @@ class TargetReader {
   const std::string station_;
   const MeasurementFile::Row* row_ = nullptr;
   std::vector<std::string> listed_;
+  std::vector<std::string> short_;  // too short for a slip of the pen to be distinguished from another name
   std::vector<std::string> unread_;
   TargetColumn name_, load_, stations_, time_, temperature_;
-  std::vector<TargetColumn> q_, pose_, approach_;
+  std::vector<TargetColumn> q_, position_, rotation_, approach_;
+  RotationForm form_ = RotationForm::kVector;
   std::array<TargetColumn, 6> wrench_;
 };
 
@@ -89,9 +120,59 @@ std::vector<TargetColumn> TargetReader::Group(const std::vector<std::string>& st
   return columns;
 }
 
+// x, y, z and one rotation, or nothing of both.
+void TargetReader::FindPose() {
+  bool has_position = false;
+  position_ = Group({"x", "y", "z"}, std::vector<Dimension>(3, Dimension::kLength), &has_position);
+  for (const RotationNames& names : AllRotationNames()) {
+    const size_t listed = listed_.size();
+    bool any = false;
+    std::vector<TargetColumn> columns;
+    if (names.form == RotationForm::kQuaternion) {
+      columns = Quaternion(names.stems, &any);
+    } else {
+      columns = Group(names.stems, std::vector<Dimension>(3, Dimension::kAngle), &any);
+    }
+    if (names.stems.front().size() == 1 || names.form == RotationForm::kQuaternion) {
+      short_.insert(short_.end(), listed_.begin() + static_cast<long>(listed), listed_.end());
+      listed_.resize(listed);
+    }
+    if (!any) continue;
+    const std::string first = table_.file.header[columns.front().index];
+    if (!rotation_.empty()) {
+      Fail(first,
+           "the rotation is given twice: '" + table_.file.header[rotation_.front().index] + "' and '" + first + "'",
+           "keep one of them");
+    }
+    rotation_ = columns;
+    form_ = names.form;
+  }
+  if (has_position && rotation_.empty()) Fail("rx", "the poses have no rotation", std::string("add ") + kRotations);
+  if (!has_position && !rotation_.empty()) {
+    Fail("x", "column 'x' is missing: rotations are given", "allowed: " + NamesWithUnits("x", Dimension::kLength));
+  }
+}
+
+std::vector<TargetColumn> TargetReader::Quaternion(const std::vector<std::string>& names, bool* any) {
+  std::vector<TargetColumn> columns;
+  for (const std::string& name : names) columns.push_back(Plain(name));
+  const auto is_there = [](const TargetColumn& column) { return column.index >= 0; };
+  *any = std::any_of(columns.begin(), columns.end(), is_there);
+  for (size_t i = 0; *any && i < names.size(); ++i) {
+    if (!is_there(columns[i])) {
+      Fail(names[i], "column '" + names[i] + "' is missing", Joined(names) + ": a unit quaternion, scalar first");
+    }
+  }
+  return columns;
+}
+
 void TargetReader::FindColumns() {
   name_ = Plain("target");
-  if (name_.index < 0) Fail("target", "column 'target' is missing", "it names each row");
+  if (name_.index < 0) {
+    const std::string meant = NearestName("target", table_.file.header);
+    Fail("target", "column 'target' is missing",
+         meant.empty() ? "it names each row" : "it names each row; did you mean '" + meant + "'?");
+  }
   std::vector<std::string> joints;
   std::vector<Dimension> units;
   for (int j = 0; j < robot_.num_joints(); ++j) {
@@ -100,10 +181,9 @@ void TargetReader::FindColumns() {
     units.push_back(turns ? Dimension::kAngle : Dimension::kLength);
     approach_.push_back(Plain("approach" + std::to_string(j + 1)));
   }
-  bool has_joints = false, has_pose = false;
+  bool has_joints = false;
   q_ = Group(joints, units, &has_joints);
-  const Dimension length = Dimension::kLength, angle = Dimension::kAngle;
-  pose_ = Group({"x", "y", "z", "rx", "ry", "rz"}, {length, length, length, angle, angle, angle}, &has_pose);
+  FindPose();
   for (int i = 0; i < 3; ++i) {
     wrench_[i] = Plain(std::string("f") + "xyz"[i] + "_N");
     wrench_[i + 3] = Plain(std::string("m") + "xyz"[i] + "_Nm");
@@ -113,9 +193,19 @@ void TargetReader::FindColumns() {
   time_ = Plain("time_s");
   temperature_ = Plain("temperature_degC");
   CheckUnlisted();
-  if (!has_joints && !has_pose) {
+  if (!has_joints && rotation_.empty()) {
+    const std::string last = "q" + std::to_string(robot_.num_joints());
     Fail("", "the targets have neither joint values nor poses",
-         "columns q1_deg …, or x_mm, y_mm, z_mm, rx_mrad, ry_mrad, rz_mrad in the base frame");
+         "columns q1_deg (" + robot_.chain.joints.front().name + ") … " + last + "_deg (" +
+             robot_.chain.joints.back().name +
+             "), of joints that slide q1_mm …, or x_mm, y_mm, z_mm in the base frame with " + kRotations);
+  }
+}
+
+// "A_deg" is a_deg or a column of its own: it is asked.
+void TargetReader::CheckOtherLetters(const std::string& name) const {
+  for (const std::string& listed : short_) {
+    if (LowerCaseOf(name) == listed) Fail(name, "unknown column '" + name + "'", SpellingHint(name, {listed}));
   }
 }
 
@@ -123,6 +213,8 @@ void TargetReader::FindColumns() {
 void TargetReader::CheckUnlisted() {
   for (const std::string& name : table_.file.header) {
     if (std::find(listed_.begin(), listed_.end(), name) != listed_.end()) continue;
+    if (std::find(short_.begin(), short_.end(), name) != short_.end()) continue;
+    CheckOtherLetters(name);
     if (name.size() > 1 && name[0] == 'q' && std::isdigit(static_cast<unsigned char>(name[1])) &&
         name.find("_cmd") == std::string::npos) {
       Fail(name, "the robot has no such joint value: it has " + std::to_string(robot_.num_joints()) + " joints",
@@ -170,6 +262,38 @@ std::optional<Eigen::VectorXd> TargetReader::Numbers(const std::vector<TargetCol
   return values;
 }
 
+std::optional<Matrix3<double>> TargetReader::Rotation() const {
+  const std::optional<Eigen::VectorXd> n = Numbers(rotation_);
+  if (!n) return std::nullopt;
+  switch (form_) {
+    case RotationForm::kVector:
+      return RotationFromVector(Vector3<double>(*n));
+    case RotationForm::kAbc:
+      return RotationFromRpy(n->reverse());
+    case RotationForm::kRollPitchYaw:
+      return RotationFromRpy(*n);
+    case RotationForm::kQuaternion:
+      break;
+  }
+  if (std::abs(n->norm() - 1.0) > kUnitQuaternion) {
+    Fail(table_.file.header[rotation_.front().index], "the quaternion has the length " + FormatNumber(n->norm()),
+         "a unit quaternion is expected, scalar first");
+  }
+  return Eigen::Quaterniond((*n)[0], (*n)[1], (*n)[2], (*n)[3]).normalized().toRotationMatrix();
+}
+
+// Position and rotation, or neither.
+std::optional<Pose<double>> TargetReader::PoseOfRow() const {
+  const std::optional<Eigen::VectorXd> position = Numbers(position_);
+  const std::optional<Matrix3<double>> rotation = Rotation();
+  if (position.has_value() != rotation.has_value()) {
+    const TargetColumn& empty = (position ? rotation_ : position_).front();
+    Fail(table_.file.header[empty.index], "the cell is empty, a number is expected");
+  }
+  if (!position) return std::nullopt;
+  return Pose<double>{*rotation, *position};
+}
+
 Target TargetReader::ReadTarget() {
   Target target;
   target.name = Cell(name_);
@@ -180,9 +304,7 @@ Target TargetReader::ReadTarget() {
     if (joint.Allows((*target.q)[j])) continue;
     Fail(table_.file.header[q_[j].index], "joint '" + joint.name + "' does not move by itself");
   }
-  if (const std::optional<Eigen::VectorXd> pose = Numbers(pose_)) {
-    target.flange_in_base = Pose<double>{RotationFromVector(Vector3<double>(pose->tail<3>())), pose->head<3>()};
-  }
+  target.flange_in_base = PoseOfRow();
   if (!target.q && !target.flange_in_base)
     Fail("target", "target '" + target.name + "' has neither joint values nor a pose");
   return target;
@@ -228,13 +350,25 @@ void TargetReader::AddShot(const Target& target, Measurements* data) {
   data->observations.push_back(observation);
 }
 
+// About one axis a vector and angles are the same.
+bool TargetReader::MayBeNoVector() const {
+  if (form_ != RotationForm::kVector) return false;
+  int turning = 0;
+  for (const TargetColumn& column : rotation_) {
+    if (column.unit.multiplier == kDegree && Number(column).value_or(0.0) != 0.0) ++turning;
+  }
+  return turning > 1;
+}
+
 Targets TargetReader::Read() {
   FindColumns();
   Targets targets;
+  targets.rotation_form = form_;
   for (const Joint& joint : robot_.chain.joints) targets.joint_types.push_back(joint.type);
   for (const MeasurementFile::Row& row : table_.file.rows) {
     row_ = &row;
     targets.rows.push_back(ReadTarget());
+    targets.may_be_no_vector |= MayBeNoVector();
     AddShot(targets.rows.back(), &targets.shots);
   }
   targets.shots.files.push_back(std::move(table_.file));
@@ -245,7 +379,7 @@ Targets TargetReader::Read() {
 }  // namespace
 
 Targets ReadTargets(const std::string& path, const Robot& robot, const std::string& station) {
-  return TargetsFromTable(ReadCsvTable(path), robot, station);
+  return TargetsFromTable(ReadCsvTable(path, CsvContent::kTargets), robot, station);
 }
 
 Targets TargetsFromTable(CsvTable table, const Robot& robot, const std::string& station) {

@@ -152,6 +152,34 @@ class Known:
     def compensate(self, targets, *, threads=1):
         return Compensation(self._core, targets, threads)
 
+    def linearize(self, rows):
+        """At the parameters of the estimate, for any rows of its stations and markers: x, y, z may be missing."""
+        return Linearization(_core.linearize(self._core, _rows(rows)))
+
+
+class Linearization:
+    """Readings and the identification Jacobian, SI: one row per coordinate (x, y, z) of a reading, in the frame of its
+    station; a reading of a pose has three more, of its rotation.
+
+    names: K, of the columns: parameters as in estimate.estimated.
+    jacobian: M x K, d predicted / d parameter. m or rad of the reading, per m, rad (rotations: of a left perturbation
+    R = exp(delta) R), or the SI unit of the parameter; whitened: of the reading by its standard deviation.
+    residuals: M, measured - predicted, m, and rotation vectors, rad; nan where nothing was measured.
+    rows: M, which row of the table, from 0, a coordinate is of.
+    turns: M, True where it is one of a rotation, rad, and of no point, m.
+    """
+
+    def __init__(self, core):
+        rows, turns = _np.array(core.rows, dtype=_np.intp), _np.array(core.turns, dtype=_np.bool_)
+        order = _np.lexsort((turns, rows))  # stable; the rotation of a pose follows its point
+        self.names = list(core.names)
+        self.rows, self.turns = _read_only(rows[order]), _read_only(turns[order])
+        self.jacobian = _read_only(core.jacobian[order])
+        self.residuals = _read_only(core.residuals[order, 0])
+
+    def __repr__(self):
+        return "<linearization: %d x %d>" % self.jacobian.shape
+
 
 class _WithJson:
     def __init__(self, core):
@@ -261,6 +289,17 @@ class Estimate(_WithKnown):
 
     def compensate(self, targets, *, threads=1):
         return self.known.compensate(targets, threads=threads)
+
+    def linearize(self, rows=None, *, whiten=False):
+        """Residuals and Jacobian at the estimate: of the rows that were fitted, or of others, measured or not. whiten:
+        of the fitted rows in units of their noise, readings of one visit that share the joints' deviations together."""
+        whiten = _flag(whiten, "whiten")
+        if rows is None:
+            return Linearization(_core.linearize_fit(self._core, whiten))
+        if whiten:
+            raise _tables._input_error("whiten: the noise of rows that were not fitted is not known", "whiten",
+                                       "divide them by the standard deviation that they will have")
+        return self.known.linearize(rows)
 
     def to_dataframe(self):
         """One row per parameter, in the units of its column `unit`; unconditional: where it is wider than sigma."""
@@ -746,6 +785,6 @@ def plan(experiment, *, poses=None, accuracy_mm=None, augment=False, criterion="
 
 
 __all__ = ["Changed", "Compensation", "Diagnosis", "Estimate", "Experiment", "InputError", "Inspection", "Known",
-           "NumericalError", "Parameter", "Plan", "Prediction", "Program", "Rows", "Validation", "calibrate", "changed",
-           "compensate", "compensate_program", "diagnose", "inspect", "load", "plan", "predict", "read", "simulate",
-           "validate"]
+           "Linearization", "NumericalError", "Parameter", "Plan", "Prediction", "Program", "Rows", "Validation",
+           "calibrate", "changed", "compensate", "compensate_program", "diagnose", "inspect", "load", "plan", "predict",
+           "read", "simulate", "validate"]

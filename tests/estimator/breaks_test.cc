@@ -117,6 +117,28 @@ TEST(Breaks, NothingIsFoundWhereNothingMoved) {
   EXPECT_LE(found, 2);
 }
 
+// Geometry that is believed although it is wrong is wrong all the time.
+TEST(Breaks, AnErrorThatIsNotEstimatedIsNone) {
+  int found = 0;
+  for (std::uint64_t seed = 60; seed < 90; ++seed) {
+    test::Kr270Design design;
+    design.configurations = 45;
+    design.stations = 1;
+    design.seed = seed;
+    design.sigma = 2e-5;
+    Measurements data = test::DesignMeasurements(design);
+    Kr270Truth truth;
+    NormalNumbers normal(700 + seed);
+    for (double& error : truth.errors) error = 5e-4 * normal();  // m or rad
+    test::MeasureKr270(truth, design.sigma, 500 + seed, &data);
+    Experiment experiment;
+    experiment.estimate.geometry.kind = Selection::Kind::kNone;
+    const CalibrationProblem problem = test::Kr270ProblemOf(data, experiment);
+    found += FindBreak(problem, EstimateJointly(problem)).has_value();
+  }
+  EXPECT_LE(found, 2);  // at significance 0.01, of 30 more than two are one in three hundred
+}
+
 // Share of the squared residuals that a step of the only station explains from configuration `at` on: two dense least
 // squares, all columns at once.
 double ShareOfStep(const Linearization& rows, const Measurements& data, const std::vector<int>& station, int at) {

@@ -14,6 +14,7 @@
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/report/diagnosis_words.h"
+#include "estimator/results/diagnosis_json.h"
 #include "estimator/sagitta.h"
 #include "models/constants.h"
 #include "tests/support/hidden_kr270.h"
@@ -287,6 +288,11 @@ TEST(Diagnosis, WithoutASigmaThereIsNoNoiseFloor) {
   }
   const std::string text = DiagnosisToText(diagnosis);
   EXPECT_THAT(text, ::testing::HasSubstr("Gap on untouched configurations: not known, for nothing states the noise"));
+  const nlohmann::ordered_json json = DiagnosisToJson(diagnosis, 0.01);
+  for (const char* model : {"baseline", "final"}) {
+    EXPECT_TRUE(json[model]["reduced_chi2"].is_null()) << json[model];
+    EXPECT_TRUE(json[model]["lack_of_fit_p"].is_null()) << json[model];
+  }
   for (const char* wrong : {"noise floor", "show no gap"}) EXPECT_EQ(text.find(wrong), std::string::npos) << text;
 }
 

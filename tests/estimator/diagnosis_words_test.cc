@@ -9,6 +9,7 @@
 #include "estimator/diagnosis/cautions.h"
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/report/diagnosis_caution_words.h"
+#include "estimator/report/diagnosis_gap_words.h"
 #include "estimator/report/diagnosis_next_words.h"
 #include "estimator/report/diagnosis_noise_words.h"
 #include "problems/loads.h"
@@ -119,8 +120,8 @@ TEST(DiagnosisWords, WhyAProbableEffectIsNotNamedIsACaution) {
   d.posterior.sets = {{0.6, {named, refused}, {}}, {0.4, {left}, {}}};
   CautionOfNotNamed({{unconfirmed, 0.97}}, &d);
   ASSERT_EQ(d.cautions.size(), 2u);
-  EXPECT_THAT(d.cautions[0], AllOf(StartsWith("encoder_gain on A3 (93 %) is probable"), HasSubstr("full model")));
-  EXPECT_THAT(d.cautions[1], AllOf(StartsWith("link_gravity on A2 (95 %) is probable"), HasSubstr("as a whole")));
+  EXPECT_THAT(d.cautions[0], AllOf(HasSubstr("(encoder_gain, A3) with 93 % is probable"), HasSubstr("full model")));
+  EXPECT_THAT(d.cautions[1], AllOf(HasSubstr("(link_gravity, A2) with 95 % is probable"), HasSubstr("as a whole")));
 }
 
 TEST(DiagnosisWords, AVerdictOfFortyOneEffectsHasFiveLines) {
@@ -315,10 +316,10 @@ TEST(DiagnosisWords, WhatIsNotMissingIsNotSaidToBe) {
 TEST(DiagnosisWords, NoNoiseIsFoundInTheBelievedModel) {
   Diagnosis d = Large();
   d.noise.scale_differs = true;
-  EXPECT_THAT(DiagnosisToText(d), HasSubstr("with the noise that is found"));
+  EXPECT_THAT(DiagnosisToText(d), HasSubstr("with the noise that "));
   d.effects.clear();
   d.groups.clear();
-  EXPECT_THAT(DiagnosisToText(d), Not(HasSubstr("with the noise that is found")));
+  EXPECT_THAT(DiagnosisToText(d), Not(HasSubstr("with the noise that ")));
 }
 
 TEST(DiagnosisWords, ValuesThatAreNotDeterminedAreCounted) {
@@ -424,6 +425,53 @@ TEST(DiagnosisWords, WithoutAHoldOutNoShareIsSaid) {
   d.gap.closed = kNotKnown;
   for (EffectGroup& group : d.groups) group.share_of_gap = kNotKnown;
   for (const std::string& line : VerdictLines(d)) EXPECT_EQ(line.find("of the gap"), std::string::npos) << line;
+}
+
+// 0 to 100 % says nothing, however precise the figure before it reads; -20 to 30 % says that it is not most of it.
+TEST(DiagnosisWords, AShareThatMayBeAnythingIsNotKnown) {
+  Diagnosis d = Large();
+  const auto said = [&d](double low, double high) {
+    d.gap.closed_ci95 = {low, high};
+    return ClosedInWords(d.gap);
+  };
+  EXPECT_THAT(said(0.8, 0.95), HasSubstr("closed 90 % of the squared gap (95 %: 80 to 95)"));
+  EXPECT_THAT(said(-0.2, 0.3), StartsWith("closed"));
+  EXPECT_THAT(said(-7.87, 1.0), HasSubstr("which share of the squared gap is closed is not known: 90 % on these"));
+  EXPECT_THAT(VerdictInWords(d), Not(HasSubstr("of the gap")));
+}
+
+// Where nothing states the noise, each model's chi-square is in units of its own scatter.
+TEST(DiagnosisWords, WithoutAStatedNoiseNoChiSquareIsCompared) {
+  Diagnosis d = Large();
+  d.baseline.estimate.fit.rms = 6.45e-5, d.final.estimate.fit.rms = 6.25e-5;
+  EXPECT_THAT(DiagnosisToText(d), HasSubstr("reduced chi-square"));
+  d.noise.is_stated = false;
+  EXPECT_THAT(DiagnosisToText(d), AllOf(Not(HasSubstr("chi-square")), HasSubstr("Baseline: fit RMS 0.0645 mm"),
+                                        HasSubstr("Final: fit RMS 0.0625 mm")));
+}
+
+// A floor by the stated noise next to a noise that is found is said to be that, and a scatter that holds what has no
+// name is a bound.
+TEST(DiagnosisWords, WhichNoiseAFigureGoesByIsSaid) {
+  Diagnosis d = Large();
+  d.final.estimate.validation.observations = 10;
+  d.noise.scale_differs = true;
+  d.noise.scale = 3.48, d.noise.low = 3.3, d.noise.high = 3.7;
+  EXPECT_THAT(NoiseInWords(d.noise), HasSubstr("The instrument's noise is 3.48 times"));
+  d.noise.is_bound = true;
+  EXPECT_THAT(NoiseInWords(d.noise), HasSubstr("noise is at most 3.48 times what is stated (95 %: 3.3 to 3.7): what"));
+  EXPECT_THAT(DiagnosisToText(d), AllOf(Not(HasSubstr("by the noise as stated")), HasSubstr("that would be left if")));
+  d.gap.floor_is_as_stated = d.noise.is_of_final = true;
+  EXPECT_THAT(DiagnosisToText(d),
+              AllOf(HasSubstr("by the noise as stated"), HasSubstr("with the noise that is found")));
+}
+
+TEST(DiagnosisWords, WhyRivalsAreNotTheSetsIsSaid) {
+  const Diagnosis d = Large();
+  NextPoses next = BetweenTwo("encoder_gain");
+  EXPECT_THAT(NextInWords(*d.final.problem, next, false), Not(HasSubstr("piece")));
+  next.counts_pieces = true;
+  EXPECT_THAT(NextInWords(*d.final.problem, next, false), HasSubstr("has both readings."));
 }
 
 }  // namespace

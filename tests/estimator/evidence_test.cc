@@ -1,5 +1,7 @@
 // The evidence of groups of columns against the marginal likelihood written out: determinant and inverse of the whole
 // covariance, integrals over what is not known by quadrature, sets by enumeration.
+#include "estimator/evidence/evidence.h"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -451,6 +453,14 @@ TEST(NamelessCause, PartsOfOneCauseHaveOneSize) {
   EXPECT_EQ(one.members, many.members);
   EXPECT_NEAR(one.scales[0], std::min(one.scales[1] * unit, 3.0), 1e-12);
   EXPECT_EQ(one.scales[2], many.scales[2]);
+}
+
+// A search for a factor looks an octave around where it begins: what one beginning has missed says nothing of another.
+TEST(NoisePart, WhereItsSearchBeginsIsPartOfIt) {
+  const ReadingGroup group{ReadingGroup::Kind::kMarker, 1};
+  const NoisePart low{NoiseView::Kind::kStated, group, 0.5}, high{NoiseView::Kind::kStated, group, 4.0};
+  EXPECT_TRUE(low < high);
+  EXPECT_FALSE(low < low);
 }
 
 }  // namespace

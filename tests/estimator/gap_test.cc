@@ -105,5 +105,16 @@ TEST(Gap, ConfigurationsWithEqualJointValuesCountOnce) {
   EXPECT_NEAR(SumHoldout(model).coordinates.maxCoeff(), 2.0 * SumHoldout(model).coordinates.sum() / 10.0, 1e-9);
 }
 
+// Points 0.1 mm off and a floor of 1 mm: there is no gap of which a share could be closed. With a floor of 0.01 mm
+// there is one: 1 - (0.05^2 / 3 - 0.01^2) / (0.1^2 / 3 - 0.01^2) of it is closed by points 0.05 mm off along one axis.
+TEST(Gap, OfNoGapNothingIsClosed) {
+  const DiagnosedModel before = OffBy([](int) { return 1e-4; }), after = OffBy([](int) { return 5e-5; });
+  const GapReport none = JudgeGap(before, after, 1e-3, true);
+  EXPECT_EQ(none.before, 0.0);
+  EXPECT_TRUE(std::isnan(none.closed));
+  EXPECT_TRUE(std::isnan(none.closed_ci95.low));
+  EXPECT_NEAR(JudgeGap(before, after, 1e-5, true).closed, 1.0 - (25.0 / 3.0 - 1.0) / (100.0 / 3.0 - 1.0), 1e-6);
+}
+
 }  // namespace
 }  // namespace sagitta::gap_test

@@ -110,6 +110,33 @@ TEST(MeasuredConditions, ARobotFileKnowsTheTemperatureItsGrowthCountsFrom) {
   EXPECT_FALSE(Calibrated({}).known.robot.reference_temperature.has_value());
 }
 
+// A slip between the readings at 600 and 660 s.
+TEST(MeasuredConditions, OnWhichSideOfASlipIsNotKnown) {
+  const Measured slipped = Calibrated({{"joint_slip", "A3", {{"after_s", "630"}}, {}}});
+  const auto between = [](Shot* shot) { shot->time = kBegin + 640.0; };
+  EXPECT_THAT(SaidAfter(slipped, between), ElementsAre(AllOf(HasSubstr("8 of 60 shots"), HasSubstr("A3"))));
+  const auto at_a_reading = [](Shot* shot) { shot->time = kBegin + 660.0; };
+  EXPECT_THAT(SaidAfter(slipped, at_a_reading), IsEmpty());
+}
+
+TEST(MeasuredConditions, LearntFunctionsThatAreHeldAreSaidByCalibrate) {
+  EffectSpec learnt{"learnt_wave_deviation", "A3", {{"driver", "A3"}, {"order", "5"}}, {}};
+  learnt.values = {1e-5, 0.0};
+  test::LoadedTruth truth;
+  test::LoadedDesign design;
+  design.configurations = kPoses, design.stations = 1;
+  Measurements data = test::LoadedRows(design, truth);
+  test::Measure(test::ExactPoints(truth, data), 2e-5, 7, &data);
+  test::LoadedSetup setup = test::SetupFor(truth);
+  const auto warnings = [&] {
+    return Calibrate(MakeCalibrationProblem(setup.robot, data, setup.experiment)).estimate.warnings;
+  };
+  const auto says_so = ::testing::Contains(HasSubstr("held as learnt"));
+  EXPECT_THAT(warnings(), ::testing::Not(says_so));
+  setup.robot.effects = {learnt};
+  EXPECT_THAT(warnings(), says_so);
+}
+
 TEST(MeasuredConditions, AreInTheFile) {
   const Measured measured = Calibrated({});
   const MeasuredConditions& conditions = measured.known.measured_conditions;

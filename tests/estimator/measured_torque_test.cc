@@ -99,6 +99,13 @@ TEST(MeasuredTorque, IsComparedWithTheModelInWords) {
   EXPECT_NE(equal.words.find("does not vary the torque on A1"), std::string::npos) << equal.words;
   EXPECT_NE(compared(-1.0).words.find("opposite signs on A2"), std::string::npos);
   EXPECT_NE(compared(1.6).words.find("measured = 1.6 x modelled"), std::string::npos);
+  EXPECT_TRUE(TorquesOffByAFactor(equal, 0.01).empty());
+  const std::vector<ScaledTorque> off = TorquesOffByAFactor(compared(1.6), 0.01);
+  ASSERT_EQ(off.size(), 5u);
+  EXPECT_NEAR(off[0].slope, 1.6, 1e-9);
+  TorqueComparison unsure = compared(1.6);
+  for (JointTorqueComparison& line : unsure.joints) line.slope_sigma = 0.2;
+  EXPECT_TRUE(TorquesOffByAFactor(unsure, 0.01).empty()) << "1.6 may be 1.2 then";
   EXPECT_TRUE(CompareTorques(loads, loads.parameters).joints.empty()) << "no row states torques";
 }
 

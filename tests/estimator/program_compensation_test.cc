@@ -24,6 +24,7 @@ TEST_F(ProgramCompensationTest, KrlOnEveryBranch) {
 }
 
 TEST_F(ProgramCompensationTest, RapidOnEveryBranch) {
+  scene_.load = "none";  // the gun is of another module, and so is its load
   // Elbow on the side of the zero pose where joint 3 is below the stretched angle: the forearm is a little above there.
   const std::vector<Eigen::VectorXd> q = {Joints({20, -95, 100, 30, 40, -60}), Joints({-60, -60, 80, -170, -35, 100}),
                                           Joints({10, -100, -60, 20, 50, 10})};
@@ -155,6 +156,21 @@ TEST_F(ProgramLoadTest, KrlStatesAllThatHangsOnTheFlange) {
               {"tool", "ALL", "GUN", "none"});
 }
 
+// The loads of the program are none of the estimate's.
+TEST_F(ProgramLoadTest, LoadsBeyondTheMeasuredOnesAreSaid) {
+  const std::string move = "PTP {A1 5,A2 -95,A3 90,A4 0,A5 10,A6 0}\n";
+  KnownRobot known = TrueRobot(measured_);
+  known.measured_conditions.are_stated = true;
+  known.measured_conditions.load_force = 500.0;
+  const auto beyond = [&](const std::string& kg) {
+    return Compensated(known, ReadAs(".src", "$LOAD={M " + kg + ",CM {X 280,Y 60,Z -150}}\n" + move)).beyond;
+  };
+  ASSERT_EQ(beyond("250").size(), 1U);
+  EXPECT_THAT(beyond("250")[0], HasSubstr("at most 500 N"));
+  EXPECT_TRUE(beyond("50").empty());
+  EXPECT_TRUE(Compensated(known, ReadAs(".src", "$LOAD=X\n" + move)).beyond.empty());  // nothing is corrected
+}
+
 TEST_F(ProgramLoadTest, RapidAddsWhatTheToolGrips) {
   scene_.tools.erase("GUN");
   const std::vector<double> tool = NumbersOf(PoseNotation::kQuaternion, kToolInFlange);
@@ -190,7 +206,11 @@ TEST_F(ProgramLoadTest, FanucNamesALoadThatTheUserStates) {
   const CompensatedProgram unknown = Run(".ls", text);
   EXPECT_THAT(SummaryOf(unknown), HasSubstr("names the load PAYLOAD[1] at 1 point"));
   EXPECT_THAT(SummaryOf(unknown), HasSubstr("--loads_kg_mm='PAYLOAD[1]="));
+  EXPECT_THAT(unknown.results[0].untouched, HasSubstr("its load PAYLOAD[1] is not known"));
+  EXPECT_EQ(unknown.results[1].untouched, "");
+  scene_.load = "none";
   ExpectUnder(".ls", text, {"tool", "tool"});
+  scene_.load.clear();
   scene_.loads = LoadsFromText("PAYLOAD[1]=250,280,60,-150", "--loads_kg_mm");
   ExpectUnder(".ls", text, {"ALL", "tool"});
   EXPECT_THROW(LoadsFromText("PAYLOAD[1]=250,280,60", "--loads_kg_mm"), InputError);
@@ -204,6 +224,12 @@ TEST_F(ProgramLoadTest, WhatIsStatedOtherwiseOrTwice) {
   const CompensatedProgram twice = Run(".src", home + load + "PTP XHOME\n");
   EXPECT_THAT(twice.results[0].untouched, HasSubstr("more than one load (none and $LOAD of line 3)"));
   EXPECT_THAT(SummaryOf(Run(".src", load + home)), HasSubstr("250 kg at (280, 60, -150) mm"));
+  // What \TLoad names stands in the file, in a frame that nobody knows.
+  const CompensatedProgram total =
+      Run(".mod",
+          "PERS loaddata ld:=[80,[0,0,50],[1,0,0,0],0,0,0];\nPROC main()\n  MoveAbsJ "
+          "[[5,-95,90,0,10,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,fine,tool0\\TLoad:=ld;\nENDPROC\n");
+  EXPECT_THAT(total.results[0].untouched, HasSubstr("its load LD is not known: of what \\TLoad names"));
   // The user's word for all points comes before that of the program.
   scene_.load = "none";
   ExpectUnder(".src", home + load + "PTP XHOME\n", {"tool"});
@@ -242,6 +268,9 @@ TEST_F(ProgramCompensationTest, FanucTurns) {
   EXPECT_NEAR(limited.results[0].solution->solution.q[5], q[5], 0.05);
   EXPECT_THROW(TurnJointsFrom({1, 4}, 6, "--turn_joints"), InputError);
   EXPECT_THROW(TurnJointsFrom({1, 4, 7}, 6, "--turn_joints"), InputError);
+  EXPECT_THROW(TurnJointsFrom({1, 1, 6}, 6, "--turn_joints"), InputError);
+  scene_.turn_joints = {0, 3, 5};
+  EXPECT_THROW(Compensated(robot, ReadAs(".src", "PTP {A1 1,A2 -90,A3 90,A4 0,A5 9,A6 0}\n")), InputError);
 }
 
 // A program has no columns, and the robot is the estimate's: what can be done is said, of a table it is the column.

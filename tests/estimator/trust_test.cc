@@ -10,7 +10,6 @@
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/inspection/row_lint.h"
 #include "estimator/least_squares/refit.h"
-#include "estimator/validation/prior_conflict.h"
 #include "tests/support/judged.h"
 #include "tests/support/loaded_kr270.h"
 #include "tests/support/predicted.h"
@@ -423,32 +422,6 @@ TEST(AlignedMisfit, IsThatOfTheArmUnderItsLoads) {
   EXPECT_GT(misfit(), 5e-4);
   for (int j = 0; j < 6; ++j) setup.robot.compliances.push_back({j, {{0.0, truth.k[static_cast<size_t>(j)]}}, false});
   EXPECT_LT(misfit(), 5e-6);
-}
-
-// Against the fit without the prior: x1 of variance d there, the prior x0 of variance p;  (x1 - x0) / sqrt(p + d).
-TEST(Trust, APriorThatTheRowsContradictIsNamed) {
-  const Kr270Design design = Design(40);
-  const Estimate without = EstimateJointly(Problem(design));
-  const std::string name = "geometry/p_x2";
-  const auto row = std::find_if(without.table.begin(), without.table.end(),
-                                [&](const ParameterEstimate& each) { return each.name == name; });
-  ASSERT_NE(row, without.table.end());
-  const auto with = [&](double off_mm, double sigma_mm) {
-    Experiment experiment;
-    experiment.priors[name] = {1e3 * row->value + off_mm, sigma_mm};
-    return Problem(design, {}, experiment);
-  };
-  const CalibrationProblem contradicted = with(3.0, 0.03);
-  const Estimate estimate = EstimateJointly(contradicted);
-  const std::vector<PriorConflict> conflicts = PriorsAgainstRows(contradicted, estimate);
-  ASSERT_EQ(conflicts.size(), 1U);
-  EXPECT_EQ(estimate.parameters.coordinates()[conflicts[0].coordinate].name, name);
-  EXPECT_NEAR(conflicts[0].rows, row->value, 0.05 * row->sigma);  // the model bends by that much over 3 mm
-  const double noise = conflicts[0].rows_sigma;
-  EXPECT_GT(noise, row->sigma);  // the prior makes the rows misfit
-  EXPECT_NEAR(conflicts[0].sigmas, 3e-3 / std::hypot(3e-5, noise), 0.01 * conflicts[0].sigmas);
-  EXPECT_THAT(TrustOf(contradicted).verdict.reasons, ::testing::Contains(HasSubstr("contradict the prior of " + name)));
-  EXPECT_TRUE(PriorsAgainstRows(with(0.03, 0.03), EstimateJointly(with(0.03, 0.03))).empty());
 }
 
 }  // namespace

@@ -121,6 +121,81 @@ TEST(TimeColumns, NumbersAreInTheUnitOfTheHeader) {
   EXPECT_EQ(LookAtTime(Times("Time (UTC)", {"2024-03-12 09:00:11", "2024-03-12 09:01:11"}), 0, 2).why_not, "");
 }
 
+// tx, ty, tz are a point where no other column is one.
+TEST(ColumnMeanings, TranslationsArePointsWhereNothingElseIs) {
+  const std::vector<std::string> names = {"pose", "tx", "ty [mm]", "tz", "qx", "qy", "qz", "qw"};
+  const auto point = [](std::vector<std::string> headers) {
+    std::vector<int> axes;
+    for (const ColumnMeaning& meaning : MeaningsOf(headers, {})) {
+      if (meaning.role == Role::kPoint) axes.push_back(meaning.index);
+    }
+    return axes;
+  };
+  EXPECT_EQ(point(names), (std::vector<int>{0, 1, 2}));
+  EXPECT_EQ(point({"x", "y", "z", "tx", "ty", "tz"}), (std::vector<int>{0, 1, 2}));
+  EXPECT_EQ(point({"tx", "ty"}), std::vector<int>());
+  EXPECT_EQ(point({"tx [Nm]", "ty [Nm]", "tz [Nm]"}), std::vector<int>());
+}
+
+// Motion capture writes what is turned and moved a line above X, Y, Z.
+TEST(TextTables, NamesThatStandTwiceHaveTheLineAbove) {
+  const TextTable table = ParseTextTable(
+      "Format,1.23,Units,Millimeters\n,,Rotation,Rotation,Rotation,Rotation,Position,Position,Position,Mean Error\n"
+      "Frame,Time (Seconds),X,Y,Z,W,X,Y,Z,\n0,0.0,0.1,0.2,0.3,0.9,1,2,3,0.2\n1,1.0,0.1,0.2,0.3,0.9,1,2,4,0.2\n",
+      "m.csv");
+  EXPECT_EQ(table.header,
+            (std::vector<std::string>{"Frame", "Time (Seconds)", "Rotation X", "Rotation Y", "Rotation Z", "Rotation W",
+                                      "Position X", "Position Y", "Position Z", "Mean Error"}));
+  EXPECT_EQ(table.rows.size(), 2U);
+  EXPECT_EQ(ParseTextTable("a,b,c\nX,Y,Z\n1,2,3\n", "m.csv").header, (std::vector<std::string>{"X", "Y", "Z"}));
+}
+
+TEST(TextTables, CommentsOfThreeKinds) {
+  for (const char* sign : {"#", "%", "//", "  // "}) {
+    const TextTable table =
+        ParseTextTable(std::string(sign) + " points of job A, mm\nP1 1.5 2.5 3.5\nP2 1.5 2.5 4.5\n", "m.txt");
+    EXPECT_EQ(table.rows.size(), 2U) << sign;
+    EXPECT_EQ(table.preamble,
+              (std::vector<std::string>{(sign[0] == ' ' ? "  " : " ") + std::string("points of job A, mm")}))
+        << sign;
+  }
+}
+
+// What is one shot is known when all columns are: a visit to the right of the time is one.
+TEST(TimeColumns, AreDecidedAfterAllOthers) {
+  TextTable table;
+  table.header = {"time_s", "visit"};
+  table.header_line = 1;
+  for (int r = 0; r < 8; ++r) table.rows.push_back({r + 2, {std::to_string(r / 4), "v" + std::to_string(r % 4)}});
+  ImportPlan plan;
+  for (const char* stem : {"time", "visit"}) {
+    PlannedColumn column;
+    column.stem = stem;
+    column.header = table.header[plan.columns.size()];
+    column.source = static_cast<int>(plan.columns.size());
+    plan.columns.push_back(column);
+  }
+  std::vector<ImportPlan> plans = {plan};
+  DecideTimes(table, &plans);
+  EXPECT_EQ(plans[0].Find("time"), nullptr);
+  ASSERT_EQ(plans[0].unused.size(), 1U);
+  EXPECT_EQ(plans[0].unused[0].first, "time_s");
+  EXPECT_THAT(plans[0].unused[0].second, ::testing::HasSubstr("rounded"));
+  plan.columns.pop_back();
+  plans = {plan};
+  DecideTimes(table, &plans);
+  EXPECT_NE(plans[0].Find("time"), nullptr);
+}
+
+TEST(PartsOfNames, AreCountedWithoutEmptyOnes) {
+  const std::string name = "A::SMR1::P001";
+  EXPECT_EQ(PartOfName(name, NamePart::kFirst), "A");
+  EXPECT_EQ(PartOfName(name, NamePart::kSecond), "SMR1");
+  EXPECT_EQ(PartOfName(name, NamePart::kThird), "P001");
+  EXPECT_EQ(PartOfName(name, NamePart::kFourth), "");
+  EXPECT_EQ(PartOfName(name, NamePart::kLast), "P001");
+}
+
 // Three markers of a shot share its time.
 TEST(TimeColumns, TimesOfShotsAreNotRounded) {
   const TextTable table = Times("time_s", {"0", "0", "0", "9", "9", "9"});

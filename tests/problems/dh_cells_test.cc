@@ -77,6 +77,21 @@ TEST_F(DhCells, LimitsWithoutUnitAreReadWhereTheirSizeSaysIt) {
   EXPECT_TRUE(SaysInOrder(Error(header + "A1,R,0,90,400,0,±180,\n"), {"file.csv:3", "no limit"}));
 }
 
+// Of lengths without a unit zeros say none, and d's comes first.
+TEST_F(DhCells, LimitsOfSlidesAreInTheUnitOfD) {
+  const std::string rows = "\nX,0,90,200,90,P,0,1000\nY,0,90,150,90,P,0,800\n";
+  const RobotReading gantry = Read("joint,a,alpha [deg],d [mm],theta [deg],type,min,max" + rows);
+  EXPECT_NEAR(*gantry.robot.chain.joints[0].max, 1.0, 1e-15);
+  EXPECT_TRUE(Says(gantry.guesses, "limits of joints that slide are in mm"));
+  const std::string zeros = "\nX,0,90,0,90,P,0,15\nY,0,90,0,90,P,0,8\n";
+  EXPECT_NEAR(*Read("joint,a [mm],alpha [deg],d,theta [deg],type,min,max" + zeros).robot.chain.joints[0].max, 0.015,
+              1e-15);
+  EXPECT_TRUE(SaysInOrder(Error("joint,a,alpha [deg],d,theta [deg],type,min,max" + zeros),
+                          {"file.csv:3", "max", "limits of up to 15 are in m or mm cannot be seen", "max [mm]"}));
+  EXPECT_TRUE(SaysInOrder(Error("joint,a [m],alpha [deg],d [m],theta [deg],type,min,max\nX,0,90,0.2,90,P,0,1000\n"),
+                          {"file.csv:3", "max", "a limit of 1000 m, which no track is long"}));
+}
+
 TEST_F(DhCells, OtherColumnsAreSaidOrRefused) {
   const RobotReading reading =
       Read("joint,a_mm,alpha_deg,d_mm,theta_deg,gear,mass_kg\n1,0,90,400,0,100,3\n2,5,0,0,0,-9,2\n");

@@ -193,6 +193,51 @@ TEST_F(KrlProgramTest, RoutinesOfOtherFilesAreNamed) {
   EXPECT_EQ(program.calls_elsewhere, (std::map<std::string, int>{{"SETBASE", 4}}));
 }
 
+TEST_F(KrlProgramTest, LoadsAndFramesThatTheCodeAssigns) {
+  const std::string big = "BIG={M 260,CM {X 80,Y 60,Z 280,A 0,B 0,C 0},J {X 0,Y 0,Z 0}}\n",
+                    move = "PTP " + kJoints + "\n";
+  const RobotProgram program = Main("DECL LOAD BIG\n" + big + "$LOAD=BIG\n" + move);
+  EXPECT_EQ(LastOf(program).load, "BIG");
+  ASSERT_EQ(program.loads.count("BIG"), 1U);
+  EXPECT_EQ(program.loads.at("BIG").mass, 260.0);
+  EXPECT_EQ(Main("DECL LOAD BIG\n" + big + "$LOAD=BIG\n" + move + "BIG.M=5\n").loads.count("BIG"), 0U);
+  EXPECT_NE(Last("DECL LOAD BIG\n" + big + "FILL(BIG)\n$LOAD=BIG\n" + move).other_load, "");
+  const std::string frame = "DECL FRAME MYT\nMYT={X 60,Y -30,Z 210,A 20,B -15,C 35}\n";
+  const std::string pose = "$BASE=$NULLFRAME\n$TOOL=MYT\nPTP {" + kPose + ",S 2,T 2}\n";
+  const RobotProgram named = Main(frame + pose);
+  EXPECT_EQ(LastOf(named).untouched, "");
+  EXPECT_EQ(LastOf(named).tool, "MYT");
+  ASSERT_EQ(named.tools.count("MYT"), 1U);
+  EXPECT_NEAR(named.tools.at("MYT").translation.z(), 0.21, 1e-12);
+  for (const char* change :
+       {"MYT.Z=5\n", "MYT=OTHER\n", "CALC(MYT)\n", "IF A THEN\nMYT={X 1,Y 2,Z 3,A 0,B 0,C 0}\nENDIF\n"})
+    EXPECT_THAT(Last(frame + change + pose).untouched, HasSubstr("decided as the program runs")) << change;
+  EXPECT_EQ(Main(pose).tools.count("MYT"), 0U);  // of another file: it is asked for
+  EXPECT_EQ(LastOf(Main(pose)).untouched, "");
+}
+
+TEST_F(KrlProgramTest, PointsThatARoutineIsHandedStay) {
+  const auto why = [&](const std::string& line, const std::string& below = "") {
+    const RobotProgram program =
+        ReadAs("a.src", "DEF MAIN( )\nXP1={" + kPose + ",S 2,T 2}\n" + line + "\nPTP XP1\nEND\n" + below);
+    return PointNamed(program, "XP1").untouched;
+  };
+  const std::string routine = "DEF CALC(P:OUT)\nP.Z=P.Z+100\nEND\n";
+  EXPECT_THAT(why("CALC(XP1)", routine), HasSubstr("a routine is handed it (line 3)"));
+  EXPECT_THAT(why("CALC( 2, XP1.Z )"), HasSubstr("a routine is handed it"));
+  EXPECT_THAT(why("TRIGGER WHEN DISTANCE=0 DELAY=0 DO CALC(XP1) PRIO=-1"), HasSubstr("a routine is handed it"));
+  for (const char* value : {"", "CALC(XP1.Z+1)", "IF (XP1.Z>3) THEN\nENDIF", "XA=INVERSE(XP1,XHOME,ERR)", "CALC(XP11)"})
+    EXPECT_EQ(why(value, routine), "") << value;
+}
+
+TEST_F(KrlProgramTest, AbsolutelyAccurateRobotsCorrectThemselves) {
+  const std::string scene = "$BASE=$NULLFRAME\n$TOOL=$NULLFRAME\n";
+  EXPECT_THAT(Last(scene + "PTP {" + kPose + ",S 18,T 2}\n").untouched, HasSubstr("absolutely accurate"));
+  EXPECT_THAT(Last(scene + "$ABS_ACCUR=TRUE\nPTP {" + kPose + ",S 2,T 2}\n").untouched, HasSubstr("$ABS_ACCUR"));
+  EXPECT_EQ(Last(scene + "$ABS_ACCUR=FALSE\nPTP {" + kPose + ",S 2,T 2}\n").untouched, "");
+  EXPECT_EQ(Last("$ABS_ACCUR=TRUE\nPTP " + kJoints + "\n").untouched, "");
+}
+
 TEST_F(KrlProgramTest, LongLinesAreRefusedAndLongCommentsAreNot) {
   const std::string comments = ";" + std::string(100000, 'c') + "\n";
   EXPECT_EQ(Last("FR=$BASE\n" + comments + comments + "PTP " + kJoints + "\n").untouched, "");

@@ -55,6 +55,16 @@ TEST_F(ProblemChecksTest, WhatIsHeldByNameIsStated) {
   EXPECT_EQ(Refusal(), "");
 }
 
+// joint_offset of other programs: what it is called here is said.
+TEST_F(ProblemChecksTest, OffsetsOfJointsHaveTheNamesOfTheirMotions) {
+  const std::string right = robot_.chain.transforms[robot_.chain.JointTransform(1)].error;
+  const std::string joint = robot_.chain.joints[1].name;
+  ASSERT_NE(right, joint + ".theta");
+  experiment_.estimate.geometry = {Selection::Kind::kList, {joint + ".theta"}};
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"estimate.geometry", "no geometric error '" + joint + ".theta'",
+                                      "the joints' own offsets are [", right}));
+}
+
 // With less to estimate, as the hint says, the same rows suffice.
 TEST_F(ProblemChecksTest, FewerEquationsThanUnknownsNameWhatToHold) {
   data_ = test::DesignMeasurements({2, 1, 1, 1e-4});
@@ -65,6 +75,16 @@ TEST_F(ProblemChecksTest, FewerEquationsThanUnknownsNameWhatToHold) {
   experiment_.estimate.fixed = SplitText(names.substr(0, names.find_first_of(" )\n")), ',');
   EXPECT_EQ(experiment_.estimate.fixed.size(), 15u);
   EXPECT_EQ(Refusal(), "");
+}
+
+// What is held out could have been fitted.
+TEST_F(ProblemChecksTest, FewerEquationsThanUnknownsOfAFileThatHasMoreNameTheHoldout) {
+  data_ = test::DesignMeasurements({4, 1, 1, 1e-4});
+  data_.configurations[0].is_validation = data_.configurations[1].is_validation = true;
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"fewer equations (18) than unknowns (33)",
+                                      "18 more are of configurations that "
+                                      "are held out",
+                                      "validation: none"}));
 }
 
 // Whoever may change the data, at once or later, gets what is fitted as they are then; copies are not.

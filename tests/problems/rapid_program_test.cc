@@ -190,6 +190,57 @@ TEST_F(RapidProgramTest, MotionsWithoutABlankAndJointsThatAreUnused) {
   EXPECT_EQ(program.calls_elsewhere.size(), 1U);
 }
 
+// By a text that is the name of a routine, by an error handler, or by SetSysData: what hangs there then is not certain.
+TEST_F(RapidProgramTest, TheLoadIsSetByWhatIsCalledByName) {
+  const std::string data = Target("p1") + "PERS loaddata piece:=[80,[0,0,50],[1,0,0,0],0,0,0];\n" +
+                           "PERS tooldata tA:=[TRUE,[[0,0,0],[1,0,0,0]],[1,[0,0,1],[1,0,0,0],0,0,0]];\n" +
+                           "VAR string sName:=\"grip\";\n";
+  const std::string move = "MoveL p1,v100,fine,tA;\n", grip = "ENDPROC\nPROC grip()\nGripLoad piece;\n";
+  const auto read = [&](const std::string& body) { return Module(data, "PROC main()\n" + body + "ENDPROC\n"); };
+  const auto is_certain = [&](const std::string& body) { return PointNamed(read(body), "p1").other_load.empty(); };
+  for (const char* call : {"%\"grip\"%;\n", "IF a = 1 THEN %\"M:GRIP\"%; ENDIF\n", "%\"gri\"+ValToStr(a)%;\n",
+                           "IF a = 1 %sName%;\n", "CallByVar sName,1;\n"}) {
+    EXPECT_FALSE(is_certain(call + move + grip)) << call;
+    EXPECT_TRUE(is_certain(call + move)) << call;
+  }
+  const std::string numbered = "ENDPROC\nPROC grip12()\nGripLoad piece;\n";
+  EXPECT_FALSE(is_certain("CallByVar \"grip\",12;\n" + move + numbered));
+  EXPECT_FALSE(is_certain("CallByVar \"grip\",a;\n" + move + numbered));
+  EXPECT_TRUE(is_certain("CallByVar \"grip\",1;\n" + move + numbered));
+  EXPECT_TRUE(is_certain("%\"drop\"%;\n" + move + grip));
+  EXPECT_TRUE(is_certain("TPWrite \"grip\";\n" + move + grip));
+  // On the way, while the program goes on.
+  EXPECT_FALSE(is_certain(move + "MoveLSync p1,v100,z10,tA,\"grip\";\n" + grip));
+  EXPECT_FALSE(is_certain(move + "SMoveJSync p9,v100,z10,tA,\"grip\"\\TLoad:=piece;\n" + grip));
+  EXPECT_TRUE(is_certain(move + "MoveLSync p1,v100,z10,tA,\"drop\";\n" + grip));
+  EXPECT_FALSE(is_certain(move + "ERROR\nGripLoad piece;\nTRYNEXT;\n"));
+  EXPECT_TRUE(is_certain(move + "ERROR\nGripLoad piece;\nRETURN;\n"));
+  EXPECT_FALSE(is_certain("SetSysData piece;\n" + move));
+  EXPECT_FALSE(is_certain("SetSysData other;\n" + move));
+  EXPECT_TRUE(is_certain("SetSysData tA;\n" + move));
+  EXPECT_FALSE(is_certain("SetDataVal \"tA\",other;\n" + move));
+  EXPECT_TRUE(is_certain("SetDataVal \"tB\",other;\n" + move));
+  EXPECT_EQ(read("%\"drop\"%;\n" + move + grip).calls_elsewhere, (std::map<std::string, int>{{"DROP", 7}}));
+  EXPECT_EQ(read("%sName%;\n" + move).calls_elsewhere.count("one whose name is computed"), 1U);
+  EXPECT_TRUE(read("%\"grip\"%;\n" + move + grip).calls_elsewhere.empty());
+}
+
+TEST_F(RapidProgramTest, RoutinesThatSoundLikeInstructionsAreNamed) {
+  const RobotProgram program = Main(
+      "MoveL p1,v100,fine,tA;\nLoadPart;\nSetGripper 1;\nUnloadTool;\nPathHome;\nMoveHome \"a\",2;\nWaitPick;\n"
+      "SetDO do1,1;\nWaitTime 0.5;\nTPWrite \"Done\";\nStopMove;\nTriggIO gun,0\\DOp:=do1,1;\nIDelete i1;\n");
+  std::vector<std::string> names;
+  for (const auto& [name, line] : program.calls_elsewhere) names.push_back(name);
+  EXPECT_THAT(names, ElementsAre("LOADPART", "MOVEHOME", "PATHHOME", "SETGRIPPER", "UNLOADTOOL", "WAITPICK"));
+}
+
+TEST_F(RapidProgramTest, TargetsThatNoMotionGoesToStay) {
+  const RobotProgram program = Main("MoveL p1,v100,fine,tA;\n", Target("p1") + Target("p2"));
+  EXPECT_EQ(PointNamed(program, "p1").untouched, "");
+  EXPECT_THAT(PointNamed(program, "p2").untouched, HasSubstr("no motion in this file goes to it"));
+  EXPECT_EQ(PointNamed(Module(Target("p1"), ""), "p1").untouched, "");  // motions of other files, all with one tool
+}
+
 // Letters of RAPID are those of ISO 8859-1; a file is in it or in UTF-8.
 TEST_F(RapidProgramTest, NamesHaveLettersBeyondAscii) {
   const auto declared = [](const std::string& name, const std::string& first) {

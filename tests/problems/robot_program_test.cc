@@ -448,6 +448,30 @@ TEST_F(RobotProgramTest, BadProgramsAreNamed) {
   EXPECT_TRUE(SaysInOrder(ErrorOf([&] { ReadAs("a.ls", "/POS\nP[1]{ GP1:"); }), {"a.ls:2", "not closed"}));
 }
 
+TEST_F(RobotProgramTest, UrScriptToolsInVariables) {
+  const std::string tool = "my_tcp=p[0,0,0.15,0,0,0]\n", move = "movel(p[0.5,-0.2,0.3,3.14,0,0])\n";
+  const auto read = [&](const std::string& body) { return ReadAs("a.script", "def main():\n" + body + "end\n"); };
+  const RobotProgram program = read("global " + tool + "set_tcp(my_tcp)\n" + move);
+  ASSERT_EQ(program.tools.count("my_tcp"), 1U);
+  EXPECT_EQ(program.tools.at("my_tcp").translation.z(), 0.15);
+  EXPECT_EQ(program.points.back().tool, "my_tcp");
+  EXPECT_EQ(program.points.back().untouched, "");
+  EXPECT_EQ(read(tool + "set_tcp(my_tcp)\n" + move + "my_tcp[2]=0.2\n").tools.count("my_tcp"), 0U);
+  EXPECT_EQ(read("my_tcp=pose_trans(a,b)\nset_tcp(my_tcp)\n" + move).tools.count("my_tcp"), 0U);
+  EXPECT_EQ(PointNamed(read(tool + "set_tcp(my_tcp)\nmovel(my_tcp)\n"), "my_tcp").untouched, "it is a tool, too");
+  EXPECT_THAT(read("def go(my_tcp):\nset_tcp(my_tcp)\n" + move + "end\ngo(a)\n").points.back().untouched,
+              HasSubstr("more than one tool"));
+}
+
+TEST_F(RobotProgramTest, UrScriptRoutinesThatSoundLikeFunctionsAreNamed) {
+  const RobotProgram program =
+      ReadAs("a.script",
+             "def main():\n movej([0,-1,1,0,1,0])\n tool_change(2)\n set_gripper(1)\n get_part()\n move_home()\n"
+             " set_digital_out(1, True)\n sleep(0.5)\n zero_ftsensor()\n socket_close(\"a\")\nend\n");
+  EXPECT_EQ(program.calls_elsewhere,
+            (std::map<std::string, int>{{"tool_change", 3}, {"set_gripper", 4}, {"get_part", 5}, {"move_home", 6}}));
+}
+
 TEST_F(RobotProgramTest, UrScriptBranchesAndThreads) {
   const std::string pose = "p[0.5,-0.2,0.3,3.14,0,0]", other = "set_tcp(p[0,0,0.15,0,0,0])\n";
   const auto why = [&](const std::string& body, const std::string& before = "") {

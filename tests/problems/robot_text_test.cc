@@ -132,6 +132,43 @@ TEST_F(MatlabLinks, WhatChangesTheRobotOtherwiseIsRefused) {
   EXPECT_NE(limited.notes[0].find("limits are not read: L(1).qlim"), std::string::npos);
 }
 
+// Of a rigidBodyTree the joints say whether they turn, and setFixedTransform which row is whose.
+TEST_F(MatlabLinks, JointsOfATreeTurnOrSlide) {
+  const std::string table = "dhparams = [0 pi/2 0.4 0; 0.3 0 0 0; 0.25 0 0 0];\n",
+                    first = "j1 = rigidBodyJoint(['j' num2str(1)],'revolute');\n",
+                    third = "j3 = rigidBodyJoint('j3', \"prismatic\");\n",
+                    row = "setFixedTransform(j3,dhparams(3,:),'dh');\n";
+  const auto types = [&](const std::string& text) {
+    std::vector<JointType> found;
+    for (const Joint& joint : Read(text).robot.chain.joints) found.push_back(joint.type);
+    return found;
+  };
+  const JointType turns = JointType::kRevolute, slides = JointType::kPrismatic;
+  EXPECT_EQ(types(table + first), (std::vector<JointType>{turns, turns, turns}));
+  EXPECT_EQ(types(table + first + third + row), (std::vector<JointType>{turns, turns, slides}));
+  EXPECT_EQ(types(table + "j = robotics.Joint('a','prismatic');\nsetFixedTransform(j, dhparams(1, :), 'dh');\n"
+                          "j = robotics.Joint('b','revolute');\nsetFixedTransform(j, dhparams(2, :), 'dh');\n"),
+            (std::vector<JointType>{slides, turns, turns}));
+  const std::pair<std::string, const char*> cases[] = {
+      {third, "file.txt:2: 'j3 = rigidBodyJoint('j3', \"prismatic\")' slides, and which row of dhparams"},
+      {third + "setFixedTransform(j3,dhparams(k,:),'dh');\n", "slides, and which row"},
+      {third + "setFixedTransform(j3,dhparams(4,:),'dh');\n", "slides, and which row"},
+      {third + "j3 = rigidBodyJoint('b','revolute');\n" + row, "slides, and which row"},
+      {"e = rigidBodyJoint('e','fixed');\n", "does not move"},
+      {"e = rigidBodyJoint('e');\n", "whether the joint turns or slides"},
+      {"e = rigidBodyJoint('e', kinds{1});\n", "whether the joint turns or slides"}};
+  for (const auto& [text, words] : cases) EXPECT_TRUE(SaysInOrder(Error(table + text), {words})) << text;
+}
+
+// What setFixedTransform ignores is an offset here: that is a guess, and said.
+TEST_F(MatlabLinks, WhatATreeIgnoresIsSaid) {
+  const std::string head = "dhparams = [0 pi/2 0.4 -1; 0.3 0 0 0];\nj = rigidBodyJoint('a','revolute');\n";
+  const RobotReading reading = Read(head + "setFixedTransform(j,dhparams(1,:),'dh');\n");
+  ASSERT_EQ(reading.guesses.size(), 1U);
+  EXPECT_NE(reading.guesses[0].find("theta of row 1 adds to its joint's value"), std::string::npos);
+  EXPECT_EQ(Read(head + "setFixedTransform(j,dhparams(1,:),'mdh');\n").guesses.size(), 0U);
+}
+
 // Degrees and millimetres where the format prescribes rad and m.
 TEST_F(RobotUnits, NumbersThatCannotBeInMOrRadAreRefused) {
   const std::pair<const char*, const char*> cases[] = {

@@ -9,6 +9,7 @@
 #include <functional>
 #include <limits>
 
+#include "models/constants.h"
 #include "models/effects/catalogue.h"
 #include "problems/calibration_problem.h"
 #include "problems/input_error.h"
@@ -20,6 +21,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -56,7 +58,27 @@ TEST(Structure, AJointThatIsHeldHasItsOneValue) {
                 hold(g, 0.5);
                 g->data.configurations[3].q[2] = 0.25;
               }),
-              AllOf(HasSubstr("c3"), HasSubstr("does not move by itself"), HasSubstr("28.6479, not 14.3239 deg")));
+              AllOf(HasSubstr("c3"), HasSubstr("does not move by itself"), HasSubstr("28.6478898, not 14.3239449 deg"),
+                    HasSubstr("lower and as its upper limit"), Not(HasSubstr("mimic"))));
+  EXPECT_THAT(Refusal([&](Given* g) {
+                hold(g, 0.0);
+                g->robot.chain.couplings.push_back({2, 1, 1.0});
+                g->data.configurations[3].q[2] = 0.25;
+              }),
+              HasSubstr("<mimic>"));
+}
+
+// Three decimals of degrees or mm are what controllers print of it.
+TEST(Structure, TheValueOfALockedJointMayBeRounded) {
+  Joint locked;
+  locked.min = locked.max = 30.0 * kDegree;
+  EXPECT_TRUE(locked.Allows(30.0005 * kDegree));
+  EXPECT_TRUE(locked.Allows(30.00001 * kDegree));
+  EXPECT_FALSE(locked.Allows(30.0006 * kDegree));
+  locked.type = JointType::kPrismatic;
+  locked.min = locked.max = 1.25;
+  EXPECT_TRUE(locked.Allows(1.2500005));
+  EXPECT_FALSE(locked.Allows(1.2500006));
 }
 
 TEST(Structure, OneJointValuePerJoint) {

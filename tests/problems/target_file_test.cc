@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "models/constants.h"
 #include "models/effects/effect.h"
+#include "problems/io/files.h"
 #include "tests/problems/file_test_support.h"
 #include "tests/support/kr270.h"
 
@@ -50,6 +52,53 @@ TEST(TargetFileTest, EverythingArrivesInSi) {
   EXPECT_EQ(second.approach[0], kApproachNotStated);
 }
 
+// The same rotation in every form, its matrix from sines and cosines.
+TEST(TargetFileTest, RotationsInFiveForms) {
+  const double a = 0.7, b = -0.4, c = 2.1;
+  Matrix3<double> about_z, about_y, about_x;
+  about_z << std::cos(a), -std::sin(a), 0, std::sin(a), std::cos(a), 0, 0, 0, 1;
+  about_y << std::cos(b), 0, std::sin(b), 0, 1, 0, -std::sin(b), 0, std::cos(b);
+  about_x << 1, 0, 0, 0, std::cos(c), -std::sin(c), 0, std::sin(c), std::cos(c);
+  const Matrix3<double> right = about_z * about_y * about_x;
+  const Eigen::Quaterniond q(right);
+  const Eigen::AngleAxisd turn(right);
+  const Vector3<double> vector = turn.angle() * turn.axis();
+  const auto row = [](const std::vector<double>& numbers) {
+    std::string text;
+    for (const double number : numbers) text += "," + FormatNumber(number);
+    return text;
+  };
+  const std::vector<double> quaternion = {q.w(), q.x(), q.y(), q.z()};
+  const struct {
+    const char* names;
+    std::vector<double> numbers;
+    RotationForm form;
+  } cases[] = {{"rx_rad,ry_rad,rz_rad", {vector.x(), vector.y(), vector.z()}, RotationForm::kVector},
+               {"ow,ox,oy,oz", quaternion, RotationForm::kQuaternion},
+               {"qw,qx,qy,qz", quaternion, RotationForm::kQuaternion},
+               {"a_deg,b_deg,c_deg", {a / kDegree, b / kDegree, c / kDegree}, RotationForm::kAbc},
+               {"c_mrad,b_deg,a_rad", {1e3 * c, b / kDegree, a}, RotationForm::kAbc},
+               {"roll_deg,pitch_deg,yaw_deg", {c / kDegree, b / kDegree, a / kDegree}, RotationForm::kRollPitchYaw}};
+  for (const auto& each : cases) {
+    const Targets targets =
+        Read(std::string("target,x_mm,y_mm,z_mm,") + each.names + "\nt,1,2,3" + row(each.numbers) + "\n");
+    EXPECT_LT((targets.rows[0].flange_in_base->rotation - right).norm(), 1e-12) << each.names;
+    EXPECT_EQ(targets.rotation_form, each.form) << each.names;
+    EXPECT_TRUE(targets.shots.unread_columns.empty()) << each.names;
+    EXPECT_FALSE(targets.may_be_no_vector) << each.names;
+  }
+}
+
+// A, B, C under the names of a vector are read as one, which is said.
+TEST(TargetFileTest, VectorsInDegreesMayBeAngles) {
+  const auto may_be_none = [](const std::string& names, const std::string& numbers) {
+    return Read("target,x_mm,y_mm,z_mm," + names + "\nt,1,2,3," + numbers + "\n").may_be_no_vector;
+  };
+  EXPECT_TRUE(may_be_none("rz_deg,ry_deg,rx_deg", "-128.11,6.65,107.6"));
+  EXPECT_FALSE(may_be_none("rz_deg,ry_deg,rx_deg", "0,0,107.6"));
+  EXPECT_FALSE(may_be_none("rz_mrad,ry_mrad,rx_mrad", "200,100,30"));
+}
+
 TEST(TargetFileTest, OtherColumnsAreCarriedAlongAndSaid) {
   const Targets targets = Read("target,x_mm,y_mm,z_mm,rx_mrad,ry_mrad,rz_mrad,payload,q1_cmd_deg\na,1,1,1,0,0,0,5,6\n");
   EXPECT_EQ(targets.rows.size(), 1u);
@@ -94,6 +143,25 @@ INSTANTIATE_TEST_SUITE_P(
         BadTargets{"AngleMissing",
                    "target,x_mm,y_mm,z_mm,rx_mrad,ry_mrad\na,1,1,1,0,0\n",
                    {"t.csv:1", "'rz' is missing", "rz_mrad"}},
+        BadTargets{"NoRotation",
+                   "target,x_mm,y_mm,z_mm\na,1,1,1\n",
+                   {"t.csv:1", "rx", "no rotation", "ow, ox, oy, oz", "a_deg, b_deg, c_deg", "roll_deg"}},
+        BadTargets{"NoPosition", "target,ow,ox,oy,oz\na,1,0,0,0\n", {"t.csv:1", "'x' is missing", "x_mm"}},
+        BadTargets{"TwoRotations",
+                   "target," + kPose + ",a_deg,b_deg,c_deg\na,1,1,1,0,0,0,1,2,3\n",
+                   {"t.csv:1", "given twice", "'rx_mrad' and 'a_deg'", "keep one"}},
+        BadTargets{"TwoQuaternions",
+                   "target,x_mm,y_mm,z_mm,ow,ox,oy,oz,qw,qx,qy,qz\na,1,1,1,1,0,0,0,1,0,0,0\n",
+                   {"t.csv:1", "given twice"}},
+        BadTargets{"PartOfAQuaternion",
+                   "target,x_mm,y_mm,z_mm,qw,qx,qy\na,1,1,1,1,0,0\n",
+                   {"t.csv:1", "'qz' is missing", "scalar first"}},
+        BadTargets{"CapitalLetters",
+                   "target," + kJoints + ",A_deg,B_deg,C_deg\na,0,0,0,0,0,0,1,2,3\n",
+                   {"t.csv:1", "unknown column 'A_deg'", "'a_deg'"}},
+        BadTargets{"NameInCapitals",
+                   "Target," + kJoints + "\na,0,0,0,0,0,0\n",
+                   {"t.csv:1", "'target' is missing", "did you mean 'Target'?"}},
         BadTargets{"TwoUnits",
                    "target," + kPose + ",z_m\na,1,1,1,0,0,0,1\n",
                    {"t.csv:1", "'z' is given in two units", "keep one"}},
@@ -122,12 +190,26 @@ INSTANTIATE_TEST_SUITE_P(
         BadTargets{"NoneInCapitals",
                    "target,load," + kJoints + "\na,none,0,0,0,0,0,0\nb,None,0,0,0,0,0,0\n",
                    {"t.csv:3", "load", "'None'", "or no load?", "written none"}},
+        BadTargets{"NoUnitQuaternion",
+                   "target,x_mm,y_mm,z_mm,ow,ox,oy,oz\na,1,1,1,0.9,0,0,0\n",
+                   {"t.csv:2", "ow", "the length 0.9", "unit quaternion"}},
+        BadTargets{
+            "PositionAlone", "target,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\na,1,1,1,,,\n", {"t.csv:2", "a_deg", "is empty"}},
         BadTargets{"NoNameHere", "target," + kPose + "\n,1,1,1,0,0,0\n", {"t.csv:2", "target", "is empty"}},
         BadTargets{
             "Nothing", "target," + kPose + "\na,,,,,,\n", {"t.csv:2", "'a' has neither joint values nor a pose"}},
         BadTargets{
             "Direction", "target," + kPose + ",approach3\na,1,1,1,0,0,0,2\n", {"t.csv:2", "approach3", "-1, 0 or 1"}}),
     [](const auto& bad) { return std::string(bad.param.name); });
+
+// `sagitta import` reads measurements of other formats, and refuses a list of targets.
+TEST(TargetFileTest, NoWayOutThatIsNone) {
+  const std::string text = "Target;A1 [deg];A2 [deg]\nP101;10.2;-86.5\n";
+  const auto error = [&](CsvContent content) { return ErrorOf([&] { ParseCsvTable(text, "t.csv", content); }); };
+  EXPECT_TRUE(SaysInOrder(error(CsvContent::kTargets), {"t.csv:1", "one column", "separated by commas"}));
+  EXPECT_EQ(error(CsvContent::kTargets).find("sagitta import"), std::string::npos);
+  EXPECT_TRUE(SaysInOrder(error(CsvContent::kMeasurements), {"separated by commas", "'sagitta import'"}));
+}
 
 }  // namespace
 }  // namespace sagitta::target_file_test

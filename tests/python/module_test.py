@@ -277,12 +277,13 @@ class SameAsTheProgram(FolderTest):
         self.assertEqual([point["line"] for point in corrected.untouched], [4])
         # A mass beyond what the arm carries: it bends an arm with compliances alone, and this one has none.
         loaded = sagitta.compensate_program(out / "estimate.json", program, loads_kg_mm={"default": (250, 0, 0, 90)},
-                                            turn_joints=(1, 4, 6), **scene)
+                                            **scene)
         self.assertEqual(loaded.text, corrected.text)
         with self.assertRaises(sagitta.InputError):
             sagitta.compensate_program(out / "estimate.json", program, loads_kg_mm={"default": (250, 0)}, **scene)
-        with self.assertRaises(sagitta.InputError):
-            sagitta.compensate_program(out / "estimate.json", program, turn_joints=(1, 4), **scene)
+        for joints, why in (((1, 4), "three joints"), ((1, 1, 6), "each once"), ((1, 4, 6), "FANUC")):
+            with self.assertRaisesRegex(sagitta.InputError, why):
+                sagitta.compensate_program(out / "estimate.json", program, turn_joints=joints, **scene)
         with self.assertRaises(sagitta.InputError) as raised:
             sagitta.compensate_program(out / "estimate.json", program)
         self.assertIn("world", str(raised.exception))

@@ -75,12 +75,12 @@ class Diagnoses(FolderTest):
         self.assertEqual(*map(module_test.without_circumstances, changed))
 
 
-def two_links(q, marker):
+def two_links(q, marker, length=350):
     """Rotation and point (mm) of a marker on an arm of two joints: about z, then, 350 mm further, about y."""
     (a, b), eye = q, np.eye(3)
     about_z = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], eye[2]])
     rotation = about_z @ np.array([[np.cos(b), 0, np.sin(b)], eye[1], [-np.sin(b), 0, np.cos(b)]])
-    return rotation, about_z @ (350, 0, 0) + rotation @ (np.array([1250, 0, 0]) + marker)
+    return rotation, about_z @ (length, 0, 0) + rotation @ (np.array([1250, 0, 0]) + marker)
 
 
 def rotation_vector(rotation):
@@ -89,21 +89,26 @@ def rotation_vector(rotation):
                                                    rotation[1, 0] - rotation[0, 1]])
 
 
+def poses_and_points():
+    """An experiment, and its rows: a target P that is read with its rotation, a marker M without."""
+    robot = {"schema": "sagitta/robot/1", "joints": [{"name": name, "type": "revolute"} for name in ("A1", "A2")],
+             "kinematics": {"chain": [{"Rz": "A1"}, {"Tx_mm": 350, "error": "l"}, {"Ry": "A2"}, {"Tx_mm": 1250}]}}
+    random, rows = np.random.default_rng(1), []
+    for config, q in enumerate(random.uniform(-1.2, 1.2, (30, 2))):
+        for marker, place in (("P", (60, 20, 30)), ("M", (-30, 50, 0))):
+            rotation, point = two_links(q, np.array(place))
+            turned = 1e3 * rotation_vector(rotation) if marker == "P" else np.full(3, np.nan)
+            noise = random.standard_normal((2, 3))
+            rows.append([config, marker, *q, *point + 0.02 * noise[0], *turned + 0.05 * noise[1]])
+    rows = pandas.DataFrame(rows, columns=["config", "marker", "q1_rad", "q2_rad", "x_mm", "y_mm", "z_mm",
+                                           "rx_mrad", "ry_mrad", "rz_mrad"])
+    return sagitta.read(robot, {**rows, "sigma_r_mrad": 0.05, "sigma_mm": 0.02}), rows
+
+
 class Leverage(unittest.TestCase):
     def test_of_poses_and_points(self):
         """Over all axes leverages add to the number of what was estimated: the trace of a projection."""
-        robot = {"schema": "sagitta/robot/1", "joints": [{"name": name, "type": "revolute"} for name in ("A1", "A2")],
-                 "kinematics": {"chain": [{"Rz": "A1"}, {"Tx_mm": 350, "error": "l"}, {"Ry": "A2"}, {"Tx_mm": 1250}]}}
-        random, rows = np.random.default_rng(1), []
-        for config, q in enumerate(random.uniform(-1.2, 1.2, (30, 2))):
-            for marker, place in (("P", (60, 20, 30)), ("M", (-30, 50, 0))):
-                rotation, point = two_links(q, np.array(place))
-                turned = 1e3 * rotation_vector(rotation) if marker == "P" else np.full(3, np.nan)
-                noise = random.standard_normal((2, 3))
-                rows.append([config, marker, *q, *point + 0.02 * noise[0], *turned + 0.05 * noise[1]])
-        rows = pandas.DataFrame(rows, columns=["config", "marker", "q1_rad", "q2_rad", "x_mm", "y_mm", "z_mm",
-                                               "rx_mrad", "ry_mrad", "rz_mrad"])
-        experiment = sagitta.read(robot, {**rows, "sigma_r_mrad": 0.05, "sigma_mm": 0.02})
+        experiment, rows = poses_and_points()
         estimate = sagitta.calibrate(experiment)
         axes = np.where(rows["marker"] == "P", 6, 3)
         self.assertAlmostEqual((axes * estimate.leverage).sum(), len(estimate.estimated), delta=1e-6)

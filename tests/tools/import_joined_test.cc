@@ -84,6 +84,15 @@ TEST_F(ImportJoined, AMarkersNameBehindThePoses) {
   ExpectRight(points.ToText(), Readings(), With(poses.ToText()));
 }
 
+// As SpatialAnalyzer exports them: comments with two strokes, three parts of a name.
+TEST_F(ImportJoined, PointsOfSpatialAnalyzer) {
+  Table points = Points().With(" ");
+  points.header.clear();
+  points.preamble = "// SpatialAnalyzer export, points of job A\n// Units: mm, Deg\n";
+  for (auto& row : points.rows) row[0] = "A::SMR1::" + row[0];
+  ExpectRight(points.ToText(), Readings(), With(Poses()));
+}
+
 // Points that are measured next to the poses (of a reference frame) have no joint values.
 TEST_F(ImportJoined, ReadingsOfNoPoseAreLeftOutAndSaid) {
   Table points = Points();

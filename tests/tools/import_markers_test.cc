@@ -70,6 +70,21 @@ TEST_F(ImportMarkers, APartOfANameThatRecurs) {
   ExpectReflectors(ImportText(named, {"--strict", "--map=marker=Point Name"}));
 }
 
+// Collection::Group::Point of SpatialAnalyzer, and a part further in.
+TEST_F(ImportMarkers, APartBetweenOthersThatRecurs) {
+  const auto name = [](size_t row) { return "A::" + Reflector(row) + "::P" + std::to_string(10 + row / 3); };
+  const auto deep = [](size_t row) { return "KR_job_" + Reflector(row) + "_P" + std::to_string(10 + row / 3); };
+  Table table = ThreeMarkers(), other = ThreeMarkers();
+  const std::string named = table.Insert(0, "Point Name", name).ToText();
+  const test::Outcome outcome = ImportText(named);
+  ExpectReflectors(outcome);
+  EXPECT_NE(outcome.out.find("the second part of 'Point Name' (SMR1 of A::SMR1::P10)"), std::string::npos)
+      << outcome.out;
+  ExpectRefused(named, {"--strict", "the second part of"}, {"--strict"});
+  ExpectReflectors(ImportText(named, {"--strict", "--map=marker=Point Name"}));
+  ExpectReflectors(ImportText(other.Insert(0, "Punkt", deep).ToText()));
+}
+
 // P10_SMR1 without and with a load is one name at one pose: it is the pose's, and its last part the marker's.
 TEST_F(ImportMarkers, ANameThatRecursWithAnotherLoadAloneIsOfAPose) {
   Table table = ThreeMarkers();

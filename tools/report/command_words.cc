@@ -6,10 +6,12 @@
 #include <cmath>
 #include <sstream>
 
+#include "estimator/report/diagnosis_words.h"
 #include "estimator/report/planning_words.h"
 #include "estimator/statistics/distributions.h"
 #include "problems/io/files.h"
 #include "problems/text.h"
+#include "tools/report/summary.h"
 
 namespace sagitta {
 namespace {
@@ -30,16 +32,16 @@ std::string OlderFilesIn(const std::string& folder, const std::vector<std::strin
 
 std::string HowToGoOnWithEffects(const std::vector<std::string>& of_this_campaign) {
   const std::string words =
-      "Go on with what was found: sagitta validate, predict and compensate read estimate.json, which has it; "
-      "robot.extended.yaml is the robot file for the next measurements.";
-  if (of_this_campaign.empty()) return words + "\n";
-  return words + " Only this campaign has " + Enumerate(of_this_campaign) +
-         ", at times that count from its first row: strike it from effects there before another one is calibrated.\n";
+      "Go on with what was found: sagitta validate, predict and compensate read estimate.json, which has it; ";
+  if (of_this_campaign.empty()) return words + "robot.extended.yaml is the robot file for the next measurements.\n";
+  return words + kNextRobotFile + " is the robot file for the next measurements: robot.extended.yaml has " +
+         Enumerate(of_this_campaign) + " at times that count from the first row of this campaign.\n";
 }
 
 std::string ComparisonInWords(const Changes& changes) {
-  std::string words = "Predictions are " + Significant(1e3 * changes.before_rms, 3) + " mm apart (RMS), " +
-                      Significant(1e3 * changes.after_rms, 3) + " mm with that removed\n";
+  std::string words = "Predictions are " + Significant(1e3 * changes.before_rms, 3) + " mm apart (RMS)";
+  if (!changes.changes.empty()) words += ", " + Significant(1e3 * changes.after_rms, 3) + " mm with that removed";
+  words += "\n";
   for (const Change& other : changes.alternatives) {
     words +=
         "possible too: " + WordOf(other.kind) + " " + other.target + " (" + Significant(other.probability, 2) + ")\n";
@@ -61,10 +63,14 @@ std::vector<std::string> CoverageLegend(int outside, size_t rows) {
       "bound: Cramér-Rao. same draws: RMSE over that of the linear least squares at the truth on the same draws."};
 }
 
+// What is left below a nanometre is the rounding of the solver.
+constexpr double kSolved = 1e-9;
+
 std::string CompensationInWords(double before, double after, double u95) {
   return "Off target without compensation at most " + Significant(1e3 * before, 3) +
-         " mm; with it, as far as the model is true, " + Significant(1e3 * after, 2) +
-         " mm, and with the uncertainty of the estimate (95 %) at most " + Significant(1e3 * u95, 3) + " mm\n";
+         " mm; with it, as far as the model is true, " +
+         (after < kSolved ? std::string("less than 0.001 µm") : Significant(1e3 * after, 2) + " mm") +
+         ", and with the uncertainty of the estimate (95 %) at most " + Significant(1e3 * u95, 3) + " mm\n";
 }
 
 std::string FlangeOfTheMarkers() {
@@ -76,10 +82,13 @@ std::string FlangeOfTheMarkers() {
 
 std::string PlanInWords(const Plan& plan) {
   std::ostringstream words;
-  words << plan.rows.configurations.size() << " poses";
-  if (plan.measured > 0) words << " in addition to the " << plan.measured << " that are measured";
-  words << ", chosen among " << plan.candidates << " candidates";
-  if (plan.infeasible > 0) words << " (" << plan.infeasible << " more are not feasible)";
+  words << Plural(static_cast<int>(plan.rows.configurations.size()), "pose");
+  if (plan.measured > 0) {
+    words << " in addition to the " << plan.measured << " that " << (plan.measured == 1 ? "is" : "are") << " measured";
+  }
+  words << ", chosen among " << Plural(static_cast<int>(plan.candidates), "candidate");
+  if (plan.infeasible > 0)
+    words << " (" << plan.infeasible << " more " << (plan.infeasible == 1 ? "is" : "are") << " not feasible)";
   words << ": " << InWords(plan.criterion.kind) << ".\n"
         << "Predicted position error at the " << plan.tests << " test points: RMS "
         << Significant(1e3 * plan.position_rms, 3) << " mm, worst point " << Significant(1e3 * plan.position_max, 3)

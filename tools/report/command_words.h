@@ -66,12 +66,12 @@ std::string CountsFromTurnedAxes(const std::string& effect, double difference);
 std::string KeepItsDescription();
 // Links of a URDF; others: those it could end at.
 std::string ChainRuns(const std::string& base, const std::string& tip, const std::vector<std::string>& others);
-// Joints of a URDF.
-std::string RowsAreNoMeasurements(const std::string& what);
+// Of a joint of a URDF.
 std::string MimicIsACoupling(const std::string& joint, const std::string& driver);
 std::string LeftOutOfFormat(const std::string& what);
 
 // Imported files.
+std::string RowsAreNoMeasurements(const std::string& what);
 std::string NoShippedTables(const std::vector<std::string>& tried);
 std::string WhereTablesAre();
 std::string OnlyTableThatFits(const std::string& table, const std::string& misfit);

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "estimator/report/diagnosis_caution_words.h"
+#include "estimator/report/diagnosis_gap_words.h"
 #include "estimator/report/diagnosis_noise_words.h"
 #include "estimator/report/diagnosis_words.h"
 #include "estimator/report/inspection_words.h"
@@ -73,8 +74,14 @@ Section GapSection(const Diagnosis& d) {
   Section section;
   section.title = "The gap, before and after";
   section.header = {"", "before", "after", "unit"};
-  section.rows = {{"reduced chi-square of the fit", reduced(before), reduced(after), ""},
-                  {"lack of fit, p", Probability(d.baseline_p), Probability(d.final_p), ""}};
+  const std::string noise = NoiseOfFinalInWords(d);
+  if (d.noise.is_stated) {
+    section.rows = {{"reduced chi-square of the fit" + (noise.empty() ? "" : " (after: " + noise + ")"),
+                     reduced(before), reduced(after), ""},
+                    {"lack of fit, p", Probability(d.baseline_p), Probability(d.final_p), ""}};
+  } else {
+    section.rows = {{"RMS per coordinate of the fit", Millimetres(before.fit.rms), Millimetres(after.fit.rms), "mm"}};
+  }
   if (before.validation.observations == 0) {
     section.paragraphs = {"Nothing is held out: what the effects do on other data is not known."};
     if (!d.effects.empty()) section.pictures = {Probabilities(d)};
@@ -89,6 +96,7 @@ Section GapSection(const Diagnosis& d) {
   if (!std::isnan(d.gap.floor)) {
     add("gap beyond the noise floor", d.gap.before, d.gap.after);
     gap = "Noise floor " + Millimetres(d.gap.floor) + " mm per coordinate" +
+          (d.gap.floor_is_as_stated ? " (" + FloorGoesByStatedNoise() + ")" : "") +
           (d.effects.empty() ? "" : "; " + ClosedInWords(d.gap));
   }
   section.paragraphs = {"Hold-out: configurations on which nothing was chosen or fitted. " + gap + "."};
@@ -240,6 +248,11 @@ Section WhereSection(const Diagnosis& d) {
   Section section;
   section.title = "Where they disagree";
   section.paragraphs = {"Share of the excess chi-square of the believed model."};
+  if (bars.empty()) {
+    section.paragraphs = {
+        "No joint, marker, load, station or time has more chi-square than the noise by which the believed "
+        "model is judged: there is nothing to draw."};
+  }
   if (!bars.empty()) section.pictures = {BarPicture("Where the gap sits", "share, %", bars)};
   return section;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/report/inspection_known_words.h"
 #include "estimator/report/validation_words.h"
 #include "models/constants.h"
 #include "problems/text.h"
@@ -73,7 +74,7 @@ Section Unseen(const Trust& trust) {
   section.paragraphs = {"Worst poses: " + Joined(worst) + " mm."};
   if (quoted.predicted_rms > 0.0) {
     section.paragraphs.push_back("Coordinate RMS " + mm(quoted.rms) + " mm, predicted " + mm(quoted.predicted_rms) +
-                                 " mm (p = " + Significant(quoted.p_value, 2) + ").");
+                                 " mm (" + PValueInWords(quoted.p_value) + ").");
   }
   const std::string left_out = LeftOutInWords(trust.cross_validation.unpredictable);
   if (!left_out.empty()) section.paragraphs.push_back(left_out);
@@ -102,18 +103,38 @@ std::vector<Section> Held(const Estimate& estimate) {
   return sections;
 }
 
+// What the noise, the intervals and the agreement of parts hold with: a robust loss leaves outliers out.
+std::string WhatSuspectsDo(const Calibration& calibration) {
+  const NoiseReport& noise = calibration.estimate.noise_report;
+  const std::vector<Suspect>& suspects = calibration.trust.suspects;
+  const auto is_left_out = [&](const Suspect& suspect) {
+    return !noise.systematic && std::any_of(noise.outliers.begin(), noise.outliers.end(), [&](const Outlier& outlier) {
+      return outlier.observation == suspect.observation;
+    });
+  };
+  const auto left_out = static_cast<size_t>(std::count_if(suspects.begin(), suspects.end(), is_left_out));
+  const std::string first = "Decide on these rows first: ";
+  const std::string all = "what is said of the noise, the intervals and the agreement of parts holds with ";
+  if (left_out == 0) return first + all + "them.";
+  const std::string loss = " left out of all figures by the loss of the experiment";
+  if (left_out == suspects.size()) {
+    return std::string("These rows are") + loss + ": " + all +
+           "the others alone. Correct them or leave them out for good.";
+  }
+  return first + std::to_string(left_out) + (left_out == 1 ? " is" : " are") + loss + "; " + all + "the rest of them.";
+}
+
 }  // namespace
 
-Section SuspectRows(const Trust& trust, const std::string& where) {
+Section SuspectRows(const Calibration& calibration, const std::string& where) {
+  const Trust& trust = calibration.trust;
   Section section;
   section.title = "Suspect rows: " + std::to_string(trust.suspects.size());
   for (size_t i = 0; i < std::min(kShown, trust.suspects.size()); ++i)
     section.paragraphs.push_back("- " + trust.suspects[i].row + ": " + trust.suspects[i].words);
   if (trust.suspects.size() > kShown)
     section.paragraphs.push_back("- and " + std::to_string(trust.suspects.size() - kShown) + " more" + where);
-  section.paragraphs.push_back(
-      "Decide on these rows first: what is said of the noise, the intervals and the agreement of parts holds with "
-      "them.");
+  section.paragraphs.push_back(WhatSuspectsDo(calibration));
   return section;
 }
 
@@ -123,10 +144,11 @@ std::vector<Section> FirstScreen(const Calibration& calibration) {
   first.title = calibration.problem.robot().name.empty() ? "Calibration" : calibration.problem.robot().name;
   first.paragraphs = {trust.verdict.words};
   if (!trust.model_error_words.empty()) first.paragraphs.push_back("Model error: " + trust.model_error_words + ".");
+  if (!trust.torques.words.empty()) first.paragraphs.push_back(trust.torques.words);
   std::vector<Section> sections = {first};
   if (HasUnseen(trust)) sections.push_back(Unseen(trust));
   for (Section& section : Held(calibration.estimate)) sections.push_back(std::move(section));
-  if (!trust.suspects.empty()) sections.push_back(SuspectRows(trust, ", in estimate.json under suspects"));
+  if (!trust.suspects.empty()) sections.push_back(SuspectRows(calibration, ", in estimate.json under suspects"));
   return sections;
 }
 
@@ -135,6 +157,20 @@ size_t SizeOfFirstScreen(const Calibration& calibration) {
   const size_t suspects = calibration.trust.suspects.empty() ? 0 : 1;
   return 1 + (HasUnseen(calibration.trust) ? 1 : 0) + not_measured + suspects;
 }
+
+namespace {
+
+// Of the errors in a table of links those that are held, "" where none is.
+std::string HeldInTable(const Estimate& estimate) {
+  std::vector<std::string> held;
+  for (const ParameterEstimate& row : estimate.table) {
+    if (!row.identifiable && CoordinateKindOf(row.name) == CoordinateKind::kGeometry) held.push_back(row.name);
+  }
+  return held.empty() ? ""
+                      : "Held where the data fit best, and meaning nothing by themselves: " + Enumerate(held) + ".";
+}
+
+}  // namespace
 
 std::vector<Section> CorrectedTable(const Calibration& calibration) {
   const Robot& nominal = calibration.problem.robot();
@@ -154,6 +190,8 @@ std::vector<Section> CorrectedTable(const Calibration& calibration) {
                             angle(now.alpha - before.alpha), length(now.d - before.d),
                             angle(now.theta - before.theta)});
   }
+  const std::string not_measured = HeldInTable(calibration.estimate);
+  if (!not_measured.empty()) section.paragraphs = {not_measured};
   return {section};
 }
 

@@ -16,7 +16,7 @@ std::vector<Section> FirstScreen(const Calibration& calibration);
 size_t SizeOfFirstScreen(const Calibration& calibration);
 
 // The first ten, one a line; `where`: words on where the others stand, after their number.
-Section SuspectRows(const Trust& trust, const std::string& where);
+Section SuspectRows(const Calibration& calibration, const std::string& where);
 
 // Nominal, correction and calibrated value of every row of the robot's DH table; none for other robots.
 std::vector<Section> CorrectedTable(const Calibration& calibration);

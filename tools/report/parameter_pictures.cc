@@ -5,7 +5,9 @@
 #include <map>
 #include <numeric>
 
+#include "estimator/statistics/distributions.h"
 #include "problems/text.h"
+#include "tools/report/parameter_section.h"
 #include "tools/report/summary.h"
 
 namespace sagitta {
@@ -16,10 +18,14 @@ using Json = nlohmann::ordered_json;
 constexpr size_t kMostCorrelated = 60;
 constexpr size_t kPairsShown = 20;
 
-// How many times better known than weak. A quantity without a limit is weak where its sigma is half its value.
-double TimesBetterThanWeak(const ParameterEstimate& row) {
-  const double limit = TraitsOf(row.quantity).weak_limit;
-  return row.sigma > 0.0 ? (limit > 0.0 ? limit : 0.5 * std::abs(row.value)) / row.sigma : NAN;
+// How many times better known than weak, by the interval that is shown: its standard uncertainty is the longer arm over
+// the quantile (u = U / k), for a bound may cut the other arm off. A quantity without a limit is weak where that is
+// half its value. NaN: the interval does not end.
+double TimesBetterThanWeak(const ParameterEstimate& shown) {
+  const double limit = TraitsOf(shown.quantity).weak_limit;
+  const double arm = std::max(shown.value - shown.ci95.low, shown.ci95.high - shown.value);
+  if (!(arm > 0.0) || !std::isfinite(arm) || shown.open_low || shown.open_high) return NAN;
+  return (limit > 0.0 ? limit : 0.5 * std::abs(shown.value)) * StudentQuantile(0.975, shown.dof) / arm;
 }
 
 }  // namespace
@@ -28,20 +34,24 @@ std::vector<Picture> KnownParameters(const Estimate& estimate) {
   Picture picture;
   picture.kind = "parameters";
   picture.title =
-      "Corrections with their 95 % intervals (hollow: weak or at a bound), and how many times better they are known "
-      "than "
-      "what counts as weak: 1 mm, 1 mrad or half the value; below 1 in the second colour";
+      "Corrections with their 95 % intervals, as under \"Parameters\" (hollow: weak, at a bound or conditional), and "
+      "how "
+      "many times better they are known than what counts as weak: 1 mm, 1 mrad or half the value; below 1 in the "
+      "second "
+      "colour";
   picture.header = {"parameter", "correction", "95 % from", "to", "unit", "times better known", ""};
   PictureMenu menu{"group", "of", {}};
   Json& data = picture.data["rows"];
-  for (const ParameterEstimate& row : estimate.table) {
+  for (const ParameterEstimate& own : estimate.table) {
+    const ParameterEstimate row = AsShown(own, estimate.identifiability);
     if (!row.free || !row.identifiable || !(row.sigma > 0.0)) continue;
     const QuantityTraits& traits = TraitsOf(row.quantity);
     const std::string unit = ShownUnit(traits.unit), group = row.name.substr(0, row.name.find('/')) + ", " + unit;
     const double scale = 1.0 / traits.si_per_unit, known = TimesBetterThanWeak(row);
     const double value = scale * (row.value - row.nominal), low = scale * (row.ci95.low - row.nominal),
                  high = scale * (row.ci95.high - row.nominal);
-    const std::string state = row.at_bound ? "at bound" : row.weak ? "weak" : "";
+    const std::string state = StateOf(row, estimate), high_shown = row.open_high ? "open" : Significant(high, 4);
+    const std::string low_shown = row.open_low ? "open" : Significant(low, 4);
     const std::pair<std::string, std::string> option{group, group};
     if (std::find(menu.options.begin(), menu.options.end(), option) == menu.options.end())
       menu.options.push_back(option);
@@ -53,10 +63,10 @@ std::vector<Picture> KnownParameters(const Estimate& estimate) {
     data["high"].push_back(Rounded(high, 6));
     data["known"].push_back(Rounded(known, 3));
     data["state"].push_back(state);
-    data["words"].push_back(row.name + ": " + Significant(value, 4) + " " + unit + ", 95 % from " +
-                            Significant(low, 4) + " to " + Significant(high, 4));
-    picture.rows.push_back({row.name, Significant(value, 4), Significant(low, 4), Significant(high, 4), unit,
-                            Significant(known, 3), state});
+    data["words"].push_back(row.name + ": " + Significant(value, 4) + " " + unit + ", 95 % from " + low_shown + " to " +
+                            high_shown + (state.empty() ? "" : "; " + state));
+    picture.rows.push_back({row.name, Significant(value, 4), low_shown, high_shown, unit,
+                            std::isfinite(known) ? Significant(known, 3) : "-", state});
   }
   if (picture.rows.empty()) return {};
   picture.menus = {menu};

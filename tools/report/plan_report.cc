@@ -45,7 +45,7 @@ Section Poses(const Robot& robot, const Cell* cell, const Plan& plan) {
 
 Section Overview(const Plan& plan) {
   Section section;
-  section.title = "Plan of " + std::to_string(plan.rows.configurations.size()) + " poses";
+  section.title = "Plan of " + Plural(static_cast<int>(plan.rows.configurations.size()), "pose");
   section.header = {"expected at the test poses", "mm"};
   section.rows = {{"RMS position error", Significant(kMillimetresPerMetre * plan.position_rms, 3)},
                   {"worst point", Significant(kMillimetresPerMetre * plan.position_max, 3)}};

@@ -157,7 +157,7 @@ Picture ResidualsInWorkspace(const DrawnReadings& readings) {
     const Observation& observation = problem.data().observations[row.observation];
     workspace.Include(row.predicted_in_base);
     for (int axis = 0; axis < 3; ++axis) {
-      x[axis].push_back(std::lround(row.predicted_in_base[axis]));
+      x[axis].push_back(workspace.Drawn(row.predicted_in_base[axis]));
       d[axis].push_back(Rounded(row.residual_in_base[axis], 3));
     }
     poses.push_back(problem.data().shots[observation.shot].configuration);

@@ -5,13 +5,14 @@
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
-#include <string_view>
 
 #include "estimator/noise/robot_scatter.h"
 #include "estimator/noise/rotation_noise.h"
+#include "estimator/report/inspection_known_words.h"
 #include "estimator/report/inspection_words.h"
 #include "estimator/report/noise_words.h"
 #include "estimator/statistics/median.h"
+#include "tools/report/parameter_section.h"
 #include "tools/report/remedies.h"
 
 namespace sagitta {
@@ -40,14 +41,21 @@ std::string Factor(double before, double after) {
   return before / after < 1e5 ? Fixed(before / after, 1) : "> 100000";
 }
 
+// Three digits of what is left, and a tenth of a micrometre at least.
+int DecimalsOfResiduals(const ResidualSize& after) {
+  constexpr int kLeast = 4, kMost = 7;
+  return after.rms > 0.0 ? std::clamp(DecimalsFor(1e3 * after.rms) + 1, kLeast, kMost) : kLeast;
+}
+
 }  // namespace
 
 Section ResidualSection(const std::string& title, const ResidualSize& before, const ResidualSize& after) {
   Section section;
   section.title = title;
   section.header = {"mm", "before", "after", "factor"};
-  const auto add = [&section](const std::string& name, double b, double a) {
-    section.rows.push_back({name, Millimetres(b), Millimetres(a), Factor(b, a)});
+  const int decimals = DecimalsOfResiduals(after);
+  const auto add = [&section, decimals](const std::string& name, double b, double a) {
+    section.rows.push_back({name, Millimetres(b, decimals), Millimetres(a, decimals), Factor(b, a)});
   };
   add("coordinate max", before.max, after.max);
   add("coordinate RMS", before.rms, after.rms);
@@ -70,8 +78,19 @@ Section ValidationSection(const Estimate& estimate) {
       ResidualSection("Residuals on " + Plural(estimate.validation.observations, "validation observation"),
                       estimate.validation_before, estimate.validation);
   section.paragraphs = {"Predicted coordinate RMS from noise and parameter uncertainty: " +
-                        Millimetres(estimate.validation_predicted_rms) + " mm."};
+                        Millimetres(estimate.validation_predicted_rms, DecimalsOfResiduals(estimate.validation)) +
+                        " mm."};
   return section;
+}
+
+// "": no prior is contradicted.
+std::string PullInWords(const Estimate& estimate) {
+  const PriorPull& pull = estimate.sigma.pull;
+  if (!pull.is_set_aside) return "";
+  const double dof = std::max(1, estimate.dof - pull.priors), rows = estimate.chi2 - pull.squares;
+  return "Of it " + Significant(pull.squares, 4) + " is what " + Plural(pull.priors, "stated prior") +
+         " pull: more than chance, and no noise of the rows; what follows is of the rows alone, " +
+         Significant(rows, 4) + " at " + Fixed(dof, 0) + ", reduced " + Significant(rows / dof, 4) + ". ";
 }
 
 // One factor scales what is assumed of both where there are too few readings to estimate two (noise/rotation_noise.h).
@@ -95,10 +114,10 @@ Section NoiseSection(const CalibrationProblem& problem, const Estimate& estimate
   } else {
     section.paragraphs = {"Chi-square " + Significant(estimate.chi2, 5) + " at " + dof + ", reduced " +
                               Significant(estimate.chi2 / estimate.dof, 4) + ".",
-                          SigmaInWords(estimate, problem.experiment().significance)};
+                          PullInWords(estimate) + SigmaInWords(estimate, problem.experiment().significance)};
     // Fitted by REML, chi-square is what it should be by construction.
     if (!estimate.noise_report.components.empty()) section.paragraphs.pop_back();
-    const bool misfit = estimate.sigma.scaled && estimate.chi2 > kInstrumentIsNotTheNoise * estimate.dof;
+    const bool misfit = estimate.sigma.scaled && std::pow(estimate.sigma.a_posteriori, 2) > kInstrumentIsNotTheNoise;
     if (misfit && problem.latent.empty()) {
       section.paragraphs.push_back(
           "Where it is the arm that repeats no better ('sagitta diagnose' distinguishes that from a missing effect), "
@@ -136,118 +155,6 @@ Section IntervalSection(const Estimate& estimate) {
   }
   if (!estimate.intervals.words.empty()) section.paragraphs.push_back(estimate.intervals.words + ".");
   for (const std::string& words : agreement.words) section.paragraphs.push_back(words);
-  return section;
-}
-
-// Estimated, but on the condition that a held parameter is where it was put.
-bool IsConditional(const ParameterEstimate& row, const Identifiability& identifiability) {
-  for (const Direction& direction : identifiability.unidentifiable) {
-    for (const auto& [name, value] : direction.components) {
-      if (name == row.name && row.free) return true;
-    }
-  }
-  return false;
-}
-
-// With the interval that people are shown: what held parameters may be is in it.
-ParameterEstimate AsShown(ParameterEstimate row, const Identifiability& identifiability) {
-  if (IsConditional(row, identifiability)) row.ci95 = row.unconditional_ci95;
-  return row;
-}
-
-constexpr const char* kByPrior = "prior";
-
-// Half and more of the prior's standard deviation: the data say less than the robot file.
-bool IsRuledByPrior(const ParameterEstimate& row, const Estimate& estimate) {
-  const int i = estimate.parameters.FindCoordinate(row.name);
-  return i >= 0 && row.free && 2.0 * row.sigma > estimate.parameters.coordinates()[i].effect_prior &&
-         estimate.parameters.coordinates()[i].effect_prior > 0.0;
-}
-
-std::string StateOf(const ParameterEstimate& row, const Estimate& estimate) {
-  if (!row.identifiable) return StatedTooLarge(estimate) > 1.0 ? "held" : "not measured";
-  if (!row.free) return "fixed";
-  if (IsConditional(row, estimate.identifiability)) return "conditional";
-  if (row.at_bound) return "at bound";
-  if (IsRuledByPrior(row, estimate)) return kByPrior;
-  return row.weak && StatedTooLarge(estimate) == 1.0 ? "weak" : "";
-}
-
-// "0.034", or "-0.012/+0.034" where the interval is not even about the value.
-std::string Arms(const ParameterEstimate& row, double unit, int decimals) {
-  const double down = (row.value - row.ci95.low) / unit, up = (row.ci95.high - row.value) / unit;
-  if (IsEven(row)) return Fixed(0.5 * (up + down), decimals);
-  return "-" + (row.open_low ? "open" : Fixed(down, decimals)) + "/+" + (row.open_high ? "open" : Fixed(up, decimals));
-}
-
-// SI: what the correction is added to. A geometric error's is the robot file's value of the length or angle that it is
-// an error of; base and markers have none but where the alignment of the nominal robot puts them.
-double NominalOf(const CalibrationProblem& problem, const ParameterEstimate& row) {
-  constexpr std::string_view kGeometry = "geometry/";
-  if (row.name.rfind(kGeometry, 0) != 0) return row.nominal;
-  const int transform = problem.robot().chain.FindError(row.name.substr(kGeometry.size()));
-  return transform < 0 ? row.nominal : problem.robot().chain.transforms[transform].nominal;
-}
-
-// Half the 95 % intervals over the standard deviations: its median over what is estimated.
-double CoverageFactor(const Estimate& estimate, double model_error) {
-  std::vector<double> factors;
-  for (const ParameterEstimate& row : estimate.table) {
-    const double half = 0.5 * (row.ci95.high - row.ci95.low), sigma = model_error * row.sigma;
-    if (row.free && sigma > 0.0 && std::isfinite(half) && IsEven(row)) factors.push_back(half / sigma);
-  }
-  return Median(factors);
-}
-
-// What the column ± is, in the words of ISO/IEC Guide 98-3 (GUM).
-std::string UncertaintyInWords(const Estimate& estimate, double model_error) {
-  const double factor = CoverageFactor(estimate, model_error);
-  std::string words = "±: expanded uncertainty, coverage probability 95 %";
-  if (factor > 0.0) words += ", coverage factor k = " + Significant(factor, 2);
-  if (model_error > 1.0) words += "; model error is in it";
-  return words + ".";
-}
-
-Section ParameterSection(const CalibrationProblem& problem, const Estimate& estimate, double model_error) {
-  Section section;
-  section.title = "Parameters";
-  section.header = {"name", "nominal", "correction", "calibrated", "±", "unit", ""};
-  bool any_at_bound = false, any_by_prior = false;
-  for (const ParameterEstimate& own : estimate.table) {
-    const ParameterEstimate row = AsShown(own, estimate.identifiability);
-    const double correction = row.value - row.nominal, nominal = NominalOf(problem, row);
-    if (!row.free && row.identifiable && correction == 0.0) continue;
-    const QuantityTraits& traits = TraitsOf(row.quantity);
-    const double half = 0.5 * (row.ci95.high - row.ci95.low) / traits.si_per_unit;
-    const bool known = row.free && half > 0.0 && std::isfinite(half);
-    const int decimals = DecimalsFor(known ? half : 0.0);
-    const auto shown = [&](double value) { return Fixed(value / traits.si_per_unit, decimals); };
-    section.rows.push_back({row.name, shown(nominal), shown(correction), shown(nominal + correction),
-                            known ? Arms(row, traits.si_per_unit, decimals) : "-", ShownUnit(traits.unit),
-                            StateOf(row, estimate)});
-    any_at_bound |= row.at_bound;
-    any_by_prior |= section.rows.back().back() == kByPrior;
-  }
-  section.paragraphs = {UncertaintyInWords(estimate, model_error),
-                        "nominal: of the robot file; of base poses and markers, which have none, where the nominal "
-                        "robot fits best. calibrated: nominal + correction."};
-  if (!estimate.identifiability.unidentifiable.empty()) {
-    section.paragraphs.push_back(
-        std::string(StatedTooLarge(estimate) > 1.0 ? "held: at the stated noise" : "not measured: held") +
-        " where the data fit best; the value means nothing by itself. conditional: moves together with one that is "
-        "held; its ± allows for what that one may be (`unconditional` in estimate.json; `ci95` there assumes it to be "
-        "exact).");
-  }
-  if (any_by_prior) {
-    section.paragraphs.push_back(
-        "prior: hardly measured; how large it may be is stated in the robot file (prior_sigma).");
-  }
-  if (any_at_bound) {
-    section.paragraphs.push_back(
-        "at bound: the interval meets a physical bound (a compliance is not below 0) and ends there; such a value "
-        "is known as \"at most\". Its interval holds the truth more often than 95 %: what it would have beyond the "
-        "bound is cut off.");
-  }
   return section;
 }
 

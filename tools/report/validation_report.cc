@@ -36,15 +36,15 @@ Section Head(const KnownRobot& known, const Measurements& rows, const Validation
   }
   head.paragraphs.push_back((is_off ? "Off by " : "Within ") + InMillimetres(validation.after.distance_rms) +
                             " (RMS; nominal robot " + InMillimetres(validation.before.distance_rms) + ") on " +
-                            std::to_string(rows.configurations.size()) + " configurations, estimate " + known.file +
-                            ".");
+                            Plural(static_cast<int>(rows.configurations.size()), "configuration") + ", estimate " +
+                            known.file + ".");
   const std::string unread = NotReadInWords(rows.unread_columns);
   if (!unread.empty()) head.paragraphs.push_back(unread);
   return head;
 }
 
 Section Residuals(const KnownRobot& known, const Validation& validation) {
-  Section section = ResidualSection("Residuals on " + std::to_string(validation.after.observations) + " observations",
+  Section section = ResidualSection("Residuals on " + Plural(validation.after.observations, "observation"),
                                     validation.before, validation.after);
   section.paragraphs.push_back("before: the nominal robot, base poses and markers fitted to the calibration rows.");
   if (validation.predicted_rms > 0.0) {

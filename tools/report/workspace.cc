@@ -36,11 +36,15 @@ Workspace::Workspace(const ForwardModel& model, const std::vector<double>& theta
                      const std::vector<Configuration>& configurations)
     : arms_({{"names", Json::array()}, {"poses", Json::array()}, {"polylines", Json::array()}}) {
   const size_t stride = (configurations.size() + kMostArms - 1) / kMostArms;
+  std::vector<std::vector<Vector3<double>>> arms;
+  for (size_t c = 0; c < configurations.size(); c += stride) {
+    arms.push_back(ArmOf(model, theta, configurations[c].q));
+    for (const Vector3<double>& point : arms.back()) Include(point);
+  }
   for (size_t c = 0; c < configurations.size(); c += stride) {
     Json polyline = Json::array();
-    for (const Vector3<double>& point : ArmOf(model, theta, configurations[c].q)) {
-      Include(point);
-      for (const double coordinate : point) polyline.push_back(std::lround(coordinate));
+    for (const Vector3<double>& point : arms[c / stride]) {
+      for (const double coordinate : point) polyline.push_back(Drawn(coordinate));
     }
     arms_["names"].push_back(configurations[c].id);
     arms_["poses"].push_back(c);
@@ -54,6 +58,12 @@ void Workspace::Include(const Vector3<double>& point_in_base) {
 }
 
 double Workspace::size() const { return std::max(1.0, (high_ - low_).maxCoeff()); }
+
+// A thousandth of the picture and finer, in powers of ten, 1 mm at most.
+Json Workspace::Drawn(double coordinate) const {
+  const double grid = std::pow(10.0, std::min(0.0, std::floor(std::log10(size())) - 3.0));
+  return grid < 1.0 ? Rounded(std::round(coordinate / grid) * grid, 8) : Json(std::lround(coordinate));
+}
 
 void Workspace::Draw(const Cell* cell, Picture* picture) const {
   const Vector3<double> middle = 0.5 * (low_ + high_);

@@ -21,6 +21,8 @@ class Workspace {
   // Fills data: arms, reach, boxes (of `cell`, which may be null, as far as they are near), and no rows.
   void Draw(const Cell* cell, Picture* picture) const;
   double size() const;  // mm, of all that is shown
+  // A coordinate in mm with as many digits as the picture can show.
+  nlohmann::ordered_json Drawn(double coordinate) const;
 
  private:
   nlohmann::ordered_json arms_;

@@ -1,6 +1,7 @@
 #include "problems/io/import/column_meaning.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <optional>
 #include <set>
@@ -449,6 +450,32 @@ void NameRail(const std::vector<std::string>& headers, const std::vector<Joint>&
   (*meanings)[columns[0]].index = rail;
 }
 
+// tx, ty, tz are a translation where no column is called a point; torques of that name are, by the robot, none.
+void NameTranslations(const std::vector<std::string>& headers, std::vector<ColumnMeaning>* meanings) {
+  const auto is_of_point = [](const ColumnMeaning& meaning) {
+    return meaning.role == Role::kPoint || meaning.role == Role::kTarget || meaning.role == Role::kDifference;
+  };
+  if (std::any_of(meanings->begin(), meanings->end(), is_of_point)) return;
+  std::array<std::vector<size_t>, 3> columns;
+  for (size_t c = 0; c < headers.size(); ++c) {
+    const ColumnMeaning& meaning = (*meanings)[c];
+    const Words words = WordsOf(StemOf(headers[c]));
+    if (meaning.role != Role::kOther || (!meaning.unit.empty() && !IsLengthUnit(meaning.unit))) continue;
+    const bool is_one = words.size() == 1 && words[0].size() == 2 && words[0][0] == 't';
+    const int axis = is_one ? AxisNamed(words[0].substr(1)) : -1;
+    if (axis >= 0) columns[static_cast<size_t>(axis)].push_back(c);
+  }
+  for (const std::vector<size_t>& each : columns) {
+    if (each.size() != 1) return;
+  }
+  for (size_t axis = 0; axis < columns.size(); ++axis) {
+    ColumnMeaning& meaning = (*meanings)[columns[axis][0]];
+    meaning.role = Role::kPoint;
+    meaning.index = static_cast<int>(axis);
+    meaning.why.clear();
+  }
+}
+
 }  // namespace
 
 std::vector<ColumnMeaning> MeaningsOf(const std::vector<std::string>& headers, const std::vector<Joint>& joints) {
@@ -459,6 +486,7 @@ std::vector<ColumnMeaning> MeaningsOf(const std::vector<std::string>& headers, c
   NameAxisJoints(headers, joints, &meanings);
   CountTurningJoints(joints, &meanings);
   NameRail(headers, joints, &meanings);
+  NameTranslations(headers, &meanings);
   return meanings;
 }
 

@@ -22,7 +22,12 @@ bool IsNamed(const Unit* unit, const char* suffix) { return unit && std::string(
 DhUnits::DhUnits(const TextTable& table, const std::vector<DhColumn>& columns, RobotReading* reading)
     : table_(table), columns_(columns), units_(columns.size(), nullptr) {
   for (size_t c = 0; c < columns_.size(); ++c) ReadHeader(c);
+  const Unit* stated = nullptr;
+  for (size_t c = 0; c < columns_.size(); ++c) {
+    if (IsLength(columns_[c]) && units_[c]) stated = units_[c];
+  }
   GuessLengths(reading);
+  if (!length_) length_ = stated;
   GuessAngles(reading);
   CheckThousands();
 }
@@ -68,9 +73,10 @@ void DhUnits::GuessLengths(RobotReading* reading) {
   if (!any) return;
   const std::string unit = largest < kLongestLink ? "m" : "mm";  // and no arm is made of links below 10 mm
   for (size_t c = 0; c < columns_.size(); ++c) {
-    if (is_open(c)) units_[c] = length_ = &UnitNamed(unit);
+    if (is_open(c)) units_[c] = &UnitNamed(unit);
   }
   if (largest == 0.0) return;
+  if (!length_) length_ = &UnitNamed(unit);
   reading->guesses.push_back("lengths are in " + unit + ": the header does not say, the largest is " +
                              FormatNumber(largest));
 }
@@ -171,7 +177,11 @@ const Unit& DhUnits::UnitOfLimits(const std::vector<Joint>& joints, JointType ty
     }
   }
   const bool slides = type == JointType::kPrismatic;
-  if (!largest_row) return slides ? *length_ : UnitNamed("deg");
+  if (!largest_row) return UnitNamed(slides ? "m" : "deg");  // of nothing
+  if (slides && !length_) {
+    Fail(*largest_row, column, "whether limits of up to " + FormatNumber(largest) + " are in m or mm cannot be seen",
+         "state the unit in the header: min [mm], max [mm]");
+  }
   if (!slides && largest <= kFullTurn && !angles_are_in_rad_) {
     Fail(*largest_row, column, "whether limits of up to " + FormatNumber(largest) + " are in deg or rad cannot be seen",
          "state the unit in the header: min [deg], max [deg]");
@@ -205,6 +215,7 @@ void DhUnits::ReadLimits(std::vector<Joint>* joints, RobotReading* reading) cons
       if (!number || IsLengthUnit(unit.suffix) != slides || (!units_[c] && StatesNone(table_.rows[r]))) continue;
       if (slides && (number->uses_pi || number->is_degrees))
         Fail(table_.rows[r], c, "the joint slides, and its limit is an angle", "a length is expected");
+      if (slides) CheckTrack(unit.ToSi(number->value), {table_.path, table_.rows[r].line, table_.header[c]});
       const double in_deg = UnitNamed("deg").ToSi(number->value);
       (columns_[c] == DhColumn::kMin ? joint.min : joint.max) = number->uses_pi      ? number->value
                                                                 : number->is_degrees ? in_deg

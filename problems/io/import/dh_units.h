@@ -40,7 +40,7 @@ class DhUnits {
   const std::vector<DhColumn>& columns_;
   std::vector<const Unit*> units_;  // nullptr: not stated
   AnglesWithoutUnit angles_;
-  const Unit* length_ = nullptr;  // of lengths without a unit of their own; of d, where it has one
+  const Unit* length_ = nullptr;  // of limits without a unit: of d where it has one, else guessed, else of a
   bool angles_are_in_rad_ = false;
 };
 

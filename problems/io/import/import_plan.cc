@@ -378,8 +378,7 @@ class Planner {
         plan_.unused.emplace_back(HeaderOf(c), "torques in N m of all joints are used, or none");
         continue;
       }
-      const TimeColumn time =
-          meaning.role == Role::kTime ? LookAtTime(table_, c, CountShots(table_, plan_)) : TimeColumn();
+      const TimeColumn time = meaning.role == Role::kTime ? LookAtTime(table_, c, 0) : TimeColumn();
       const std::string& no_time = time.why_not;
       if (stem.empty() || IsMapped(stem) || !no_time.empty()) {
         const std::string why = !no_time.empty()       ? no_time
@@ -397,8 +396,6 @@ class Planner {
         }
         unit = "degC";
       }
-      if (stem == "time" && !time.stamps && !time.seconds_per_unit)
-        plan_.guesses.push_back("'" + table_.header[c] + "' is in s: the header does not say");
       Add(stem, stem == "time" ? time.unit : unit, c, stem);
       if (stem == "load") TakeLoad(meaning.unit, c);
     }
@@ -491,6 +488,7 @@ std::vector<ImportPlan> PossiblePlans(const TextTable& table, const std::vector<
   std::vector<ImportPlan> plans = Planner(table, joints, columns).Plans();
   NameMarkers(table, columns.count("marker") > 0, &plans);
   NamePoses(table, &plans);
+  if (columns.count("time_s") == 0) DecideTimes(table, &plans);
   return plans;
 }
 

@@ -16,8 +16,9 @@
 
 namespace sagitta {
 
-// Of P_07_SMR2 the whole, P, SMR2, P_07: parts end at signs that are no letters or digits.
-enum class NamePart { kWhole, kFirst, kLast, kButLast };
+// Of P_07_SMR2 the whole, P, SMR2, P_07, 07, SMR2, nothing: parts end at signs that are no letters or digits, and of
+// A::SMR1::P001 the second is SMR1.
+enum class NamePart { kWhole, kFirst, kLast, kButLast, kSecond, kThird, kFourth };
 std::string PartOfName(const std::string& name, NamePart part);
 
 struct PlannedColumn {

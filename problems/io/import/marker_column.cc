@@ -185,19 +185,20 @@ struct Found {
 };
 
 // Of 7 and 7_2 the first has no part that could be a marker's name.
-bool AllHaveParts(const TextTable& table, int column) {
-  return std::all_of(table.rows.begin(), table.rows.end(), [column](const TextTable::Row& row) {
+bool AllHavePart(const TextTable& table, int column, NamePart part) {
+  return std::all_of(table.rows.begin(), table.rows.end(), [column, part](const TextTable::Row& row) {
     const std::string& cell = row.cells[static_cast<size_t>(column)];
-    return PartOfName(cell, NamePart::kFirst) != cell;
+    return PartOfName(cell, NamePart::kFirst) != cell && !PartOfName(cell, part).empty();
   });
 }
 
 std::optional<Found> Find(const TextTable& table, const Poses& poses, const std::vector<int>& columns) {
   const double apart = poses.Spread([](size_t) { return std::string(); });
   if (!(apart > kApart * poses.Extent())) return std::nullopt;
-  for (const NamePart part : {NamePart::kWhole, NamePart::kLast, NamePart::kFirst}) {
+  for (const NamePart part :
+       {NamePart::kWhole, NamePart::kLast, NamePart::kFirst, NamePart::kSecond, NamePart::kThird, NamePart::kFourth}) {
     for (const int c : columns) {
-      if (part != NamePart::kWhole && !AllHaveParts(table, c)) continue;
+      if (part != NamePart::kWhole && !AllHavePart(table, c, part)) continue;
       const Label label = [&table, c, part](size_t r) {
         return PartOfName(table.rows[r].cells[static_cast<size_t>(c)], part);
       };
@@ -207,13 +208,31 @@ std::optional<Found> Find(const TextTable& table, const Poses& poses, const std:
   return std::nullopt;
 }
 
+const char* NameOf(NamePart part) {
+  switch (part) {
+    case NamePart::kFirst:
+      return "first";
+    case NamePart::kSecond:
+      return "second";
+    case NamePart::kThird:
+      return "third";
+    case NamePart::kFourth:
+      return "fourth";
+    case NamePart::kWhole:
+    case NamePart::kLast:
+    case NamePart::kButLast:
+      break;
+  }
+  return "last";
+}
+
 std::string GuessInWords(const TextTable& table, const Found& found) {
   const std::string header = table.header[static_cast<size_t>(found.column)];
   const std::string& name = table.rows.front().cells[static_cast<size_t>(found.column)];
   std::string what = "'" + header + "'";
   if (found.part != NamePart::kWhole) {
-    what = std::string("the ") + (found.part == NamePart::kLast ? "last" : "first") + " part of " + what + " (" +
-           PartOfName(name, found.part) + " of " + name + ")";
+    what = std::string("the ") + NameOf(found.part) + " part of " + what + " (" + PartOfName(name, found.part) +
+           " of " + name + ")";
   }
   return what + " is the marker: rows of equal joint values differ in it, and their points lie apart; " +
          "--map=marker=" + header + " says it";
@@ -252,7 +271,29 @@ bool IsOfPose(const PlannedColumn& column) {
   return stem[0] == 'q' || kTexts.count(stem) > 0 || is_wrench || stem.rfind("approach", 0) == 0;
 }
 
+namespace {
+
+// Of A::SMR1::P001 A, SMR1, P001.
+std::vector<std::string> PartsOfName(const std::string& name) {
+  std::vector<std::string> parts(1);
+  for (const char c : name) {
+    if (!SeparatesParts(static_cast<unsigned char>(c))) {
+      parts.back() += c;
+    } else if (!parts.back().empty()) {
+      parts.emplace_back();
+    }
+  }
+  return parts;
+}
+
+}  // namespace
+
 std::string PartOfName(const std::string& name, NamePart part) {
+  const int inner = static_cast<int>(part) - static_cast<int>(NamePart::kSecond);
+  if (inner >= 0) {
+    const std::vector<std::string> parts = PartsOfName(name);
+    return parts.size() > static_cast<size_t>(inner) + 1 ? parts[static_cast<size_t>(inner) + 1] : "";
+  }
   if (part == NamePart::kWhole) return name;
   if (part == NamePart::kFirst) return {name.begin(), std::find_if(name.begin(), name.end(), SeparatesParts)};
   const auto last = std::find_if(name.rbegin(), name.rend(), SeparatesParts);

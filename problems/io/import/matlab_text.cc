@@ -7,6 +7,7 @@
 //
 // What changes the robot behind the table, offset, base, tool …, is read where it is simple, or refused.
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
 #include <sstream>
@@ -96,9 +97,11 @@ class MatlabReader {
     for (const std::smatch& table : tables) AddTable(table);
     if (table_.links.empty()) Fail(0, "the table has no rows", "");
     CheckWhatIsNotRead();
+    if (is_system_toolbox_) ReadKindsOfJoints();
     ReadProperties();
     for (size_t r = 0; r < table_.links.size(); ++r) CheckRowUnits(table_.links[r], {path_, lines_[r], ""});
     SetConvention();
+    SayWhatTheTreeIgnores();
     reading_.robot = RobotOfTable(joints_, {}, table_);
     CheckReach(reading_.robot.chain, {path_, lines_.front(), ""});
     reading_.format = is_system_toolbox_ ? "MATLAB dhparams [a alpha d theta], m and rad"
@@ -214,6 +217,72 @@ class MatlabReader {
     return "base and flange are those of the table: remove the line, and add the tool to d of the last row where it "
            "lies "
            "along the last axis";
+  }
+
+  // Of jnt3 = rigidBodyJoint('jnt3', 'prismatic'), with setFixedTransform(jnt3, dhparams(3, :), 'dh').
+  void ReadKindsOfJoints() {
+    static const std::regex kJoint = MakePattern(
+        R"((?:([A-Za-z]\w*(?:\s*[({]\s*\w+\s*[)}])?)\s*=\s*)?\b(?:rigidBodyJoint|robotics\.Joint)\s*\(([^()\n]*(?:\([^()\n]*\)[^()\n]*)*)\))");
+    static const std::regex kKind = MakePattern(R"(.*,\s*['"](revolute|prismatic|fixed)['"]\s*)");
+    for (const std::smatch& joint : AllMatches(text_.begin(), text_.end(), kJoint)) {
+      std::smatch kind;
+      const std::string arguments = joint.str(2);
+      if (!MatchPattern(arguments, &kind, kKind))
+        FailAt(joint, "does not say whether the joint turns or slides", "'revolute' or 'prismatic' as second argument");
+      if (kind[1] == "fixed")
+        FailAt(joint, "does not move, and rows of the table are joints that do",
+               "remove it and its row; what lies behind the last joint adds to d of the last row along its axis");
+      if (kind[1] == "prismatic") SetPrismatic(RowOfJoint(joint));
+    }
+  }
+
+  void SetPrismatic(size_t row) { joints_[row].type = JointType::kPrismatic; }
+
+  // The one row that the joint is given by its number, between this assignment of its name and the next.
+  size_t RowOfJoint(const std::smatch& joint) const {
+    static const std::regex kRow = MakePattern(
+        R"(setFixedTransform\s*\(\s*([A-Za-z]\w*(?:\s*[({]\s*\w+\s*[)}])?)\s*,\s*dhparams\s*\(\s*([0-9]{1,6})\s*,\s*:\s*\))");
+    const auto plain = [](const std::string& text) { return ReplacePattern(text, MakePattern(R"(\s+)"), ""); };
+    const std::string name = plain(joint.str(1));
+    const size_t from = static_cast<size_t>(joint.position(0) + joint.length(0));
+    std::vector<int> rows;
+    for (const std::smatch& call : AllMatches(text_.begin(), text_.end(), kRow)) {
+      const auto at = static_cast<size_t>(call.position(0));
+      if (at < from || plain(call.str(1)) != name || IsAssigned(name, from, at)) continue;
+      rows.push_back(std::stoi(call.str(2)));
+    }
+    if (rows.size() != 1 || rows[0] < 1 || rows[0] > static_cast<int>(joints_.size()))
+      FailAt(joint, "slides, and which row of dhparams it has is not said by a number",
+             "setFixedTransform(" + (name.empty() ? std::string("jnt3") : name) +
+                 ", dhparams(3,:), 'dh') in the text says it");
+    return static_cast<size_t>(rows[0]) - 1;
+  }
+
+  // Whether a name stands for another joint from here on: joint = rigidBodyJoint(…) again.
+  bool IsAssigned(const std::string& name, size_t from, size_t to) const {
+    const std::string between = ReplacePattern(text_.substr(from, to - from), MakePattern(R"([ \t]+)"), "");
+    for (size_t at = between.find(name + "="); at != std::string::npos; at = between.find(name + "=", at + 1)) {
+      const char before = at == 0 ? '\n' : between[at - 1];
+      if (std::isalnum(static_cast<unsigned char>(before)) == 0 && before != '_') return true;
+    }
+    return false;
+  }
+
+  // setFixedTransform(…, 'dh') of a tree ignores theta of a joint that turns, and d of one that slides: here they are
+  // offsets of q, as in every other table.
+  void SayWhatTheTreeIgnores() {
+    if (!is_system_toolbox_ || table_.convention != DhConvention::kStandard ||
+        text_.find("setFixedTransform") == std::string::npos) {
+      return;
+    }
+    for (size_t r = 0; r < joints_.size(); ++r) {
+      const bool slides = joints_[r].type == JointType::kPrismatic;
+      const double ignored = slides ? table_.links[r].d : table_.links[r].theta;
+      if (ignored == 0.0) continue;
+      reading_.guesses.push_back(std::string(slides ? "d" : "theta") + " of row " + std::to_string(r + 1) +
+                                 " adds to its joint's value: setFixedTransform ignores it, so that joint values of a "
+                                 "rigidBodyTree count without it");
+    }
   }
 
   void ReadProperties() {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <string_view>
 
 #include "problems/input_error.h"
 #include "problems/interruption.h"
@@ -19,8 +20,14 @@ namespace {
 struct TableLine {
   int number = 0;
   std::string text;
-  bool is_comment = false;  // '#' or '%' in front, removed
+  bool is_comment = false;  // a sign of comments in front, removed
 };
+
+// Of text behind its blanks: '#', '%' or "//"; 0: it is no comment.
+size_t LengthOfCommentSign(std::string_view text) {
+  if (text.substr(0, 2) == "//") return 2;
+  return !text.empty() && (text.front() == '#' || text.front() == '%') ? 1 : 0;
+}
 
 // Spreadsheets of some countries write U+2212 where a number is negative.
 std::string WithPlainMinus(std::string text) {
@@ -44,9 +51,9 @@ std::vector<TableLine> LinesOf(const std::string& text) {
     at = end + (text.compare(end, 2, "\r\n") == 0 ? 2 : 1);
     if (Trimmed(line.text, kBlanks).empty()) continue;
     const size_t first = line.text.find_first_not_of(' ');
-    if (line.text[first] == '#' || line.text[first] == '%') {
+    if (const size_t sign = LengthOfCommentSign(std::string_view(line.text).substr(first))) {
       line.is_comment = true;
-      line.text = line.text.substr(first + 1);
+      line.text = line.text.substr(first + sign);
     }
     // Frames drawn around tables: +----+----+
     if (line.text.find_first_not_of("+-=| \t\r") == std::string::npos && line.text.find('-') != std::string::npos &&
@@ -251,6 +258,7 @@ class Builder {
       names = Cells(lines_[first - 2]);
       *header = first - 2;
     }
+    NameByTheLineAbove(header, &names);
     table_.header_line = lines_[*header].number;
     for (size_t c = 0; c < names.size(); ++c) {
       const bool has_unit = !units.empty() && !units[c].empty() && units[c] != "-";
@@ -260,6 +268,23 @@ class Builder {
       }
       table_.header[c] = names[c] + (has_unit ? (units[c][0] == '[' ? " " + units[c] : " [" + units[c] + "]") : "");
     }
+  }
+
+  // X, Y, Z, X, Y, Z below Rotation, Rotation … and Position … (motion capture) are no names yet: with the line above
+  // they are.
+  void NameByTheLineAbove(size_t* header, std::vector<std::string>* names) const {
+    const auto stands_twice = [names](const std::string& name) {
+      return !name.empty() && std::count(names->begin(), names->end(), name) > 1;
+    };
+    if (*header == 0 || std::none_of(names->begin(), names->end(), stands_twice)) return;
+    const TableLine& line = lines_[*header - 1];
+    if (line.is_comment || !IsTitle(line)) return;
+    const std::vector<std::string> above = Cells(line);
+    for (size_t c = 0; c < names->size(); ++c) {
+      std::string& name = (*names)[c];
+      if (!above[c].empty() && above[c] != name) name = above[c] + (name.empty() ? "" : " " + name);
+    }
+    --*header;
   }
 
   // As many cells as the rows below, but neither names nor mostly numbers.

@@ -1,5 +1,6 @@
 #include "problems/io/import/time_column.h"
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <set>
@@ -76,12 +77,27 @@ size_t CountShots(const TextTable& table, const ImportPlan& plan) {
     for (const PlannedColumn& column : plan.columns) {
       const bool is_joint = column.stem[0] == 'q' && column.stem != "q";
       if (is_joint || column.stem == "config" || column.stem == "station" || column.stem == "visit")
-        shot += row.cells[static_cast<size_t>(column.source)] + ";";
+        shot += PartOfName(row.cells[static_cast<size_t>(column.source)], column.part) + ";";
     }
     shots += shots == 0 || shot != before;
     before = std::move(shot);
   }
   return shots;
+}
+
+void DecideTimes(const TextTable& table, std::vector<ImportPlan>* plans) {
+  for (ImportPlan& plan : *plans) {
+    const auto is_time = [](const PlannedColumn& column) { return column.stem == "time"; };
+    const auto column = std::find_if(plan.columns.begin(), plan.columns.end(), is_time);
+    if (column == plan.columns.end()) continue;
+    const TimeColumn time = LookAtTime(table, column->source, CountShots(table, plan));
+    if (!time.why_not.empty()) {
+      plan.unused.emplace_back(column->header, time.why_not);
+      plan.columns.erase(column);
+    } else if (!time.stamps && !time.seconds_per_unit) {
+      plan.guesses.push_back("'" + column->header + "' is in s: the header does not say");
+    }
+  }
 }
 
 TimeColumn LookAtTime(const TextTable& table, int column, size_t shots) {

@@ -26,4 +26,8 @@ struct TimeColumn {
 };
 TimeColumn LookAtTime(const TextTable& table, int column, size_t shots);
 
+// Leaves out a time that was rounded away, once it is known which rows are one shot; where it stays, a unit that no
+// header states is a guess.
+void DecideTimes(const TextTable& table, std::vector<ImportPlan>* plans);
+
 }  // namespace sagitta

@@ -32,6 +32,9 @@ class FanucReader {
   void ReadExternalAxes(size_t begin, size_t end, ProgramPoint* point) const;
   void ReadMotions(size_t end);
   void ReadCommands(size_t end);
+  void LeaveChanged(size_t end);
+  void LeaveChanged(const std::string& kind, const std::string& number);
+  bool IsRemark(size_t at) const;
   int PointOf(const std::string& name, TextRange place);
 
   const int joints_;
@@ -113,6 +116,42 @@ ProgramFlow FlowOfFanuc(const std::string& code) {
 // "PAYLOAD[2]", "PAYLOAD[R[3]]", "P[4]", "P[GP1:4]", "PR[5]", with what a comment adds
 const char kPlace[] = "\\s*\\[\\s*(?:GP1\\s*:\\s*)?(\\d+|[A-Z]+\\s*\\[[^\\]]{0,99}\\])";
 
+// "3:  !PAYLOAD[7]"
+bool FanucReader::IsRemark(size_t at) const {
+  const size_t line = code_.rfind('\n', at) + 1;
+  const size_t begin = code_.find_first_not_of(" \t0123456789:", line);
+  return begin < at && code_[begin] == '!';
+}
+
+// UFRAME[1]=PR[2], UTOOL[R[1]]=..., $MNUFRAME[1,3]=..., P[2]=LPOS: the points of the frame or tool then stand
+// elsewhere.
+void FanucReader::LeaveChanged(size_t end) {
+  static const std::regex changed = MakeCodePattern("(?:(?:\\$MN|\\b)U(FRAME|TOOL)|\\bP) ?(\\[)");
+  static const std::regex number = MakeCodePattern("^ ?(?:GP1 ?: ?|1 ?, ?)?(\\d+) ?(?:$|:)");
+  const auto stop = code_.begin() + static_cast<std::ptrdiff_t>(end);
+  for (const std::smatch& match : AllMatches(code_.begin(), stop, changed)) {
+    const size_t open = static_cast<size_t>(match.position(2)), close = EndOfBracket(code_, open);
+    if (close == std::string::npos || IsRemark(open)) continue;
+    const size_t next = code_.find_first_not_of(' ', close);
+    if (next == std::string::npos || code_[next] != '=') continue;
+    const std::string index = code_.substr(open + 1, close - open - 2);
+    std::smatch found;
+    LeaveChanged(match[1], SearchPattern(index, &found, number) ? found[1].str() : "");
+  }
+}
+
+// kind: FRAME, TOOL, or "" of the points themselves; number: "" is any.
+void FanucReader::LeaveChanged(const std::string& kind, const std::string& number) {
+  const std::string stem = kind.empty() ? "P[" : kind == "FRAME" ? "UF" : "UT";
+  for (ProgramPoint& point : program_.points) {
+    const std::string& name = kind.empty() ? point.name : kind == "FRAME" ? point.frame : point.tool;
+    const std::string changed = stem + number + (kind.empty() ? "]" : "");
+    const bool is_meant = name.empty() || (number.empty() ? name.compare(0, 2, stem) == 0 : name == changed);
+    if ((point.is_joints && !kind.empty()) || !is_meant || !point.untouched.empty()) continue;
+    point.untouched = "the program changes " + (name.empty() ? "a frame or tool" : name) + " as it runs";
+  }
+}
+
 // The first motion to each point, and what hangs on the flange then.
 void FanucReader::ReadMotions(size_t end) {
   static const std::regex step = MakeCodePattern(std::string("\\b(PAYLOAD|P)") + kPlace);
@@ -121,10 +160,8 @@ void FanucReader::ReadMotions(size_t end) {
   std::set<size_t> used;
   for (const std::smatch& match : AllMatches(code_.begin(), stop, step)) {
     const size_t at = static_cast<size_t>(match.position(0));
-    const size_t line = code_.rfind('\n', at) + 1;
-    const size_t remark = code_.find_first_not_of(" \t0123456789:", line);
     flow.MoveTo(at);
-    if (code_[remark] == '!') continue;
+    if (IsRemark(at)) continue;
     if (match[1] == "PAYLOAD") {
       flow.Set(0, "PAYLOAD[" + match[2].str() + "]");
       continue;
@@ -236,6 +273,7 @@ void FanucReader::Read() {
   }
   ReadMotions(section);
   ReadCommands(section);
+  LeaveChanged(section);
   FindCallsElsewhere(source_, &program_);
   source_.PlaceInFile(&program_);
 }

@@ -9,6 +9,7 @@
 #include "models/constants.h"
 #include "problems/io/pattern.h"
 #include "problems/io/programs/calls_elsewhere.h"
+#include "problems/io/programs/krl_calls.h"
 #include "problems/io/programs/krl_scene.h"
 
 namespace sagitta {
@@ -41,6 +42,7 @@ class KrlReader {
   void UseHere(int index, size_t at);
   void UseScene(bool is_first, ProgramPoint* point);
   void CheckFrames();
+  void LeaveHandedOn();
   void ReadPointDeclaration(const std::string& type, const std::string& name, size_t open);
   bool CheckStatus(bool is_linear, ProgramPoint* point) const;
   void ReadSpline(const std::string& line, size_t begin);
@@ -104,6 +106,9 @@ void KrlReader::FillPose(const KrlFields& fields, ProgramPoint* point) const {
     return;
   }
   const int bits = *status, turns = *turn;
+  if ((bits & 16) != 0 && point->untouched.empty()) {
+    point->untouched = "its status says that it was taught with an absolutely accurate robot, which corrects itself";
+  }
   point->branch.wrist_behind = (bits & 1) != 0;
   point->branch.elbow_past_stretch = (bits & 2) != 0;
   point->branch.wrist_negative = (bits & 4) != 0;
@@ -314,6 +319,23 @@ void KrlReader::CheckFrames() {
   }
 }
 
+// What a routine is handed it may change, or move to with a tool of its own. A controller with $ABS_ACCUR has another
+// model than the nominal one.
+void KrlReader::LeaveHandedOn() {
+  static const std::regex accurate = MakeCodePattern("\\$ABS_ACCUR ?=(?!=) ?(?!FALSE\\b)");
+  const bool is_accurate = SearchPattern(code_, accurate);
+  for (ProgramPoint& point : program_.points) {
+    if (is_accurate && !point.is_joints && point.untouched.empty())
+      point.untouched = "$ABS_ACCUR may be on: the controller then corrects the arm by a model of its own";
+  }
+  for (const auto& [name, index] : named_) {
+    ProgramPoint& point = program_.points[index];
+    if (!point.untouched.empty()) continue;
+    const std::optional<size_t> at = HandedToRoutine(code_, name, true);
+    if (at) point.untouched = "a routine is handed it (line " + std::to_string(source_.LineAt(*at)) + ")";
+  }
+}
+
 void KrlReader::ReadLine(size_t begin, size_t end) {
   const std::string line = code_.substr(begin, end - begin);
   static const std::regex declaration = MakeCodePattern(
@@ -343,6 +365,7 @@ void KrlReader::Read() {
     begin = end + 1;
   }
   CheckFrames();
+  LeaveHandedOn();
   scene_.LeaveChanged();
   FindCallsElsewhere(source_, &program_);
   source_.PlaceInFile(&program_);

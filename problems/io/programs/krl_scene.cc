@@ -4,6 +4,7 @@
 
 #include "problems/input_error.h"
 #include "problems/io/pattern.h"
+#include "problems/io/programs/krl_calls.h"
 
 namespace sagitta {
 namespace {
@@ -119,6 +120,7 @@ bool KrlScene::IsNamed(const std::string& value) const {
   static const std::regex assigned = MakeCodePattern("^(?: ?\\. ?\\w+)* ?=(?!=)");
   if (!MatchPattern(value, named)) return false;
   if (value.back() == ']' || value[0] == '$') return true;
+  if (HandedToRoutine(code_, value, false)) return false;
   for (const size_t at : PlacesOf(code_, value)) {
     const std::string behind = code_.substr(at + value.size(), 100);
     if (!HoldsFromStart(at) && SearchPattern(behind, assigned)) return false;
@@ -126,10 +128,32 @@ bool KrlScene::IsNamed(const std::string& value) const {
   return true;
 }
 
+// MYTOOL = {X 1, ...}, once and above all that runs, states what $TOOL = MYTOOL sets. False: it has no one value.
+bool KrlScene::StatePose(KrlVariable variable, const std::string& name) {
+  static const std::regex assigned = MakeCodePattern("^(?: ?\\. ?\\w+)* ?=(?!=)"),
+                          literal = MakeCodePattern("^ ?= ?\\{");
+  int count = 0;
+  std::optional<Pose<double>> pose;
+  for (const size_t at : PlacesOf(code_, name)) {
+    const size_t end = at + name.size();
+    const std::string behind = code_.substr(end, 100);
+    if (!SearchPattern(behind, assigned)) continue;
+    ++count;
+    if (SearchPattern(behind, literal)) pose = PoseAt(code_.find('{', end));
+  }
+  if (name.back() == ']' || count == 0) return true;
+  if (count > 1 || !pose) return false;
+  (variable == kKrlTool ? program_.tools : program_.frames)[name] = *pose;
+  return true;
+}
+
 std::optional<std::string> KrlScene::NameOf(KrlVariable variable, const std::string& value, size_t at) {
   const std::string name = Unspaced(value);
   if (name == "$NULLFRAME") return variable == kKrlTool ? kFlangeName : kWorldName;
-  if (name[0] != '{') return IsNamed(name) ? std::make_optional(name) : std::nullopt;
+  if (name[0] != '{') {
+    const bool is_clear = IsNamed(name) && (variable == kKrlLoad || StatePose(variable, name));
+    return is_clear ? std::make_optional(name) : std::nullopt;
+  }
   const std::string word = variable == kKrlTool ? "$TOOL" : variable == kKrlBase ? "$BASE" : "$LOAD";
   const std::string here = word + " of line " + std::to_string(source_.LineAt(at));
   if (variable == kKrlLoad) {
@@ -206,17 +230,20 @@ void KrlScene::ReadWith(const std::string& line, size_t begin) {
   }
 }
 
-// TOOL_DATA[1] = {...}, LOAD_DATA[1] = {...}, DECL LOAD GRIPPER = {...}
+// TOOL_DATA[1] = {...}, LOAD_DATA[1] = {...}, DECL LOAD GRIPPER = {...}, GRIPPER = {M 5, CM {...}}
 bool KrlScene::ReadData(const std::string& line, size_t begin) {
   static const std::regex data =
       MakeCodePattern("^\\s*\\$?(TOOL|BASE|LOAD)_DATA\\s*\\[\\s*(\\d+)\\s*\\]\\s*=\\s*(\\{)");
   static const std::regex named =
-      MakeCodePattern("^\\s*(?:DECL\\s+)?(?:GLOBAL\\s+)?(?:CONST\\s+)?(LOAD)\\s+(\\w+)\\s*=\\s*(\\{)");
+      MakeCodePattern("^\\s*(?:DECL\\s+)?(?:GLOBAL\\s+)?(?:CONST\\s+)?(LOAD\\s+)?(\\w+)\\s*=\\s*(\\{)");
   std::smatch match;
   const bool is_data = SearchPattern(line, &match, data);
   if (!is_data && !SearchPattern(line, &match, named)) return false;
   const size_t open = begin + static_cast<size_t>(match.position(3));
-  const std::string kind = match[1], name = is_data ? kind + "_DATA[" + match[2].str() + "]" : match[2].str();
+  // A LOAD may be declared in a line of its own, or in another file: its parts say that it is one.
+  if (!is_data && !match[1].matched && FieldsAt(open).count("CM") == 0) return false;
+  const std::string kind = is_data ? match[1].str() : "LOAD",
+                    name = is_data ? kind + "_DATA[" + match[2].str() + "]" : match[2].str();
   const auto state = [&](auto* once, const auto& value, auto* stated) {
     if (!HoldsFromStart(begin) && stated->count(name) == 0) once->Change(name, stated);
     if (value) once->State(name, *value, stated);

@@ -49,6 +49,7 @@ class KrlScene {
   // Of $TOOL, $BASE, $LOAD = value. Nothing: what it is then is computed.
   std::optional<std::string> NameOf(KrlVariable variable, const std::string& value, size_t at);
   bool IsNamed(const std::string& value) const;
+  bool StatePose(KrlVariable variable, const std::string& name);
   bool ReadData(const std::string& line, size_t begin);
   bool ReadChange(const std::string& line);
   void Change(const std::string& kind, const std::string& name);

@@ -77,8 +77,10 @@ ProgramFlow::ProgramFlow(const std::string& code, std::vector<FlowEvent> events,
 void ProgramFlow::FindEnds() {
   std::vector<size_t> open;
   for (size_t i = 0; i < events_.size(); ++i) {
-    events_[i].until = std::string::npos;
-    if (OpensBlock(events_[i].kind)) open.push_back(i);
+    if (OpensBlock(events_[i].kind)) {
+      events_[i].until = std::string::npos;
+      open.push_back(i);
+    }
     if (!ClosesBlock(events_[i].kind)) continue;
     const bool is_routine = events_[i].kind == FlowKind::kRoutineEnd;
     while (!open.empty()) {

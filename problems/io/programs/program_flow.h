@@ -34,9 +34,9 @@ struct FlowEvent {
   size_t at = 0;
   FlowKind kind = FlowKind::kJoin;
   std::string name;           // of a routine
-  size_t until = 0;           // of what is opened here: where it ends
+  size_t until = 0;           // of what is opened here, and of an error handler: where it ends
   bool is_main = false;       // a routine that starts with nothing set
-  bool is_interrupt = false;  // a routine that runs at any time: a trap, a thread
+  bool is_interrupt = false;  // it runs at any time: a trap, a thread, an error handler that the program goes on from
 };
 
 // Group 1 of `pattern`: a key of `kinds`; group 2: the name of a routine.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "problems/input_error.h"
+#include "problems/io/files.h"
 #include "problems/io/pattern.h"
 #include "problems/io/text_checks.h"
 #include "problems/io/units.h"
@@ -14,8 +15,9 @@ namespace {
 bool IsBlank(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }
 
 // Comments and quoted strings blanked out, byte for byte in place; a line that ends with a carriage return alone ends
-// with \n.
-std::string WithoutComments(const std::string& text, const std::string& comment, char quote) {
+// with \n. quotes: the strings, and where they stood.
+std::string WithoutComments(const std::string& text, const std::string& comment, char quote,
+                            std::vector<ProgramCode::Quote>* quotes) {
   std::string code = text;
   for (size_t i = 0; i < code.size(); ++i) {
     if (code[i] == '\r' && (i + 1 == code.size() || code[i + 1] != '\n')) code[i] = '\n';
@@ -26,6 +28,7 @@ std::string WithoutComments(const std::string& text, const std::string& comment,
       end = std::min(code.find('\n', i), code.size());
     } else if (code[i] == quote) {
       end = std::min(code.find_first_of(std::string("\n") + quote, i + 1), code.size());
+      quotes->push_back({i, code.substr(i + 1, end - i - 1)});
       end += end < code.size() && code[end] == quote;
     }
     if (end == i) {
@@ -69,7 +72,7 @@ std::regex MakeCodePattern(const std::string& expression) {
 }
 
 ProgramCode::ProgramCode(const RobotProgram& program, const std::string& comment, char quote, size_t longest_line) {
-  const std::string code = WithoutComments(program.text, comment, quote);
+  const std::string code = WithoutComments(program.text, comment, quote, &quotes_);
   const bool is_utf8 = LineOfInvalidUtf8(program.text) == 0;
   lines_ = {0};
   bool was_blank = false;
@@ -82,6 +85,10 @@ ProgramCode::ProgramCode(const RobotProgram& program, const std::string& comment
     }
     if (code[i] == '\n') text_.back() = '\n';
     was_blank = is_blank;
+  }
+  for (Quote& one : quotes_) {
+    const auto after = std::upper_bound(place_.begin(), place_.end(), one.at);
+    one.at = static_cast<size_t>(after - place_.begin()) - 1;
   }
   place_.push_back(code.size());
   CheckLengths(program.path, longest_line);

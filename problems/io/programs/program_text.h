@@ -17,10 +17,17 @@ namespace sagitta {
 // InputError.
 class ProgramCode {
  public:
+  // A quoted string of the file; in the code there is a blank in its place.
+  struct Quote {
+    size_t at = 0;  // of the blank
+    std::string text;
+  };
+
   // `comment`: what starts one. `longest_line`: bytes.
   ProgramCode(const RobotProgram& program, const std::string& comment, char quote,
               size_t longest_line = std::string::npos);
   const std::string& text() const { return text_; }
+  const std::vector<Quote>& quotes() const { return quotes_; }
   ProgramCode InCapitals() const;
   int LineAt(size_t position) const;  // in the file, from 1
   // Numbers of the program's points: from where they stand in the code to where they stand in the file.
@@ -32,6 +39,7 @@ class ProgramCode {
   std::string text_;
   std::vector<size_t> place_;  // in the file, of every byte of the code and of its end
   std::vector<size_t> lines_;  // where they begin in the file
+  std::vector<Quote> quotes_;
 };
 
 // Bytes beyond ASCII of a text that is not UTF-8 are letters of ISO 8859-1, as controllers write them.

@@ -8,6 +8,7 @@
 #include "problems/input_error.h"
 #include "problems/io/pattern.h"
 #include "problems/io/programs/calls_elsewhere.h"
+#include "problems/io/programs/rapid_calls.h"
 #include "problems/io/programs/rapid_flow.h"
 #include "problems/io/programs/rapid_tools.h"
 
@@ -27,7 +28,7 @@ class RapidReader {
         source_(*program, "!", '"'),
         code_(source_.text()),
         upper_(UpperCase(code_)),
-        flow_(FlowOfRapid(upper_)),
+        flow_(FlowOfRapid(source_.InCapitals())),
         tools_(upper_, program) {}
 
   void Read();
@@ -44,10 +45,12 @@ class RapidReader {
   void ReadRoutines();
   void ReadDeclarations();
   void ReadChanges();  // of tools, work objects, loads and targets as the program runs
+  void ReadChangesByName();
   void ReadInstructions();
   void ReadMotion(const std::smatch& match);
   Manner MannerOf(const std::smatch& match, TextRange arguments, const std::vector<TextRange>& positional);
   void ReadUnknownInstructions();
+  void LeaveUnused();
   void ReadOtherUse(size_t point, size_t at, size_t name_end);
   void AddTarget(const std::string& name, size_t open, bool is_joints);
   void ReadConfiguration(const std::vector<TextNumber>& numbers, ProgramPoint* point) const;
@@ -194,6 +197,20 @@ void RapidReader::ReadChanges() {
   }
 }
 
+// SetDataVal "piece", 5; SetAllDataVal "loaddata", other;
+void RapidReader::ReadChangesByName() {
+  static const std::regex change = MakeCodePattern("\\bSET(?:ALL)?DATAVAL\\b");
+  for (const std::smatch& match : AllMatches(upper_.begin(), upper_.end(), change)) {
+    const size_t at = static_cast<size_t>(match.position(0) + match.length(0));
+    const std::string name = match[0] == "SETDATAVAL" ? RapidNameAt(source_, {at, upper_.find(',', at)}) : "";
+    tools_.Change(name, "");
+    for (const auto& [key, index] : named_) {
+      if (!name.empty() && key.substr(key.find('#') + 1) != name) continue;
+      program_.points[index].untouched = "the program changes it, or what a text names, as it runs";
+    }
+  }
+}
+
 std::string RapidReader::WhyNot(const Manner& manner, const ProgramPoint& point) const {
   for (const RapidVariable variable : {kDisplacement, kAxisOffset}) {
     for (const std::string& value : flow_.Of(variable)) {
@@ -265,6 +282,10 @@ RapidReader::Manner RapidReader::MannerOf(const std::smatch& match, TextRange ar
     manner.is_clear = false;
   }
   if (SearchPattern(text, &found, total)) manner.total_load = found[1];
+  if (!manner.total_load.empty()) {
+    program_.unclear_loads[manner.total_load] =
+        "of what \\TLoad names it is not known in which frame its centre of mass is given";
+  }
   const TextRange place = is_complete ? positional[positional.size() - 1 - behind] : TextRange();
   const std::string tool_text = upper_.substr(place.first, place.second - place.first);
   const bool is_named = is_complete && SearchPattern(tool_text, &found, tool_name);
@@ -371,7 +392,7 @@ void RapidReader::ReadTarget(const std::string& command, TextRange part, bool is
 void RapidReader::ReadInstructions() {
   static const std::regex instruction = MakeCodePattern(
       "\\b(?:((?:MOVE|TRIGG|(SEARCH)|ARC|SPOT|DISP)(ABSJ|[JLC])(?:([DAG]O)|(SYNC)|IOS|START|END)?\\d?)(?=[\\s\\\\\\[])"
-      "|(GRIPLOAD)\\b|(PDISP|EOFFS)(ON|SET|OFF)\\b|(CONF[JL])\\b\\s*(?:\\\\\\s*(ON|OFF)\\b)?)");
+      "|(GRIPLOAD)\\b|(PDISP|EOFFS)(ON|SET|OFF)\\b|(CONF[JL])\\b\\s*(?:\\\\\\s*(ON|OFF)\\b)?|(SETSYSDATA) (\\w+))");
   static const std::regex declared = MakeCodePattern("\\b(?:PROC|TRAP|FUNC\\s+\\w+)\\s+$");
   for (const std::smatch& match : AllMatches(upper_.begin(), upper_.end(), instruction)) {
     const size_t at = static_cast<size_t>(match.position(0));
@@ -383,6 +404,9 @@ void RapidReader::ReadInstructions() {
       std::smatch word;
       const bool is_name = MatchPattern(load, &word, name);
       is_name ? flow_.Set(kGripped, word[1] == "LOAD0" ? "" : word[1].str()) : flow_.SetUnknown(kGripped);
+    } else if (match[11].matched) {
+      // Of a payload and of a total load alike; every motion names its own tool and work object.
+      if (!tools_.IsToolOrWorkObject(match[12])) flow_.SetUnknown(kGripped);
     } else if (match[7].matched) {
       flow_.Set(match[7] == "PDISP" ? kDisplacement : kAxisOffset, match[8]);
     } else if (match[9].matched) {
@@ -394,14 +418,26 @@ void RapidReader::ReadInstructions() {
   }
 }
 
+// Nobody knows with which tool another file goes to it; a file of declarations alone is asked for one.
+void RapidReader::LeaveUnused() {
+  used_.resize(program_.points.size(), false);
+  for (size_t i = 0; i < used_.size() && !program_.motions.empty(); ++i) {
+    ProgramPoint& point = program_.points[i];
+    if (!used_[i] && !point.is_joints && point.untouched.empty()) point.untouched = "no motion in this file goes to it";
+  }
+}
+
 void RapidReader::Read() {
   program_.notation = PoseNotation::kQuaternion;
   ReadRoutines();
   ReadDeclarations();
   ReadChanges();
+  ReadChangesByName();
   ReadInstructions();
   ReadUnknownInstructions();
+  LeaveUnused();
   FindCallsElsewhere(source_.InCapitals(), &program_);
+  FindRapidCallsElsewhere(source_.InCapitals(), &program_);
   source_.PlaceInFile(&program_);
 }
 

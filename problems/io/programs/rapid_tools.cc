@@ -24,6 +24,8 @@ std::optional<ProgramLoad> LoadOf(const std::vector<TextNumber>& numbers) {
 
 // [robhold, [[x, y, z], [q1..q4]], [mass, ...]]
 void RapidTools::AddTool(const std::string& name, size_t open) {
+  tools_and_objects_.insert(name);
+  declared_.insert(name);
   const std::vector<TextRange> parts = PartsOf(code_, open + 1, EndOfBracket(code_, open) - 1);
   if (parts.size() < 2) return;
   const std::vector<TextNumber> numbers = NumbersInBracket(code_, parts[1].first);
@@ -71,6 +73,8 @@ std::string RapidTools::LoadWith(const std::string& tool, const std::string& tot
 
 // [robhold, ufprog, ufmec, uframe, oframe]
 void RapidTools::AddWorkObject(const std::string& name, size_t open) {
+  tools_and_objects_.insert(name);
+  declared_.insert(name);
   const std::vector<TextRange> parts = PartsOf(code_, open + 1, EndOfBracket(code_, open) - 1);
   if (parts.size() != 5) return;
   if (code_.compare(parts[0].first, 5, "FALSE") != 0) refused_[name] = "the robot holds its work object";
@@ -83,10 +87,15 @@ void RapidTools::AddWorkObject(const std::string& name, size_t open) {
 }
 
 void RapidTools::AddPayload(const std::string& name, size_t open) {
+  declared_.insert(name);
   if (const auto load = LoadOf(NumbersInBracket(code_, open))) stated_payloads_.State(name, *load, &payloads_);
 }
 
 void RapidTools::Change(const std::string& name, const std::string& part) {
+  if (name.empty()) {
+    for (const std::string& one : declared_) Change(one, "");
+    return;
+  }
   stated_payloads_.Change(name, &payloads_);
   if (part.find("TFRAME") == std::string::npos) stated_tool_loads_.Change(name, &tool_loads_);
   if (part.find("TLOAD") == std::string::npos) stated_tools_.Change(name, &program_.tools);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 
 #include "problems/io/programs/program_text.h"
@@ -18,7 +19,8 @@ class RapidTools {
   void AddTool(const std::string& name, size_t open);
   void AddWorkObject(const std::string& name, size_t open);
   void AddPayload(const std::string& name, size_t open);
-  // name.part := ..., whatever it is the name of.
+  bool IsToolOrWorkObject(const std::string& name) const { return tools_and_objects_.count(name) > 0; }
+  // name.part := ..., whatever it is the name of; "": of all that are declared.
   void Change(const std::string& name, const std::string& part);
   // "GUN and PIECE": tool and workpiece as one body. `total`: what \TLoad names in place of both, "": nothing.
   std::string LoadWith(const std::string& tool, const std::string& total, const std::string& gripped);
@@ -29,6 +31,7 @@ class RapidTools {
  private:
   const std::string& code_;
   RobotProgram& program_;
+  std::set<std::string> tools_and_objects_ = {"TOOL0", "WOBJ0"}, declared_;
   std::map<std::string, std::string> refused_;                // tools and work objects: why
   std::map<std::string, ProgramLoad> tool_loads_, payloads_;  // in the flange, in the tool
   StatedOnce<ProgramLoad> stated_tool_loads_, stated_payloads_;

@@ -95,12 +95,13 @@ struct RobotProgram {
   std::string path;
   std::string text;
   PoseNotation notation = PoseNotation::kAbcDegrees;
-  std::vector<ProgramPoint> points;            // in the order of the text
-  std::vector<ProgramMotion> motions;          // every one that the text has
-  std::map<std::string, Pose<double>> frames;  // in the world frame, stated by the file
-  std::map<std::string, Pose<double>> tools;   // in the flange, stated by the file
-  std::map<std::string, ProgramLoad> loads;    // stated by the file; points may name others
-  std::vector<std::string> notes;              // what a reader of the result should know
+  std::vector<ProgramPoint> points;                  // in the order of the text
+  std::vector<ProgramMotion> motions;                // every one that the text has
+  std::map<std::string, Pose<double>> frames;        // in the world frame, stated by the file
+  std::map<std::string, Pose<double>> tools;         // in the flange, stated by the file
+  std::map<std::string, ProgramLoad> loads;          // stated by the file; points may name others
+  std::map<std::string, std::string> unclear_loads;  // of those that points name and `loads` has not: why, if known
+  std::vector<std::string> notes;                    // what a reader of the result should know
   std::map<std::string, int> calls_elsewhere;  // routines that are called and are not in this file: line of the first
 
   // Of a joint point: rad.

@@ -54,6 +54,7 @@ class UrReader {
   std::string TextOf(TextRange range) const { return code_.substr(range.first, range.second - range.first); }
   int PointOf(const std::string& motion, TextRange argument);
   void SetTool(size_t open);
+  void StateTool(const std::string& name);
   void SetLoad(const std::string& call, size_t open);
   FlowValues LoadsHere();
   int AddLiteral(const std::string& name, size_t at);
@@ -65,7 +66,9 @@ class UrReader {
   ProgramFlow flow_;
   std::map<std::string, double> mass_at_tool_;  // of loads that are in the tool centre point, wherever that is
   std::map<std::string, int> assigned_;         // how often, in all or in part
+  std::set<std::string> parameters_;            // of routines
   std::set<int> used_;                          // points that a motion goes to
+  std::set<int> tools_;                         // points that a tool is set to
   std::map<std::string, int> named_;            // index of a point
 };
 
@@ -127,18 +130,17 @@ void UrReader::RefuseChanged() {
   }
   // def go(p1): the name is another one in there.
   static const std::regex routine = MakeCodePattern("\\bdef \\w+ ?(\\()");
-  std::set<std::string> parameters;
   for (const std::smatch& match : AllMatches(code_.begin(), code_.end(), routine)) {
     const size_t open = static_cast<size_t>(match.position(1)), end = EndOfBracket(code_, open);
     if (end == std::string::npos) continue;
     for (const TextRange& part : PartsOf(code_, open + 1, end - 1)) {
       const size_t name_end = std::min(code_.find_first_of("= ", part.first), part.second);
-      parameters.insert(code_.substr(part.first, name_end - part.first));
+      parameters_.insert(code_.substr(part.first, name_end - part.first));
     }
   }
   for (ProgramPoint& point : program_.points) {
     if (assigned_[point.name] > 1) point.untouched = kSetAgain;
-    if (parameters.count(point.name) > 0) point.untouched = "a routine is handed another one by this name";
+    if (parameters_.count(point.name) > 0) point.untouched = "a routine is handed another one by this name";
   }
 }
 
@@ -146,13 +148,27 @@ void UrReader::RefuseChanged() {
 void UrReader::SetTool(size_t open) {
   const TextRange argument = WithoutKeyword(PartsOf(code_, open + 1, EndOfBracket(code_, open) - 1)[0]);
   const std::string tool = ToolOf(argument, "set_tcp");
-  const bool is_one = program_.tools.count(tool) > 0 || (IsName(tool) && assigned_[tool] <= 1);
+  const bool is_one =
+      program_.tools.count(tool) > 0 || (IsName(tool) && assigned_[tool] <= 1 && parameters_.count(tool) == 0);
   is_one ? flow_.Set(kUrTool, tool) : flow_.SetUnknown(kUrTool);
+}
+
+// my_tcp = p[...] states it, where nothing else sets it.
+void UrReader::StateTool(const std::string& name) {
+  const auto found = named_.find(name);
+  if (found == named_.end() || assigned_[name] != 1 || parameters_.count(name) > 0) return;
+  const ProgramPoint& point = program_.points[static_cast<size_t>(found->second)];
+  if (point.is_joints || point.numbers.size() != 6) return;
+  program_.tools[name] = PoseFrom(PoseNotation::kRotationVectorMetres, ValuesOf(point.numbers));
+  tools_.insert(found->second);
 }
 
 // The name of a tool: of a literal the call that has it, else as it is written.
 std::string UrReader::ToolOf(TextRange argument, const std::string& call) {
-  if (!IsPoseAt(code_, argument.first)) return TextOf(argument);
+  if (!IsPoseAt(code_, argument.first)) {
+    StateTool(TextOf(argument));
+    return TextOf(argument);
+  }
   const std::vector<TextNumber> numbers = NumbersInBracket(code_, argument.first + 1);
   if (numbers.size() != 6) return TextOf(argument);
   const Pose<double> pose = PoseFrom(PoseNotation::kRotationVectorMetres, ValuesOf(numbers));
@@ -355,6 +371,10 @@ void UrReader::Read() {
   program_.notation = PoseNotation::kRotationVectorMetres;
   ReadAssignments();
   ReadCalls();
+  for (const int index : tools_) {
+    ProgramPoint& point = program_.points[static_cast<size_t>(index)];
+    if (point.untouched.empty()) point.untouched = "it is a tool, too";
+  }
   FindCallsElsewhere(source_, &program_);
   source_.PlaceInFile(&program_);
 }
