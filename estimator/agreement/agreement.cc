@@ -77,9 +77,9 @@ Differences DifferencesOfParts(const Whole& whole, const PartFit& a, const PartF
   for (size_t i = 0; i < in_a.size(); ++i) {
     const int ia = in_a[i], ib = in_b[i];
     // Two spreads of residuals are independent; that of repeats is one and the same.
-    const bool is_shared = !sandwich && !whole.is_scaled && whole.problem.repeat_scatter;
+    const bool is_shared = !sandwich && whole.dof_by_repeats.size() > 0;
     const double dof =
-        is_shared ? SigmaDof(whole.problem.repeat_scatter) : WelchDof(ca(ia, ia), dof_a[ia], cb(ib, ib), dof_b[ib]);
+        is_shared ? whole.dof_by_repeats[a.columns[ia]] : WelchDof(ca(ia, ia), dof_a[ia], cb(ib, ib), dof_b[ib]);
     const double t = StudentQuantile(0.975, dof);
     found.over_interval.push_back(std::abs(found.value[i]) / (t * std::sqrt(found.covariance(i, i))));
   }

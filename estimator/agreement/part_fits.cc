@@ -9,6 +9,7 @@
 #include "estimator/least_squares/cluster_sandwich.h"
 #include "estimator/least_squares/identifiability.h"
 #include "estimator/least_squares/normal_equations.h"
+#include "estimator/noise/repeat_spread.h"
 #include "estimator/noise/weighting.h"
 #include "estimator/statistics/distributions.h"
 #include "estimator/statistics/median.h"
@@ -143,6 +144,7 @@ Whole::Whole(const CalibrationProblem& given, const Estimate& at, const FittedSt
       clusters(fitted != nullptr ? fitted->clusters() : ConfigurationClusters(given.data(), observations)),
       is_scaled(!at.sigma.stated || at.sigma.scaled || WeighsByEq14(given.experiment())),
       by_sandwich(at.intervals.is_empirical()) {
+  if (given.noise_origin == NoiseOrigin::kRepeats && !is_scaled) dof_by_repeats = DofByRepeats(given, at);
   are_held = AreHeld(num_rows(), num_columns());
   valid = !are_held;
   if (!are_held) {

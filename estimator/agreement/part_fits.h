@@ -31,6 +31,9 @@ struct Whole {
   std::vector<int> clusters;  // of each observation, from 0 in the order in which they appear
   bool is_scaled = false;     // the model's covariance has its scale from residuals
   bool by_sandwich = false;   // the estimate's own intervals do
+  // Of each column, where repeats give the noise and nothing scales it: those of the spreads that it rests on, which
+  // are the same in all parts (DofByRepeats). Empty: otherwise.
+  Eigen::VectorXd dof_by_repeats;
 
   bool valid = false;     // false: an equilibrium diverges
   bool are_held = false;  // rows are few enough to be kept; else they come by pieces
