@@ -9,6 +9,7 @@
 #include "estimator/explanations/scan.h"
 #include "estimator/random_effects/sweep.h"
 #include "models/effects/catalogue.h"
+#include "problems/io/files.h"
 
 namespace sagitta {
 namespace {
@@ -31,9 +32,9 @@ std::vector<double> FittedTimes(const CalibrationProblem& problem) {
 
 size_t StrideOf(const std::vector<double>& times) { return std::max<size_t>(1, times.size() / kChangePoints); }
 
-// Before the i-th time.
+// Before the i-th time, as files that are read back have it: an effect's settings are a part of its name.
 std::string MomentBefore(const std::vector<double>& times, size_t i) {
-  return std::to_string(0.5 * (times[i - 1] + times[i]));
+  return FormatNumber(0.5 * (times[i - 1] + times[i]));
 }
 
 // Of each effect on each target, the others of its settings alike: the moments that alone explain most.

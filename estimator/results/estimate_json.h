@@ -65,7 +65,10 @@ struct KnownRobot {
   // parameters by no less than its configurations err.
   Eigen::MatrixXd campaign_covariance;
   Eigen::MatrixXd noise_covariance;  // of noise alone, as the same names have it
-  double halves = 1.0;               // by which configurations err beyond noise, if at all; infinite: not shown
+  double halves = 1.0;               // factor by which configurations err beyond noise, where that is no chance
+  // By how much more, at most, configurations err than residuals show, as where joints scatter; infinite: residuals
+  // show nothing of it. 1: the noise that was stated or estimated has it.
+  double hidden = 1.0;
   PredictionNoise noise;
   double model_error = 1.0;  // factor by which model error widens the parameters' intervals (model_error.factor)
   double rest = 0.0;         // m, RMS distance: what is left on points that were not fitted beyond noise and parameters

@@ -15,6 +15,7 @@
 #include "estimator/results/loading_json.h"
 #include "estimator/results/measured_conditions.h"
 #include "estimator/results/measured_joints.h"
+#include "estimator/statistics/distributions.h"
 #include "models/constants.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
@@ -70,6 +71,7 @@ class EstimateReader {
       known_.noise = ReadPredictionNoise(*noise, &known_.loading);
       known_.noise.freedom = NoiseFreedom();
     }
+    if (known_.loading.repeatability.IsZero()) known_.hidden = WhatFitsHide();
     const auto intervals = root_.Find("intervals"), clusters = intervals ? intervals->Find("clusters") : std::nullopt;
     if (clusters) known_.clusters = clusters->NotNegativeNumber();
     return known_;
@@ -226,9 +228,10 @@ class EstimateReader {
     return std::max(halves, ratio->NotNegativeNumber() * WhatFitsHide());
   }
 
-  // A configuration errs by at most as many numbers as it has joints, r, and as were read there. Of the n r numbers of
-  // n configurations p parameters follow p, and residuals (of which the sandwich is made) show the rest:
-  //   sqrt(n r / (n r - p)); infinite where they show nothing. 1: the file does not state how many there are.
+  // A configuration errs by at most as many numbers as it has joints, r, and as were read there. p parameters follow p
+  // of the n r numbers of n configurations; of the rest, and so of the sandwich, the squares are with 95 % no less than
+  // the quantile of chi-square:
+  //   sqrt(n r / chi^2_0.05(n r - p)); infinite where there is no rest. 1: the file does not state how many there are.
   double WhatFitsHide() const {
     const auto fit = root_.Find("fit");
     const auto observations = fit ? fit->Find("observations") : std::nullopt;
@@ -237,7 +240,7 @@ class EstimateReader {
     const double all = std::min(3.0 * observations->NotNegativeNumber(),
                                 configurations->NotNegativeNumber() * known_.robot.chain.num_joints());
     const double shown = all - static_cast<double>(known_.uncertainty.estimated.size());
-    return shown > 0.0 ? std::sqrt(all / shown) : kInfinity;
+    return shown > 0.0 ? std::max(1.0, std::sqrt(all / ChiSquareQuantile(0.05, shown))) : kInfinity;
   }
 
   static double FactorOf(const JsonValue& json) {
