@@ -33,6 +33,8 @@ std::string Significant(double value, int digits) {
 
 std::string InMillimetres(double metres) { return Significant(1e3 * metres, 3) + " mm"; }
 
+std::string PValueInWords(double p_value) { return p_value < 1e-300 ? "p < 1e-300" : "p = " + Significant(p_value, 2); }
+
 std::string WholePercent(double share) { return Fixed(100.0 * share, 0) + " %"; }
 
 std::string Enumerate(const std::vector<std::string>& items, size_t most) {

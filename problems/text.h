@@ -18,6 +18,9 @@ std::string Significant(double value, int digits);
 // A length in m as "0.123 mm", three digits.
 std::string InMillimetres(double metres);
 
+// "p = 0.03"; below what a number holds "p < 1e-300".
+std::string PValueInWords(double p_value);
+
 // A share as "12 %", to the percent.
 std::string WholePercent(double share);
 

@@ -76,8 +76,6 @@ std::string BeginAtTheFirstRow(const std::vector<std::string>& effects) {
          "it";
 }
 
-std::string PValueInWords(double p_value) { return p_value < 1e-300 ? "p < 1e-300" : "p = " + Significant(p_value, 2); }
-
 std::string RowsRefuteTheEstimate(double rms, double excess, double p_value, double known_rest,
                                   const std::vector<std::string>& remembering) {
   const std::string before_them =

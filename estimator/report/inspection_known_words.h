@@ -32,8 +32,6 @@ std::string RowsAreFarOff(size_t far, size_t all, double beyond, const std::stri
 std::string CalibrationLeftOpen(double held_rms, const std::vector<std::string>& held);
 // Of effects with a memory: what rows that are given without those before them are predicted from.
 std::string BeginAtTheFirstRow(const std::vector<std::string>& effects);
-// "p = 0.03"; below what a number holds "p < 1e-300".
-std::string PValueInWords(double p_value);
 // rms: over coordinates, m; excess: of what was predicted; known_rest: RMS distance beyond noise that the calibration
 // left on unseen points, m, where these rows are off no more than that, else 0; remembering: effects that go with what
 // was done before.

@@ -9,7 +9,6 @@
 
 #include "estimator/noise/robot_scatter.h"
 #include "estimator/noise/rotation_noise.h"
-#include "estimator/report/inspection_known_words.h"
 #include "problems/text.h"
 
 namespace sagitta {
