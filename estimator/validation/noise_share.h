@@ -4,7 +4,8 @@
 //   q^2 = n^2 + r^2,    sd(q^2) = q^2 sqrt(2 / nu):
 //
 // r is what is left for the robot; where nothing but the residuals states the noise, what the model lacks is in n, and
-// r is what parameters add. Where a diagnosis found the noise the two are not separated: n is what it left to the noise. Where r^2 is within the uncertainty of q^2 only a bound of it is known.
+// r is what parameters add. Where a diagnosis found the noise the two are not separated: n is what it left to the
+// noise. Where r^2 is within the uncertainty of q^2 only a bound of it is known.
 #pragma once
 
 #include <vector>

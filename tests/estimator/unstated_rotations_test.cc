@@ -170,6 +170,7 @@ TEST(UnstatedRotations, NoiseThatADiagnosisFoundIsNotCalledStated) {
   const Calibration open = ExtendedCalibration(Diagnose(problem, DiagnosisOptions()));
   const auto json = CalibrationToJson(open, {});
   EXPECT_FALSE(json["sigma"]["stated"].get<bool>());
+  EXPECT_EQ(json["noise"]["source"], "estimated");
   EXPECT_EQ(json["sigma"]["estimated_mm"], json["prediction_noise"]["sigma_mm"]);
   EXPECT_EQ(NameOfNoise(open.estimate.sigma.origin), "the noise that was found");
   EXPECT_TRUE(open.trust.noise.of_residuals);
