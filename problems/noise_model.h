@@ -42,8 +42,8 @@ bool IsDiagonal(const NoiseRoots& roots);
 
 // Least degrees of freedom f of a spread that one axis, or rotations, are weighed by: of 1 / s^2, the weight, standard
 // deviation over mean are sqrt(2 / (f - 4)), a half here. With fewer the weights follow their own errors: a mean over
-// three axes that scatter alike has a variance that is larger than stated by the share 8 / (3 f) (Meier 1953): 0.9 at
-// f = 3, 0.2 here.
+// three axes that scatter alike has a variance that is larger than it is said to be by the share 8 / (3 f) (Meier
+// 1953), 0.9 at f = 3 and 0.2 here.
 constexpr int kLeastSpreadDof = 12;
 
 // Where the noise that an estimate goes by is from, next to what rows and experiment state.

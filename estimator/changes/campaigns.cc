@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/explanations/moments.h"
+#include "estimator/report/diagnosis_words.h"
 #include "models/constants.h"
+#include "models/effects/catalogue.h"
 #include "problems/input_error.h"
 #include "problems/simulation.h"
 
@@ -112,6 +115,51 @@ void AddComparedShot(Shot shot, Measurements* data) {
   data->shots.push_back(shot);
 }
 
+constexpr double kBeyondChance = 2.0;  // standard deviations: 1 in 20 of what did not happen
+
+bool IsByTime(const Robot& robot, const EffectSpec& spec) {
+  return FindEffect(robot, spec.effect)->DrivenBy(spec) == EffectDriver::kTime;
+}
+
+// A drift goes on in every campaign, at a rate of its own; this is of one.
+bool IsOfItsCourse(const Robot& robot, const EffectSpec& spec) {
+  const EffectDefinition& effect = *FindEffect(robot, spec.effect);
+  return effect.IsOfAMoment() || (effect.is_learnt && IsByTime(robot, spec));
+}
+
+// What goes with the time since it was begun and not with the clock's.
+bool BeginsAnew(const Robot& robot, const EffectSpec& spec) {
+  return FindEffect(robot, spec.effect)->remember != nullptr && IsByTime(robot, spec);
+}
+
+// s of the campaign's clock: a moment, or where a learnt function has come to its last value.
+double TimeOf(const Robot& robot, const EffectSpec& spec) {
+  const std::string moment = MomentOf(robot, spec);
+  return spec.NumberSetting(moment.empty() ? "to" : moment, 0.0);
+}
+
+// s since the campaign's first row; absent: not stated.
+std::optional<double> LastTime(const KnownRobot& known) {
+  const auto& measured = known.measured_conditions.time;
+  const auto& origins = known.loading.origins;
+  if (!measured || !origins || !origins->campaign_time) return std::nullopt;
+  return std::max(0.0, measured->most - *origins->campaign_time);
+}
+
+// Any of its parameters; what was stated and not estimated is certain.
+bool IsBeyondChance(const KnownRobot& known, const EffectSpec& spec) {
+  const Robot& robot = known.robot;
+  const std::vector<EffectParameter> parameters = FindEffect(robot, spec.effect)->parameters(robot, spec);
+  const std::vector<std::string>& names = known.uncertainty.estimated;
+  for (size_t p = 0; p < std::min(parameters.size(), spec.values.size()); ++p) {
+    const auto found = std::find(names.begin(), names.end(), spec.Path() + "/" + parameters[p].name);
+    const auto i = static_cast<Eigen::Index>(found - names.begin());
+    const double sigma = found == names.end() ? 0.0 : std::sqrt(known.uncertainty.covariance(i, i));
+    if (std::abs(spec.values[p]) > kBeyondChance * sigma) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 void CheckSameRobot(const KnownRobot& old_estimate, const KnownRobot& new_estimate) {
@@ -208,16 +256,82 @@ Measurements RowsOfBoth(const KnownRobot& old_estimate, const KnownRobot& new_es
         const auto spec = loading.loads.find(load);
         if (spec == loading.loads.end() || !spec->second.mass) shot.wrench.force = {0.0, 0.0, -kProbeForce};
       }
-      const std::string& station = data.stations[shot.station];
-      const ConditionOrigins origins = loading.origins.value_or(ConditionOrigins());
-      shot.has_time = shot.has_temperature = true;
-      shot.time = origins.first_time.count(station) > 0 ? origins.first_time.at(station) : 0.0;
-      shot.temperature = origins.mean_temperature;
+      shot.has_time = shot.has_temperature = true;  // when: SetMoment below
+      shot.temperature = loading.origins.value_or(ConditionOrigins()).mean_temperature;
       shot.approach.assign(chain.num_joints(), 0);
       AddComparedShot(shot, &data);
     }
   }
   return data;
+}
+
+ComparedMoment EndOf(const KnownRobot& known) {
+  ComparedMoment end;
+  if (const std::optional<double> last = LastTime(known)) {
+    end.time = *last;
+    for (const auto& [station, first] : known.loading.origins->first_time) {
+      end.station_time[station] = std::max(0.0, known.measured_conditions.time->most - first);
+    }
+    return end;
+  }
+  for (const EffectSpec& spec : known.robot.effects) {
+    if (IsOfItsCourse(known.robot, spec)) end.time = std::max(end.time, TimeOf(known.robot, spec));
+  }
+  end.time = std::nextafter(end.time, kInfinity);
+  return end;
+}
+
+std::vector<std::string> StationsBegunAnew(const KnownRobot& a, const KnownRobot& b) {
+  std::vector<std::string> stations;
+  for (const KnownRobot* known : {&a, &b}) {
+    for (const EffectSpec& spec : known->robot.effects) {
+      if (BeginsAnew(known->robot, spec)) stations.push_back(spec.target);
+    }
+  }
+  return stations;
+}
+
+bool IsOfItsCourse(const KnownRobot& known, const std::string& coordinate) {
+  return std::any_of(known.robot.effects.begin(), known.robot.effects.end(), [&](const EffectSpec& spec) {
+    return coordinate.rfind(spec.Path() + "/", 0) == 0 && IsOfItsCourse(known.robot, spec);
+  });
+}
+
+std::vector<std::string> HappenedWithin(const KnownRobot& known) {
+  const double last = LastTime(known).value_or(kInfinity);
+  std::vector<std::string> titles;
+  for (const EffectSpec& spec : known.robot.effects) {
+    if (!IsOfItsCourse(known.robot, spec) || !IsBeyondChance(known, spec)) continue;
+    const bool has_begun = MomentOf(known.robot, spec).empty() || TimeOf(known.robot, spec) < last;
+    if (has_begun) titles.push_back(Title(known.robot, spec));
+  }
+  return titles;
+}
+
+void SetMoment(const ComparedMoment& moment, CalibrationProblem* problem) {
+  std::vector<ShotInput>& shots = *problem->mutable_shot_inputs();
+  for (ShotInput& shot : shots) {
+    const auto station = moment.station_time.find(shot.conditions.station);
+    shot.conditions.has_time = true;
+    shot.conditions.time = moment.time;
+    shot.conditions.station_time = station == moment.station_time.end() ? 0.0 : station->second;
+  }
+  problem->model().Prepare(&shots);
+}
+
+std::vector<Vector3<double>> MovedByEvents(const CalibrationProblem& problem) {
+  std::vector<Vector3<double>> moved(problem.data().markers.size(), Vector3<double>::Zero());
+  if (problem.shot_inputs().empty()) return moved;
+  const std::vector<ModelParameter>& parameters = problem.model().parameters();
+  for (const MarkerTerm& term : problem.shot_inputs()[0].terms.markers) {
+    const ModelParameter& parameter = parameters[static_cast<size_t>(term.parameter)];
+    if (parameter.law != ParameterLaw::kEffect) continue;
+    const EffectSpec& spec = problem.robot().effects[static_cast<size_t>(parameter.index)];
+    if (!IsOfItsCourse(problem.robot(), spec)) continue;
+    const int coordinate = problem.parameters.FindCoordinate(parameter.name);
+    moved[static_cast<size_t>(term.marker)] += problem.parameters.Value(coordinate) * term.direction;
+  }
+  return moved;
 }
 
 }  // namespace sagitta

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/effects/catalogue.h"
 #include "models/geometry.h"
 #include "models/steel.h"
 
@@ -95,12 +96,18 @@ ChangeGroup ScaleGroup() {
   return group;
 }
 
+// What goes with time is of each campaign; what it has done is in zeros, bases and markers.
+bool GoesWithTime(const CalibrationProblem& problem, const ModelParameter& parameter) {
+  const EffectSpec& spec = problem.robot().effects[static_cast<size_t>(parameter.index)];
+  return FindEffect(problem.robot(), spec.effect)->DrivenBy(spec) == EffectDriver::kTime;
+}
+
 void AddDesignParameters(const CalibrationProblem& problem, bool with_effects, std::vector<ChangeGroup>* groups) {
   const Chain& chain = problem.model().chain();
   for (const ModelParameter& parameter : problem.model().parameters()) {
     // An offset of a joint is its zero.
     if (parameter.law == ParameterLaw::kGeometry && chain.transforms[parameter.index].has_joint()) continue;
-    if (!with_effects && parameter.law == ParameterLaw::kEffect) continue;
+    if (parameter.law == ParameterLaw::kEffect && (!with_effects || GoesWithTime(problem, parameter))) continue;
     double typical = parameter.quantity == Quantity::kLength ? kTypicalLength : kTypicalAngle;
     if (parameter.law != ParameterLaw::kGeometry) typical = kTypicalShare * std::abs(parameter.nominal);
     if (typical == 0.0) continue;

@@ -216,6 +216,31 @@ void NoteOneLoad(Changes* result) {
   if (is_alike) result->notes.push_back(OneLoadDoesThatToo(*least, *most));
 }
 
+// A slip that moves the points as named motions do is a part of these: of one, of all bases together (a slip of the
+// first joint turns every base), or of bases and tool. What fewer motions hide is said of these.
+void NoteHiddenZeros(const EstimateComparison& comparison, const SearchOutcome& outcome, Changes* result) {
+  std::vector<std::vector<size_t>> sets(2);  // all bases, all motions
+  for (const SparsePosterior::Member& member : outcome.posterior.best) {
+    const size_t g = outcome.of[member.group];
+    if (!comparison.groups()[g].is_motion()) continue;
+    sets.insert(sets.end() - 2, {g});
+    if (comparison.groups()[g].kind == ChangeKind::kBase) sets[sets.size() - 2].push_back(g);
+    sets.back().push_back(g);
+  }
+  const EstimateComparison::Linear linear = comparison.Linearise();
+  std::vector<std::string> said;
+  for (const std::vector<size_t>& set : sets) {
+    std::vector<ChangeKind> kinds;
+    for (const size_t g : set) kinds.push_back(comparison.groups()[g].kind);
+    std::vector<std::string> zeros;
+    for (const std::string& zero : comparison.ZerosWithin(linear, set)) {
+      if (std::find(said.begin(), said.end(), zero) == said.end()) zeros.push_back(zero);
+    }
+    if (!zeros.empty()) result->notes.push_back(ZerosAreHidden(zeros, kinds));
+    said.insert(said.end(), zeros.begin(), zeros.end());
+  }
+}
+
 void AddAlternatives(const std::vector<ChangeGroup>& groups, const SearchOutcome& outcome, Changes* result) {
   std::vector<bool> named(outcome.of.size(), false);
   for (const SparsePosterior::Member& member : outcome.posterior.best) named[member.group] = true;
@@ -249,16 +274,13 @@ Changes FindChanges(const KnownRobot& old_estimate, const KnownRobot& new_estima
   result.notes = comparison.notes();
   result.after_rms = comparison.Rms();
   result.nothing = best->posterior.nothing;
-  const EstimateComparison::Linear linear = comparison.Linearise();
   for (const SparsePosterior::Member& member : best->posterior.best) {
     const size_t g = best->of[member.group];
     result.changes.push_back(
         DescribeChange(groups[g], best->applied[g], member.covariance, best->posterior.probability[member.group]));
     SetBefore(old_estimate, &result.changes.back());
-    if (!groups[g].is_motion()) continue;
-    const std::vector<std::string> zeros = comparison.ZerosWithin(linear, static_cast<int>(g));
-    if (!zeros.empty()) result.notes.push_back(ZerosAreHidden(zeros, result.changes.back()));
   }
+  NoteHiddenZeros(comparison, *best, &result);
   NoteOneLoad(&result);
   AddAlternatives(groups, *best, &result);
   const auto likelier = [](const Change& a, const Change& b) { return a.probability > b.probability; };

@@ -60,6 +60,7 @@ EstimateComparison::EstimateComparison(const KnownRobot& old_estimate, const Kno
   problems_.push_back(PredictionProblem(new_, rows));
   AssumeAlike(0, new_);
   AssumeAlike(1, old_);
+  SetMoments();
   start_ = problems_[0].parameters;
   for (const ShotInput& shot : problems_[0].shot_inputs()) start_joints_.push_back(shot.conditions.q);
   rows_.resize(rows.observations.size());
@@ -74,6 +75,18 @@ EstimateComparison::EstimateComparison(const KnownRobot& old_estimate, const Kno
   FactorCovariance();
 }
 
+// The old campaign at its end, the new one at its beginning.
+void EstimateComparison::SetMoments() {
+  ComparedMoment end = EndOf(old_);
+  for (const std::string& station : StationsBegunAnew(old_, new_)) end.station_time.erase(station);
+  SetMoment(end, &problems_[0]);
+  SetMoment(ComparedMoment(), &problems_[1]);
+  moved_by_events_ = MovedByEvents(problems_[0]);
+  const std::vector<std::string> before = HappenedWithin(old_), after = HappenedWithin(new_);
+  if (!before.empty()) notes_.push_back(ComparedAtItsEnd(old_.file, before));
+  if (!after.empty()) notes_.push_back(ComparedAtItsBeginning(new_.file, after));
+}
+
 // No change of what the other assumed is determined, however large: deflections of millimetres are not linear in it to
 // a micrometre, so that it is set to what the other assumed. A joint without a compliance is rigid.
 void EstimateComparison::AssumeAlike(int which, const KnownRobot& other) {
@@ -84,7 +97,7 @@ void EstimateComparison::AssumeAlike(int which, const KnownRobot& other) {
   for (int i = 0; i < parameters.num_coordinates(); ++i) {
     const Coordinate& coordinate = parameters.coordinates()[i];
     const bool is_open = IsFree(known, coordinate.name) && !IsFree(other, coordinate.name);
-    if (!is_open || !IsOfCampaign(coordinate.kind)) continue;
+    if (!is_open || !IsOfCampaign(coordinate.kind) || IsOfItsCourse(known, coordinate.name)) continue;
     const int same = others.FindCoordinate(coordinate.name);
     if (same >= 0) step[i] = others.Value(same) - parameters.Value(i);
     if (same < 0 && coordinate.kind == CoordinateKind::kCompliance) step[i] = -parameters.Value(i);
@@ -150,7 +163,7 @@ Eigen::MatrixXd EstimateComparison::ColumnsOf(size_t g, const Linearization& all
   const Matrix3<double> rotation = RotationOf(group, applied_[g]);
   for (const int marker : group.carried) {
     // m' = R m + t + own shift, R = exp(d) R: dm' = dt + d x R m.
-    const Vector3<double> arm = rotation * start_.MarkerPoint(marker);
+    const Vector3<double> arm = rotation * (start_.MarkerPoint(marker) + moved_by_events_[marker]);
     const int first = start_.marker(marker).first_coordinate;
     for (int i = 0; i < 6; ++i) {
       const Vector3<double> unit = Vector3<double>::Unit(i % 3);
@@ -214,7 +227,9 @@ void EstimateComparison::MoveTo(const std::vector<Eigen::VectorXd>& applied) {
     for (const int marker : group.carried) {
       const Vector3<double> shift(applied[g][0] * group.typical[0], applied[g][1] * group.typical[1],
                                   applied[g][2] * group.typical[2]);
-      parameters.SetMarkerPoint(marker, RotationOf(group, applied[g]) * start_.MarkerPoint(marker) + shift);
+      const Vector3<double>& moved = moved_by_events_[marker];  // what the shots add to a marker's point
+      parameters.SetMarkerPoint(marker,
+                                RotationOf(group, applied[g]) * (start_.MarkerPoint(marker) + moved) + shift - moved);
     }
   }
   problem.model().Prepare(&inputs);
@@ -222,9 +237,12 @@ void EstimateComparison::MoveTo(const std::vector<Eigen::VectorXd>& applied) {
   applied_ = applied;
 }
 
-std::vector<std::string> EstimateComparison::ZerosWithin(const Linear& linear, int group) const {
-  const Eigen::MatrixXd moved = linear.columns(Eigen::all, linear.of_group[group]);
+std::vector<std::string> EstimateComparison::ZerosWithin(const Linear& linear, const std::vector<size_t>& set) const {
+  std::vector<int> columns;
+  for (const size_t g : set) columns.insert(columns.end(), linear.of_group[g].begin(), linear.of_group[g].end());
+  const Eigen::MatrixXd moved = linear.columns(Eigen::all, columns);
   std::vector<std::string> names;
+  if (set.empty()) return names;
   for (size_t g = 0; g < groups_.size(); ++g) {
     if (groups_[g].kind != ChangeKind::kJointZero) continue;
     if (!IsSeenBeyond(moved, kAnySize, linear.columns(Eigen::all, linear.of_group[g])))

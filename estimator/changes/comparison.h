@@ -48,8 +48,8 @@ class EstimateComparison {
   const std::vector<Eigen::VectorXd>& applied() const { return applied_; }
   double Rms() const;        // m, 3-D distances of what is left
   double NumRandom() const;  // of the numbers in `left`, how many the estimates leave open: tr C^-1 (C - e^2 I)
-  // Joints whose zero is within the columns of this group.
-  std::vector<std::string> ZerosWithin(const Linear& linear, int group) const;
+  // Joints whose zero is within the columns of these groups.
+  std::vector<std::string> ZerosWithin(const Linear& linear, const std::vector<size_t>& set) const;
 
  private:
   Eigen::MatrixXd SpreadOf(const CalibrationProblem& problem, const KnownRobot& known, const KnownRobot& other,
@@ -59,6 +59,7 @@ class EstimateComparison {
   Eigen::MatrixXd RegionSpread(const Linearization& all) const;
   void FactorCovariance();
   void NoteWhatOneAssumed();
+  void SetMoments();
   void AssumeAlike(int which, const KnownRobot& other);
   void CheckKnown() const;
   void AllowForHalves();
@@ -85,6 +86,7 @@ class EstimateComparison {
   std::vector<CalibrationProblem> problems_;  // old, new
   ParameterSet start_;                        // of the old one
   std::vector<Eigen::VectorXd> start_joints_;
+  std::vector<Vector3<double>> moved_by_events_;  // markers of the old one (MovedByEvents)
   std::vector<int> rows_;
   std::vector<ChangeGroup> groups_;
   std::vector<Eigen::VectorXd> applied_;

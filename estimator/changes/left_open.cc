@@ -18,6 +18,8 @@ namespace sagitta {
 namespace {
 
 constexpr double kFloor = 2e-6;  // m: less is no change of any robot, and keeps C regular
+// Beyond, joints that scatter by as much as the noise of their points need not show, and chance looks like changes.
+constexpr double kMostHidden = 2.0;
 // Of a covariance found from configurations: beyond, the heavy tails of so small a sample are no correction any more.
 constexpr double kMostOfClusters = 1.5;
 
@@ -33,13 +35,21 @@ void TurnColumns(const std::vector<int>& coordinates, const Matrix3<double>& rot
 
 }  // namespace
 
-// What joints scatter by, and gear waves, differ between two campaigns as between random halves of one. Intervals of
-// single parameters are wide enough where parts contradict each other (between_parts.h); combinations that few of the
-// parts determine are not.
+// What joints scatter by, and gear waves, differ between two campaigns as between random halves of one, or as its
+// configurations do. Intervals of single parameters are wide enough where parts contradict each other
+// (between_parts.h); combinations that few of the parts determine are not.
 void EstimateComparison::AllowForHalves() {
   for (KnownRobot* known : {&old_, &new_}) {
+    if (std::isinf(known->halves)) {
+      throw InputError(
+          {known->file, 0, "agreement"},
+          "its configurations err by more than noise, and are too few to show by how much: chance would look like "
+          "changes",
+          "calibrate with repeatability_urad: estimate where the joints scatter, or measure more configurations");
+    }
     known->uncertainty.covariance = known->campaign_covariance;
-    if (known->halves > 1.0) notes_.push_back(HalvesDiffer(known->file, known->halves));
+    if (known->halves > 1.0) notes_.push_back(ConfigurationsErr(known->file, known->halves));
+    if (known->halves == 1.0 && known->hidden > kMostHidden) notes_.push_back(ScatterWouldBeHidden(known->file));
   }
 }
 
@@ -122,7 +132,7 @@ void EstimateComparison::NoteWhatOneAssumed() {
     for (const std::string& name : one->uncertainty.estimated) {
       const std::optional<CoordinateKind> kind = CoordinateKindOf(name);
       if (!kind || kind == CoordinateKind::kBase || kind == CoordinateKind::kMarker) continue;
-      if (!IsFree(*other, name)) names.push_back(name);
+      if (!IsFree(*other, name) && !IsOfItsCourse(*one, name)) names.push_back(name);
     }
     if (names.empty()) continue;
     notes_.push_back(ChangesOpen(one->file, names));
@@ -148,11 +158,12 @@ Eigen::MatrixXd EstimateComparison::SpreadOf(const CalibrationProblem& problem, 
     }
     parts.push_back(held * RootOf(u.second_moment));
   }
-  // What only this one estimated, the other assumed.
+  // What only this one estimated, the other assumed; not what happened within this one, which the other has in its
+  // zeros, markers and bases.
   for (size_t i = 0; i < u.estimated.size(); ++i) {
     const std::string& name = u.estimated[i];
     const int coordinate = problem.parameters.FindCoordinate(name);
-    if (coordinate < 0 || IsFree(other, name)) continue;
+    if (coordinate < 0 || IsFree(other, name) || IsOfItsCourse(known, name)) continue;
     const auto p = static_cast<long>(i);
     if (!(u.covariance(p, p) > 0.0)) continue;
     const Coordinate& assumed = problem.parameters.coordinates()[coordinate];

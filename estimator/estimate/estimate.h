@@ -119,9 +119,7 @@ struct SigmaReport {
   double rotation = 0.0;  // rad, of every axis of rotations that state none, as it was found; 0: none was looked for
 
   // Residuals made it what it is, before the fit or by it: no residual can contradict it.
-  bool IsOfResiduals() const {  // or chosen by a diagnosis
-    return !stated || origin == NoiseOrigin::kScaled || origin == NoiseOrigin::kFound;
-  }
+  bool IsOfResiduals() const { return !stated || origin == NoiseOrigin::kScaled || origin == NoiseOrigin::kFound; }
 };
 
 // m per coordinate: interferometric length measurement in a workshop is not better (1 um and more per metre), and no

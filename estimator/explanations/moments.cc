@@ -32,7 +32,7 @@ std::vector<double> FittedTimes(const CalibrationProblem& problem) {
 
 size_t StrideOf(const std::vector<double>& times) { return std::max<size_t>(1, times.size() / kChangePoints); }
 
-// Before the i-th time.
+// Before the i-th time, as files that are read back have it: an effect's settings are a part of its name.
 std::string MomentBefore(const std::vector<double>& times, size_t i) {
   return FormatNumber(0.5 * (times[i - 1] + times[i]));  // as a robot file has it: settings are part of names
 }

@@ -73,6 +73,16 @@ std::string ChangesOpen(const std::string& file, const std::vector<std::string>&
          ", assumed in the other, so no change of it is determined: " + Enumerate(parameters, 8);
 }
 
+std::string ComparedAtItsEnd(const std::string& old_file, const std::vector<std::string>& happened) {
+  return old_file +
+         " is compared as the robot was at its end, after what happened within it: " + Enumerate(happened, 8);
+}
+
+std::string ComparedAtItsBeginning(const std::string& new_file, const std::vector<std::string>& happened) {
+  return new_file + " is compared as the robot was at its beginning; what happened within it is none of the changes: " +
+         Enumerate(happened, 8);
+}
+
 std::string StationsAreOwn(const std::string& old_file, const std::string& new_file) {
   return "no station of " + old_file + " is in " + new_file + ": nothing is said of where the instrument stands";
 }
@@ -85,9 +95,12 @@ std::string ZerosAreHidden(const std::vector<std::string>& joints) {
   return "not seen in these points: a slip of " + Enumerate(joints, 8);
 }
 
-std::string ZerosAreHidden(const std::vector<std::string>& joints, const Change& change) {
-  return std::string("a slip of ") + Enumerate(joints, 8) + " would be a part of what " +
-         (change.kind == ChangeKind::kBase ? "the base moved" : "the tool moved");
+std::string ZerosAreHidden(const std::vector<std::string>& joints, const std::vector<ChangeKind>& motions) {
+  const auto bases = std::count(motions.begin(), motions.end(), ChangeKind::kBase);
+  std::vector<std::string> moved;
+  if (bases > 0) moved.push_back(bases > 1 ? "the bases" : "the base");
+  if (static_cast<size_t>(bases) < motions.size()) moved.push_back("the tool");
+  return "a slip of " + Enumerate(joints, 8) + " would be a part of what " + Enumerate(moved) + " moved";
 }
 
 std::string TooFarApart(const std::string& old_file, const std::string& new_file) {
@@ -105,10 +118,19 @@ std::string LacksSomething(const std::string& file, double factor) {
          "it is";
 }
 
-std::string HalvesDiffer(const std::string& file, double factor) {
-  return "random halves of " + file + " differ by " + Significant(factor, 2) +
-         " times what noise makes them: so does another campaign, and its covariance is that much wider here. Where "
-         "it is joints that scatter, 'repeatability_urad: estimate' in both calibrations shows smaller changes";
+std::string ConfigurationsErr(const std::string& file, double factor) {
+  return "whole configurations of " + file +
+         " err by more than noise (random halves of them differ, or points of one shot err alike): another campaign "
+         "differs by " +
+         Significant(factor, 2) +
+         " times what noise makes, and its covariance is that much wider here. Where it is joints that scatter, "
+         "'repeatability_urad: estimate' in both calibrations shows smaller changes";
+}
+
+std::string ScatterWouldBeHidden(const std::string& file) {
+  return file +
+         " has too few configurations for its unknowns to show whether the joints scatter: if they do, chance looks "
+         "like changes. More configurations show it, or 'repeatability_urad: estimate' in the calibration";
 }
 
 std::string RegionsDiffer(const std::string& joint, double share, double model_error) {

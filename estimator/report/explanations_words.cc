@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "problems/text.h"
+
 namespace sagitta {
 
 std::string DeviatesWith(const std::string& joint, const std::string& driver) {

@@ -15,6 +15,8 @@
 #include "estimator/results/loading_json.h"
 #include "estimator/results/measured_conditions.h"
 #include "estimator/results/measured_joints.h"
+#include "estimator/statistics/distributions.h"
+#include "models/constants.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/json_reader.h"
@@ -69,6 +71,7 @@ class EstimateReader {
       known_.noise = ReadPredictionNoise(*noise, &known_.loading);
       known_.noise.freedom = NoiseFreedom();
     }
+    if (known_.loading.repeatability.IsZero()) known_.hidden = WhatFitsHide();
     const auto intervals = root_.Find("intervals"), clusters = intervals ? intervals->Find("clusters") : std::nullopt;
     if (clusters) known_.clusters = clusters->NotNegativeNumber();
     return known_;
@@ -197,23 +200,47 @@ class EstimateReader {
     };
     known_.uncertainty.covariance = in_units(1.0);
     known_.noise_covariance = deviations.asDiagonal() * noise * deviations.asDiagonal();
-    known_.halves = HowHalvesDiffer();
-    known_.campaign_covariance = known_.halves > 1.0 ? in_units(known_.halves) : known_.uncertainty.covariance;
+    known_.halves = HowConfigurationsErr();
+    const bool is_wider = known_.halves > 1.0 && std::isfinite(known_.halves);
+    known_.campaign_covariance = is_wider ? in_units(known_.halves) : known_.uncertainty.covariance;
     if (!HasNoNoise()) return;
     known_.uncertainty.covariance.setConstant(std::nan(""));
     known_.campaign_covariance.setConstant(std::nan(""));
   }
 
-  // The inflation of random halves, where chance makes it more seldom than the agreement's level allows.
-  double HowHalvesDiffer() const {
+  // Whole configurations err by more than noise, as where joints scatter: random halves differ by it, or points of one
+  // shot err alike. Few configurations do not show it by halves, whose fits follow it; the sandwich does.
+  double HowConfigurationsErr() const {
     const auto agreement = root_.Find("agreement");
     if (!agreement || agreement->IsNull()) return 1.0;
     const double chance = 1.0 - agreement->Get("level").PositiveNumber();
+    const auto advised = agreement->Find("sandwich_advised"), ratio = agreement->Find("sandwich_over_model");
+    bool err = advised && advised->Flag();
+    double halves = 1.0;
     for (const JsonValue& kind : agreement->Get("kinds").Items()) {
-      if (kind.Get("by").Text() != WordOf(SplitBy::kRandom)) continue;
-      if (kind.Get("p_value").NotNegativeNumber() < chance) return std::max(1.0, kind.Get("inflation").Number());
+      if (kind.Get("by").Text() != WordOf(SplitBy::kRandom) || kind.Get("p_value").NotNegativeNumber() >= chance)
+        continue;
+      err = true;
+      halves = std::max(halves, kind.Get("inflation").Number());
     }
-    return 1.0;
+    const bool is_by_model = agreement->Get("covariance").Text() == WordOf(CovarianceKind::kModel);
+    if (!err || !ratio || !is_by_model) return halves;
+    return std::max(halves, ratio->NotNegativeNumber() * WhatFitsHide());
+  }
+
+  // A configuration errs by at most as many numbers as it has joints, r, and as were read there. p parameters follow p
+  // of the n r numbers of n configurations; of the rest, and so of the sandwich, the squares are with 95 % no less than
+  // the quantile of chi-square:
+  //   sqrt(n r / chi^2_0.05(n r - p)); infinite where there is no rest. 1: the file does not state how many there are.
+  double WhatFitsHide() const {
+    const auto fit = root_.Find("fit");
+    const auto observations = fit ? fit->Find("observations") : std::nullopt;
+    const auto configurations = fit ? fit->Find("configurations") : std::nullopt;
+    if (!observations || !configurations) return 1.0;
+    const double all = std::min(3.0 * observations->NotNegativeNumber(),
+                                configurations->NotNegativeNumber() * known_.robot.chain.num_joints());
+    const double shown = all - static_cast<double>(known_.uncertainty.estimated.size());
+    return shown > 0.0 ? std::max(1.0, std::sqrt(all / ChiSquareQuantile(0.05, shown))) : kInfinity;
   }
 
   static double FactorOf(const JsonValue& json) {

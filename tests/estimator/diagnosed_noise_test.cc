@@ -146,7 +146,7 @@ TEST(Diagnosis, AModelHasTheRepeatabilityOfItsOwnResiduals) {
                                                            for (double& joint : *q) joint += rest(random);
                                                          }),
                                                    10e-6);
-    const double factor = is_stated ? 1.0 : 3.0;
+    const double factor = is_stated ? 1.0 : 0.5;
     if (!is_stated) problem = WithScaledSigmas(problem, factor);
     const DiagnosedModel model = FitFully(problem, JointOptions());
     ASSERT_GT(std::abs(model.estimate.chi2 / model.estimate.dof - 1.0), 0.3);

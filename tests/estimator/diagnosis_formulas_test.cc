@@ -16,6 +16,7 @@
 #include "estimator/evidence/posterior.h"
 #include "estimator/explanations/candidates.h"
 #include "estimator/explanations/moments.h"
+#include "problems/io/files.h"
 #include "problems/simulation.h"
 #include "tests/support/moved_kr270.h"
 
@@ -234,6 +235,7 @@ TEST(DiagnosisFormulas, MomentsLieBetweenFittedVisits) {
   ASSERT_EQ(points.size(), times.size() - 2);
   for (size_t i = 0; i < points.size(); ++i) {
     EXPECT_NEAR(std::stod(points[i]) - begin, 0.5 * (times[i] + times[i + 1]), 1e-3) << i;
+    EXPECT_EQ(points[i], FormatNumber(std::stod(points[i])));  // as files that are read back have it
   }
 }
 

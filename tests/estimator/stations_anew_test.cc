@@ -1,7 +1,11 @@
-// What changed between two estimates where the instrument, the tool or both were set up anew, and what a table's
-// redundant parameters are then called. Measured by kinematics of its own (tests/support/dh_campaigns.h).
+// What changed between two estimates where the instrument, the tool or both were set up anew, or where something
+// happened within a campaign, and what a table's redundant parameters are then called. Measured by kinematics of its
+// own (tests/support/dh_campaigns.h, kr270_experiment.h).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
 
 #include "estimator/changes/changes.h"
 #include "estimator/changes/sparse_search.h"
@@ -14,6 +18,7 @@ namespace sagitta::stations_anew_test {
 namespace {
 
 using test::DhCampaign;
+using test::Kr270Truth;
 using ::testing::HasSubstr;
 
 KnownRobot Estimated(const DhCampaign& campaign) {
@@ -236,6 +241,113 @@ TEST(StationsAnewTest, ASlipIsFoundAmongManyStationsSetUpAnew) {
   const Changes changes = FindChanges(estimated(0.0, 1), estimated(0.4e-3, 2));
   ASSERT_EQ(changes.changes.size(), 1u + kStations) << changes.words;
   ExpectSize(Find(changes, "joint_zero/A3"), 0.4);
+}
+
+// Half an hour of one pose a minute. `moved`: where station S1 sees its points then, t from the first row.
+constexpr int kPoses = 30, kFirstLate = 15;
+constexpr double kBegin = 5000.0, kBetween = 60.0, kLength = kBetween * (kPoses - 1);  // s
+
+Vector3<double> NotMoved(double) { return Vector3<double>::Zero(); }
+
+// The robot is `early` up to the 15th pose and `late` from there on; `effects` are estimated.
+KnownRobot Eventful(const std::vector<EffectSpec>& effects, const Kr270Truth& early, const Kr270Truth& late,
+                    std::uint64_t seed, const std::function<Vector3<double>(double)>& moved = NotMoved) {
+  const test::Kr270Design design = test::CampaignOf(kPoses, 2, 3e-5, seed);
+  Measurements data = test::DesignMeasurements(design), after = data;
+  test::MeasureKr270(early, design.sigma, 1000 + seed, &data);
+  test::MeasureKr270(late, design.sigma, 1000 + seed, &after);
+  for (Shot& shot : data.shots) {
+    shot.has_time = true;
+    shot.time = kBegin + kBetween * shot.configuration;
+  }
+  for (size_t i = 0; i < data.observations.size(); ++i) {
+    Observation& row = data.observations[i];
+    const Shot& shot = data.shots[row.shot];
+    if (shot.configuration >= kFirstLate) row.point_in_station = after.observations[i].point_in_station;
+    if (shot.station == 0) row.point_in_station += moved(shot.time - kBegin);
+  }
+  Robot robot = test::Kr270Robot();
+  robot.effects = effects;
+  const CalibrationProblem problem = MakeCalibrationProblem(robot, data, Experiment());
+  return KnownFrom(Calibration{problem, EstimateJointly(problem), {}});
+}
+
+const EffectSpec kSlip{"joint_slip", "A3", {{"after_s", "870"}}, {}};
+const EffectSpec kReseat{"marker_shift", "P2", {{"after_s", "870"}}, {}};
+
+Kr270Truth Slipped(double by) {
+  Kr270Truth truth;
+  truth.errors[7] += by;  // dq3
+  return truth;
+}
+
+Kr270Truth Reseated() {
+  Kr270Truth truth;
+  truth.tools[1] += Vector3<double>(0.25e-3, -0.15e-3, 0.2e-3);
+  return truth;
+}
+
+Kr270Truth StationMoved() {
+  Kr270Truth truth;
+  truth.base_xyz[0] += Vector3<double>(0.3e-3, -0.2e-3, 0.15e-3);
+  return truth;
+}
+
+// Of day one, in which it happens, and of a day on which nothing more does.
+TEST(EventTest, WhatTheOldEstimateHoldsIsNoChange) {
+  // One ramp is sqrt(6) times its weight high.
+  const Vector3<double> weight = StationMoved().base_xyz[0] - Kr270Truth().base_xyz[0];
+  EffectSpec jump{"learnt_station_motion", "S1", {{"by", "time_s"}, {"shape", "ramps"}, {"knots", "1"}}, {}};
+  jump.settings.insert({{"from", "840"}, {"to", "900"}, {"moves", "point"}});
+  for (int a = 0; a < 3; ++a) jump.values.push_back(weight[a] / std::sqrt(6.0));
+  const struct {
+    EffectSpec event;
+    Kr270Truth after;
+    std::string name;
+  } cases[] = {{kSlip, Slipped(3e-4), "joint_zero/A3 "},
+               {kReseat, Reseated(), "marker/P2 "},
+               {jump, StationMoved(), "base/S1 "}};
+  for (const auto& one : cases) {
+    KnownRobot eventful = Eventful({one.event}, {}, one.after, 1);
+    const KnownRobot settled = Eventful({}, one.after, one.after, 2);
+    // The event is one of its own day, and not of what it began with.
+    const Changes back = FindChanges(settled, eventful);
+    EXPECT_EQ(NamesOf(back), one.name) << back.words;
+    EXPECT_THAT(back.notes, ::testing::Contains(HasSubstr("at its beginning")));
+    for (const bool states_times : {true, false}) {
+      if (!states_times) eventful.measured_conditions = {};  // as older files
+      const Changes changes = FindChanges(eventful, settled);
+      EXPECT_EQ(NamesOf(changes), "") << one.name << changes.words;
+      EXPECT_THAT(changes.notes, ::testing::Contains(HasSubstr("at its end")));
+      EXPECT_THAT(changes.notes, ::testing::Not(::testing::Contains(HasSubstr("assumed in the other"))));
+    }
+  }
+}
+
+// A joint that slips again is as well seen as one that has not slipped before, and a tool that is mounted anew carries
+// its reseated marker.
+TEST(EventTest, WhatFollowsAnEventIsNamed) {
+  const Changes again =
+      FindChanges(Eventful({kSlip}, {}, Slipped(3e-4), 3), Eventful({}, Slipped(6e-4), Slipped(6e-4), 4));
+  ASSERT_EQ(NamesOf(again), "joint_zero/A3 ") << again.words;
+  ExpectSize(&again.changes[0], 0.3);
+  Kr270Truth anew = Reseated();
+  for (Vector3<double>& tool : anew.tools) tool = test::Turn(Eigen::Vector3d::UnitZ(), 1.2) * tool;
+  const Changes mounted = FindChanges(Eventful({kReseat}, {}, Reseated(), 5), Eventful({}, anew, anew, 6));
+  EXPECT_EQ(NamesOf(mounted), "tool/flange ") << mounted.words;
+}
+
+// A stand that drifts goes on from where it was; an instrument that warms up begins anew each day.
+TEST(EventTest, ADriftGoesOnAndAWarmUpBeginsAnew) {
+  const Vector3<double> way(0.3e-3, -0.2e-3, 0.15e-3);
+  const EffectSpec drift{"station_drift", "S1", {}, {}}, warm_up{"warm_up", "S1", {{"tau_s", "600"}}, {}};
+  const Changes drifted =
+      FindChanges(Eventful({drift}, {}, {}, 7, [&](double t) { return t / kLength * way; }),
+                  Eventful({drift}, {}, {}, 8, [&](double t) { return (1.0 + t / kLength) * way; }));
+  EXPECT_EQ(NamesOf(drifted), "") << drifted.words;
+  const auto warming = [&](double t) { return std::exp(-t / 600.0) * way; };
+  const Changes warmed = FindChanges(Eventful({warm_up}, {}, {}, 9, warming), Eventful({warm_up}, {}, {}, 10, warming));
+  EXPECT_EQ(NamesOf(warmed), "") << warmed.words;
 }
 
 // The first link turned over is another robot; nothing is said of what changed on one.
