@@ -15,6 +15,7 @@
 #include "estimator/report/baselines_words.h"
 #include "estimator/report/calibration_words.h"
 #include "estimator/report/diagnosis_words.h"
+#include "estimator/report/noise_words.h"
 #include "estimator/report/validation_words.h"
 #include "estimator/results/residuals_csv.h"
 #include "estimator/results/trust_json.h"
@@ -192,6 +193,7 @@ Calibration ExtendedCalibration(const Diagnosis& diagnosis, std::uint64_t seed) 
                                         &fitted, &folds.rows);
   AddTo(diagnosis.choice, &between);
   extended.trust = JudgeTrust(extended.problem, fitted, folds, &extended.estimate, between);
+  DescribeNoise(extended.problem, &extended.estimate);
   KeepFoundNoise(&extended);
   return extended;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "estimator/agreement/part_fits.h"
 #include "estimator/calibration/noise_loop.h"
 #include "estimator/diagnosis/diagnose.h"
 #include "estimator/noise/rotation_noise.h"
@@ -163,6 +164,30 @@ TEST(UnstatedRotations, AreFoundNextToJointsThatDeviate) {
   EXPECT_NEAR(repeats.rotation_sigma.x(), kTruth, 4.0 * 0.07 * kTruth);
 }
 
+// Where a target is points say alone, by three pairs: 9 degrees of freedom in whatever parts are compared. How it is
+// turned rotations say, with the some 165 of their residuals.
+TEST(UnstatedRotations, PartsAreComparedByWhatTheirParametersRestOn) {
+  const Measurements data = WithRepeats(Poses(1e-4), 1e-4, 3, 7);
+  const ResolvedEstimate found = EstimateWithNoise(test::Kr270ProblemOf(data, With(NoiseSpec::From::kRepeats)));
+  ASSERT_FALSE(found.estimate.sigma.scaled);
+  const Whole whole(found.problem, found.estimate, nullptr);
+  ASSERT_EQ(whole.dof_by_repeats.size(), static_cast<Eigen::Index>(found.estimate.estimated.size()));
+  int places = 0, turns = 0;
+  for (size_t i = 0; i < found.estimate.estimated.size(); ++i) {
+    const std::string& name = found.problem.parameters.coordinates()[found.estimate.estimated[i]].name;
+    const double dof = whole.dof_by_repeats[static_cast<Eigen::Index>(i)];
+    if (name.rfind("marker/T/r", 0) == 0) {
+      EXPECT_GT(dof, 36.0) << name;
+      ++turns;
+    } else if (name.rfind("marker/T/", 0) == 0) {
+      EXPECT_LT(dof, 20.0) << name;
+      ++places;
+    }
+  }
+  EXPECT_EQ(places, 3);
+  EXPECT_EQ(turns, 3);
+}
+
 // Nothing states the noise: what the diagnosis found is no statement, and no share of the residuals is the robot's.
 TEST(UnstatedRotations, NoiseThatADiagnosisFoundIsNotCalledStated) {
   CalibrationProblem problem = test::Hidden(3, [](double) { return 0.0; });
@@ -170,6 +195,7 @@ TEST(UnstatedRotations, NoiseThatADiagnosisFoundIsNotCalledStated) {
   const Calibration open = ExtendedCalibration(Diagnose(problem, DiagnosisOptions()));
   const auto json = CalibrationToJson(open, {});
   EXPECT_FALSE(json["sigma"]["stated"].get<bool>());
+  EXPECT_EQ(json["noise"]["source"], "estimated");
   EXPECT_EQ(json["sigma"]["estimated_mm"], json["prediction_noise"]["sigma_mm"]);
   EXPECT_EQ(NameOfNoise(open.estimate.sigma.origin), "the noise that was found");
   EXPECT_TRUE(open.trust.noise.of_residuals);
