@@ -489,7 +489,7 @@ class WhatWasOnceNamedWrong(WithFolder):
         self.assertGreater(diagnosis['posterior']['unnamed'], 0.9)
         self.assertEqual((diagnosis['verdict'], diagnosis['steps']), ('unknown', []))
         cautions = ' '.join(diagnosis['cautions'])
-        self.assertRegex(cautions, r'base_compliance on base \(\d+ %\) is not named')
+        self.assertRegex(cautions, r'base_compliance, base\) with \d+ % is not named')
         self.assertIn('resamples', cautions)
 
     def test_the_prior_of_an_effect_counts_once(self):
