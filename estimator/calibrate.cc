@@ -193,7 +193,7 @@ Calibration ExtendedCalibration(const Diagnosis& diagnosis, std::uint64_t seed) 
                                         &fitted, &folds.rows);
   AddTo(diagnosis.choice, &between);
   extended.trust = JudgeTrust(extended.problem, fitted, folds, &extended.estimate, between);
-  DescribeNoise(extended.problem, &extended.estimate);
+  DescribeOrigin(extended.problem, &extended.estimate);
   KeepFoundNoise(&extended);
   return extended;
 }

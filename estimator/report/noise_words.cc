@@ -324,14 +324,18 @@ std::string TwoNoisesInWords(const VarianceComponent& point, const VarianceCompo
 
 }  // namespace
 
-void DescribeNoise(const CalibrationProblem& problem, Estimate* estimate) {
+void DescribeOrigin(const CalibrationProblem& problem, Estimate* estimate) {
   NoiseReport& report = estimate->noise_report;
   report.source = SourceName(problem, estimate->sigma);
+  if (!problem.repeat_scatter) return;
+  report.words.push_back(RepeatWords(*problem.repeat_scatter, estimate->sigma));
+  DescribeUnnamedArrivals(problem, &report);
+}
+
+void DescribeNoise(const CalibrationProblem& problem, Estimate* estimate) {
+  NoiseReport& report = estimate->noise_report;
   report.loss = problem.experiment().method.loss;
-  if (problem.repeat_scatter) {
-    report.words.push_back(RepeatWords(*problem.repeat_scatter, estimate->sigma));
-    DescribeUnnamedArrivals(problem, &report);
-  }
+  DescribeOrigin(problem, estimate);
   if (HasTwoNoises(report)) {
     report.source = "estimated";
     report.words.push_back(TwoNoisesInWords(report.components[0], *RotationComponent(report)));

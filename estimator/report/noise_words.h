@@ -25,6 +25,8 @@ std::string OutliersAreOf(int hits, int outliers, const std::string& category, d
 std::string OutliersLieAt(const std::string& what, double from, double to, const std::string& unit);
 std::string AreNoMinority(double share);
 
+// Where it is from alone: of an estimate whose noise nothing was looked for in, as a diagnosis's.
+void DescribeOrigin(const CalibrationProblem& problem, Estimate* estimate);
 void DescribeNoise(const CalibrationProblem& problem, Estimate* estimate);
 
 }  // namespace sagitta
