@@ -224,7 +224,7 @@ class EstimateReader {
       halves = std::max(halves, kind.Get("inflation").Number());
     }
     const bool is_by_model = agreement->Get("covariance").Text() == WordOf(CovarianceKind::kModel);
-    if (!err || !ratio || !is_by_model) return halves;
+    if (!err || !ratio || ratio->IsNull() || !is_by_model) return halves;
     return std::max(halves, ratio->NotNegativeNumber() * WhatFitsHide());
   }
 
