@@ -18,8 +18,6 @@ namespace sagitta {
 namespace {
 
 constexpr double kFloor = 2e-6;  // m: less is no change of any robot, and keeps C regular
-// Beyond, joints that scatter by as much as the noise of their points need not show, and chance looks like changes.
-constexpr double kMostHidden = 2.0;
 // Of a covariance found from configurations: beyond, the heavy tails of so small a sample are no correction any more.
 constexpr double kMostOfClusters = 1.5;
 
@@ -49,7 +47,6 @@ void EstimateComparison::AllowForHalves() {
     }
     known->uncertainty.covariance = known->campaign_covariance;
     if (known->halves > 1.0) notes_.push_back(ConfigurationsErr(known->file, known->halves));
-    if (known->halves == 1.0 && known->hidden > kMostHidden) notes_.push_back(ScatterWouldBeHidden(known->file));
   }
 }
 

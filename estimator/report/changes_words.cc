@@ -127,12 +127,6 @@ std::string ConfigurationsErr(const std::string& file, double factor) {
          "'repeatability_urad: estimate' in both calibrations shows smaller changes";
 }
 
-std::string ScatterWouldBeHidden(const std::string& file) {
-  return file +
-         " has too few configurations for its unknowns to show whether the joints scatter: if they do, chance looks "
-         "like changes. More configurations show it, or 'repeatability_urad: estimate' in the calibration";
-}
-
 std::string RegionsDiffer(const std::string& joint, double share, double model_error) {
   return "the two campaigns have only " + Significant(1e2 * share, 2) + " % of the wider range of " + joint +
          " in common and are compared there. What the model lacks, " + Significant(1e3 * model_error, 2) +

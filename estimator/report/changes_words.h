@@ -38,8 +38,6 @@ std::string TooFarApart(const std::string& old_file, const std::string& new_file
 std::string LacksSomething(const std::string& file, double factor);
 // factor: by which its configurations err beyond noise, as random halves and points of one shot show.
 std::string ConfigurationsErr(const std::string& file, double factor);
-// Of an estimate of so few configurations that it need not show what its joints scatter by.
-std::string ScatterWouldBeHidden(const std::string& file);
 // The joint with the smallest share of its wider range in both campaigns; model_error: m.
 std::string RegionsDiffer(const std::string& joint, double share, double model_error);
 // Of several compliances at once: the shares of what they were.

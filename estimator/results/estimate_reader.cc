@@ -71,7 +71,6 @@ class EstimateReader {
       known_.noise = ReadPredictionNoise(*noise, &known_.loading);
       known_.noise.freedom = NoiseFreedom();
     }
-    if (known_.loading.repeatability.IsZero()) known_.hidden = WhatFitsHide();
     const auto intervals = root_.Find("intervals"), clusters = intervals ? intervals->Find("clusters") : std::nullopt;
     if (clusters) known_.clusters = clusters->NotNegativeNumber();
     return known_;
