@@ -118,8 +118,9 @@ std::string WhatSuspectsDo(const Calibration& calibration) {
   if (left_out == 0) return first + all + "them.";
   const std::string loss = " left out of all figures by the loss of the experiment";
   if (left_out == suspects.size()) {
-    return std::string("These rows are") + loss + ": " + all +
-           "the others alone. Correct them or leave them out for good.";
+    const bool is_one = left_out == 1;
+    return (is_one ? "This row is" : "These rows are") + loss + ": " + all + "the others alone. " +
+           (is_one ? "Correct it or leave it out for good." : "Correct them or leave them out for good.");
   }
   return first + std::to_string(left_out) + (left_out == 1 ? " is" : " are") + loss + "; " + all + "the rest of them.";
 }

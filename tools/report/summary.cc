@@ -88,9 +88,9 @@ std::string PullInWords(const Estimate& estimate) {
   const PriorPull& pull = estimate.sigma.pull;
   if (!pull.is_set_aside) return "";
   const double dof = std::max(1, estimate.dof - pull.priors), rows = estimate.chi2 - pull.squares;
-  return "Of it " + Significant(pull.squares, 4) + " is what " + Plural(pull.priors, "stated prior") +
-         " pull: more than chance, and no noise of the rows; what follows is of the rows alone, " +
-         Significant(rows, 4) + " at " + Fixed(dof, 0) + ", reduced " + Significant(rows / dof, 4) + ". ";
+  return "Of it " + Significant(pull.squares, 4) + " is the pull of " + Plural(pull.priors, "stated prior") +
+         ": more than chance, and no noise of the rows; what follows is of the rows alone, " + Significant(rows, 4) +
+         " at " + Fixed(dof, 0) + ", reduced " + Significant(rows / dof, 4) + ". ";
 }
 
 // One factor scales what is assumed of both where there are too few readings to estimate two (noise/rotation_noise.h).
