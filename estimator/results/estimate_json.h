@@ -64,10 +64,10 @@ struct KnownRobot {
   Experiment loading;                         // loads, tool, gravity, noise; nothing else of it
   ParameterUncertainty uncertainty;
   // In place of uncertainty.covariance between this campaign and another one, which differ in every combination of the
-  // parameters by no less than random halves of this one do.
+  // parameters by no less than its configurations err.
   Eigen::MatrixXd campaign_covariance;
   Eigen::MatrixXd noise_covariance;  // of noise alone, as the same names have it
-  double halves = 1.0;               // factor by which random halves differ beyond noise, where that is no chance
+  double halves = 1.0;               // factor by which configurations err beyond noise; infinite: they do not show it
   PredictionNoise noise;
   double model_error = 1.0;  // factor by which model error widens the parameters' intervals (model_error.factor)
   double rest = 0.0;         // m, RMS distance: what is left on points that were not fitted beyond noise and parameters
