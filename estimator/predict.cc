@@ -66,6 +66,7 @@ Prediction PredictWith(const CalibrationProblem& problem, const KnownRobot& know
     PredictionCovariance& covariance = prediction.covariances[k];
     if (problem.data().observations[k].is_point()) covariance.model = AddedByRest(covariance.mean(), known.rest);
   }
+  prediction.beyond = BeyondMeasuredInWords(known, problem);
   return prediction;
 }
 
@@ -193,9 +194,7 @@ std::vector<std::string> WarningsOf(const KnownRobot& known, const Measurements&
                                    OutsideMeasuredInWords(known, rows.configurations), MemoryInWords(known)}) {
     if (!words.empty()) warnings.push_back(words);
   }
-  if (!known.measured_conditions.are_stated) return warnings;
-  const std::vector<std::string> beyond = BeyondMeasuredInWords(known, PredictionProblem(known, rows));
-  warnings.insert(warnings.end(), beyond.begin(), beyond.end());
+  warnings.insert(warnings.end(), prediction.beyond.begin(), prediction.beyond.end());
   return warnings;
 }
 
@@ -251,8 +250,7 @@ Validation Validate(const KnownRobot& known, const Measurements& rows) {
   validation.warnings = rows.warnings;
   const std::string outside = OutsideMeasuredInWords(known, rows.configurations);
   if (!outside.empty()) validation.warnings.push_back(outside);
-  const std::vector<std::string> beyond = BeyondMeasuredInWords(known, problem);
-  validation.warnings.insert(validation.warnings.end(), beyond.begin(), beyond.end());
+  validation.warnings.insert(validation.warnings.end(), prediction.beyond.begin(), prediction.beyond.end());
   const std::string memory = MemoryInWords(known);
   if (!memory.empty()) validation.warnings.push_back(memory);
   JudgeErrors(known, rows, prediction, &validation);

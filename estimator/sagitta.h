@@ -108,6 +108,7 @@ struct Prediction {
   std::vector<PredictionCovariance> covariances;  // m^2, by where they come from
   NoiseRoots instrument;                          // root of one measurement's covariance, m; zero: not known
   PredictedSquares together;                      // of all points and their readings
+  std::vector<std::string> beyond;                // sentences on rows beyond what the estimate was measured at
 };
 
 // Points of the rows (x, y, z may be absent), and rotations of those that are poses (AddKnownRotations makes poses of

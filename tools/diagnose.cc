@@ -10,6 +10,7 @@
 
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/diagnosis/simulation_baseline.h"
+#include "estimator/explanations/moments.h"
 #include "estimator/report/diagnosis_words.h"
 #include "estimator/results/diagnosis_json.h"
 #include "estimator/results/estimate_json.h"
@@ -17,7 +18,6 @@
 #include "estimator/results/next_csv.h"
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
-#include "models/effects/catalogue.h"
 #include "problems/input_error.h"
 #include "problems/io/csv_table.h"
 #include "problems/io/files.h"
@@ -191,7 +191,7 @@ Diagnosis DiagnoseWithProgress(const CalibrationProblem& problem, bool quiet, Di
 std::vector<std::string> OfThisCampaign(const Robot& robot) {
   std::vector<std::string> names;
   for (const EffectSpec& spec : robot.effects) {
-    if (FindEffect(robot, spec.effect)->DrivenBy(spec) == EffectDriver::kTime) names.push_back(Title(robot, spec));
+    if (GoesWithTime(robot, spec)) names.push_back(Title(robot, spec));
   }
   return names;
 }

@@ -71,9 +71,9 @@ std::string LoadOf(const Experiment& loading) {
   return loading.load_point ? "probe" : "";
 }
 
-using Ranges = std::vector<MeasuredJoint>;
+using Ranges = std::vector<MeasuredInterval>;
 
-MeasuredJoint Intersection(const MeasuredJoint& a, const MeasuredJoint& b) {
+MeasuredInterval Intersection(const MeasuredInterval& a, const MeasuredInterval& b) {
   return {std::max(a.least, b.least), std::min(a.most, b.most)};
 }
 
@@ -85,7 +85,7 @@ Ranges ComparedRanges(const KnownRobot& old_estimate, const KnownRobot& new_esti
   }
   if (!LeastCommonRange(old_estimate, new_estimate).IsLessThanParts()) return ranges;
   for (size_t j = 0; j < ranges.size(); ++j) {
-    const MeasuredJoint both = Intersection(old_estimate.measured_joints[j], new_estimate.measured_joints[j]);
+    const MeasuredInterval both = Intersection(old_estimate.measured_joints[j], new_estimate.measured_joints[j]);
     if (both.least < both.most) ranges[j] = both;
   }
   return ranges;
@@ -117,19 +117,15 @@ void AddComparedShot(Shot shot, Measurements* data) {
 
 constexpr double kBeyondChance = 2.0;  // standard deviations: 1 in 20 of what did not happen
 
-bool IsByTime(const Robot& robot, const EffectSpec& spec) {
-  return FindEffect(robot, spec.effect)->DrivenBy(spec) == EffectDriver::kTime;
-}
-
 // A drift goes on in every campaign, at a rate of its own; this is of one.
 bool IsOfItsCourse(const Robot& robot, const EffectSpec& spec) {
   const EffectDefinition& effect = *FindEffect(robot, spec.effect);
-  return effect.IsOfAMoment() || (effect.is_learnt && IsByTime(robot, spec));
+  return effect.IsOfAMoment() || (effect.is_learnt && GoesWithTime(robot, spec));
 }
 
 // What goes with the time since it was begun and not with the clock's.
 bool BeginsAnew(const Robot& robot, const EffectSpec& spec) {
-  return FindEffect(robot, spec.effect)->remember != nullptr && IsByTime(robot, spec);
+  return FindEffect(robot, spec.effect)->remember != nullptr && GoesWithTime(robot, spec);
 }
 
 // s of the campaign's clock: a moment, or where a learnt function has come to its last value.
@@ -193,7 +189,7 @@ void CheckSameRobot(const KnownRobot& old_estimate, const KnownRobot& new_estima
 CommonRange LeastCommonRange(const KnownRobot& a, const KnownRobot& b) {
   CommonRange least;
   for (size_t j = 0; j < std::min(a.measured_joints.size(), b.measured_joints.size()); ++j) {
-    const MeasuredJoint &x = a.measured_joints[j], &y = b.measured_joints[j], both = Intersection(x, y);
+    const MeasuredInterval &x = a.measured_joints[j], &y = b.measured_joints[j], both = Intersection(x, y);
     const double wider = std::max(x.most - x.least, y.most - y.least);
     const double share = wider > 0.0 ? std::max(0.0, both.most - both.least) / wider : 1.0;
     if (share < least.share) least = {share, j};

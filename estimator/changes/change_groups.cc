@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/effects/catalogue.h"
+#include "estimator/explanations/moments.h"
 #include "models/geometry.h"
 #include "models/steel.h"
 
@@ -98,8 +98,7 @@ ChangeGroup ScaleGroup() {
 
 // What goes with time is of each campaign; what it has done is in zeros, bases and markers.
 bool GoesWithTime(const CalibrationProblem& problem, const ModelParameter& parameter) {
-  const EffectSpec& spec = problem.robot().effects[static_cast<size_t>(parameter.index)];
-  return FindEffect(problem.robot(), spec.effect)->DrivenBy(spec) == EffectDriver::kTime;
+  return GoesWithTime(problem.robot(), problem.robot().effects[static_cast<size_t>(parameter.index)]);
 }
 
 void AddDesignParameters(const CalibrationProblem& problem, bool with_effects, std::vector<ChangeGroup>* groups) {

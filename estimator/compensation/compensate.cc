@@ -54,8 +54,7 @@ class Compensator {
         nominal_(nominal_model_, nominal_model_.NominalValues()),
         loaded_(input.problem.model(), input.problem.parameters.ModelValues()),
         shots_(input.problem.shot_inputs()),
-        names_(input.uncertainty.estimated) {
-    names_.insert(names_.end(), input.uncertainty.held.begin(), input.uncertainty.held.end());
+        names_(input.uncertainty.Names()) {
     active_ = FindArmParameters(input.problem.model(), names_);
   }
 

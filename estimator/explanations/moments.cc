@@ -64,6 +64,10 @@ std::vector<Candidate> BestMoments(const CalibrationProblem& problem, const Para
 
 }  // namespace
 
+bool GoesWithTime(const Robot& robot, const EffectSpec& spec) {
+  return FindEffect(robot, spec.effect)->DrivenBy(spec) == EffectDriver::kTime;
+}
+
 std::string MomentOf(const Robot& robot, const EffectSpec& spec) {
   const EffectDefinition* definition = FindEffect(robot, spec.effect);
   if (definition == nullptr) return "";

@@ -8,6 +8,9 @@
 
 namespace sagitta {
 
+// Whether times of the campaign's clock drive it.
+bool GoesWithTime(const Robot& robot, const EffectSpec& spec);
+
 // Name of the setting that is a moment, "" where there is none.
 std::string MomentOf(const Robot& robot, const EffectSpec& spec);
 

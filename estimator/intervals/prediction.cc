@@ -77,6 +77,12 @@ PredictedSquares SquaresOf(const CalibrationProblem& problem, const PredictedRow
 
 }  // namespace
 
+std::vector<std::string> ParameterUncertainty::Names() const {
+  std::vector<std::string> names = estimated;
+  names.insert(names.end(), held.begin(), held.end());
+  return names;
+}
+
 Matrix3<double> AddedByRest(const Matrix3<double>& covariance, double rest) {
   return std::max(0.0, rest * rest - covariance.trace()) / 3.0 * Matrix3<double>::Identity();
 }

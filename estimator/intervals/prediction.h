@@ -27,6 +27,8 @@ struct ParameterUncertainty {
   std::vector<std::string> held;
   Eigen::MatrixXd slopes;         // G, SI
   Eigen::MatrixXd second_moment;  // S, SI
+
+  std::vector<std::string> Names() const;  // those that are held after the estimated ones
 };
 
 // Covariance of a predicted point, m^2, by where it comes from.

@@ -135,9 +135,7 @@ CompensationInput MakeCompensationInput(const KnownRobot& known, const Targets& 
   CompensationInput input{
       MakeKnownProblem(WithEffectsOfTheArm(known), targets.shots, known.loading, {known.base_in_station, {}}),
       NominalChain(known), known.uncertainty, known.rest, known.noise.freedom};
-  std::vector<std::string> names = known.uncertainty.estimated;
-  names.insert(names.end(), known.uncertainty.held.begin(), known.uncertainty.held.end());
-  input.flange = FlangeFromMarkers(known.markers, names);
+  input.flange = FlangeFromMarkers(known.markers, known.uncertainty.Names());
   SetAfterMoments(&input.problem);
   CheckColumnsOfTargets(input.problem, from);
   return input;

@@ -27,12 +27,7 @@ nlohmann::ordered_json IdentifiabilityToJson(const CalibrationProblem& problem, 
 // Pretty enough to read, one line per parameter.
 std::string DumpJson(const nlohmann::ordered_json& json);
 
-// Where a joint was while the robot was measured, rad or m.
-struct MeasuredJoint {
-  double least = 0.0, most = 0.0;
-};
-
-// From the least to the most.
+// From the least to the most while the robot was measured.
 struct MeasuredInterval {
   double least = 0.0, most = 0.0;
 };
@@ -76,8 +71,8 @@ struct KnownRobot {
   struct Parameter {
     double value = 0.0, nominal = 0.0;  // SI
   };
-  std::map<std::string, Parameter> parameters;  // by coordinate name
-  std::vector<MeasuredJoint> measured_joints;   // one per joint; empty: the file does not state them
+  std::map<std::string, Parameter> parameters;    // by coordinate name
+  std::vector<MeasuredInterval> measured_joints;  // rad or m, one per joint; empty: the file does not state them
   MeasuredConditions measured_conditions;
   std::vector<std::string> input_hashes;  // SHA-256 of the files it was estimated from
 };

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "estimator/explanations/moments.h"
 #include "estimator/report/diagnosis_words.h"
 #include "estimator/report/results_words.h"
+#include "estimator/results/measured_joints.h"
 #include "models/constants.h"
 #include "models/effects/catalogue.h"
 
@@ -14,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kBeyond = 0.1;       // of a range or of the largest load: as for joint ranges (measured_joints.cc)
+constexpr double kBeyond = 0.1;       // of the largest load: as of ranges (OutsideBy)
 constexpr double kLeastKelvin = 0.1;  // a thermometer of a workshop says no less
 constexpr double kLeastSeconds = 60.0;
 
@@ -22,13 +24,6 @@ void Widen(double value, std::optional<MeasuredInterval>* range) {
   if (!*range) *range = MeasuredInterval{value, value};
   (*range)->least = std::min((*range)->least, value);
   (*range)->most = std::max((*range)->most, value);
-}
-
-// By how much a value is outside; 0: inside, or hardly outside.
-double BeyondBy(const std::optional<MeasuredInterval>& range, double value, double least) {
-  if (!range) return 0.0;
-  const double by = std::max(range->least - value, value - range->most);
-  return by > std::max(least, kBeyond * (range->most - range->least)) ? by : 0.0;
 }
 
 double ForceOf(const ShotInput& shot) {
@@ -64,10 +59,9 @@ Json RangeToJson(const std::optional<MeasuredInterval>& range) {
 
 // What an effect of a moment states, s of the campaign's clock.
 std::optional<double> MomentStated(const Robot& robot, const EffectSpec& spec) {
-  for (const SettingDefinition& setting : FindEffect(robot, spec.effect)->settings) {
-    if (setting.kind == SettingDefinition::Kind::kMoment) return spec.NumberSetting(setting.name, 0.0);
-  }
-  return std::nullopt;
+  const std::string setting = MomentOf(robot, spec);
+  if (setting.empty()) return std::nullopt;
+  return spec.NumberSetting(setting, 0.0);
 }
 
 // The last fitted shot before a moment and the first one after it.
@@ -158,8 +152,10 @@ std::vector<std::string> BeyondMeasuredInWords(const KnownRobot& known, const Ca
   for (size_t s = 0; s < problem.data().shots.size(); ++s) {
     const Shot& shot = problem.data().shots[s];
     const ShotInput& input = problem.shot_inputs()[s];
-    const double by_time = shot.has_time ? BeyondBy(measured.time, shot.time, kLeastSeconds) : 0.0;
-    const double by_heat = shot.has_temperature ? BeyondBy(measured.temperature, shot.temperature, kLeastKelvin) : 0.0;
+    const double by_time = shot.has_time && measured.time ? OutsideBy(*measured.time, shot.time, kLeastSeconds) : 0.0;
+    const double by_heat = shot.has_temperature && measured.temperature
+                               ? OutsideBy(*measured.temperature, shot.temperature, kLeastKelvin)
+                               : 0.0;
     const double force = input.terms.elastic.empty() ? 0.0 : ForceOf(input);
     late.Count(by_time, by_time);
     warm.Count(by_heat, by_heat);

@@ -17,11 +17,8 @@ constexpr double kMargin = 0.1;                // of the range
 constexpr double kLeastAngle = 1.0 * kDegree;  // a joint that covers less has not moved
 constexpr double kLeastLength = 1e-3;          // m, prismatic
 
-// By how much a value is outside, SI; 0: inside, or so little that any next pose may be.
-double Outside(const Joint& joint, const MeasuredJoint& range, double q) {
-  const double by = std::max(range.least - q, q - range.most);
-  const double least = joint.type == JointType::kRevolute ? kLeastAngle : kLeastLength;
-  return by > std::max(least, kMargin * (range.most - range.least)) ? by : 0.0;
+double Outside(const Joint& joint, const MeasuredInterval& range, double q) {
+  return OutsideBy(range, q, joint.type == JointType::kRevolute ? kLeastAngle : kLeastLength);
 }
 
 std::string NamedBy(const Joint& joint, double by) {
@@ -30,6 +27,11 @@ std::string NamedBy(const Joint& joint, double by) {
 }
 
 }  // namespace
+
+double OutsideBy(const MeasuredInterval& range, double value, double least) {
+  const double by = std::max(range.least - value, value - range.most);
+  return by > std::max(least, kMargin * (range.most - range.least)) ? by : 0.0;
+}
 
 nlohmann::ordered_json MeasuredJointsToJson(const CalibrationProblem& problem) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
@@ -43,8 +45,8 @@ nlohmann::ordered_json MeasuredJointsToJson(const CalibrationProblem& problem) {
   return list;
 }
 
-std::vector<MeasuredJoint> MeasuredJointsFrom(const JsonValue& list, const Chain& chain) {
-  std::vector<MeasuredJoint> ranges;
+std::vector<MeasuredInterval> MeasuredJointsFrom(const JsonValue& list, const Chain& chain) {
+  std::vector<MeasuredInterval> ranges;
   for (const JsonValue& entry : list.Items()) {
     const JsonValue name = entry.Get("joint");
     if (ranges.size() >= chain.joints.size() || name.Text() != chain.joints[ranges.size()].name) {

@@ -13,7 +13,11 @@ namespace sagitta {
 
 // Of the calibration rows, as estimate.json has it: [{joint, min_deg, max_deg}], prismatic ones in mm.
 nlohmann::ordered_json MeasuredJointsToJson(const CalibrationProblem& problem);
-std::vector<MeasuredJoint> MeasuredJointsFrom(const JsonValue& list, const Chain& chain);
+std::vector<MeasuredInterval> MeasuredJointsFrom(const JsonValue& list, const Chain& chain);
+
+// By how much a value is outside of a range; 0: inside, or by no more than `least` or a tenth of the range, so that any
+// next value may be.
+double OutsideBy(const MeasuredInterval& range, double value, double least);
 
 // The joints that are outside at these values, each with by how much: "j1 by 100 deg". Empty: inside, or not known.
 std::vector<std::string> OutsideMeasured(const KnownRobot& known, const Eigen::VectorXd& q);

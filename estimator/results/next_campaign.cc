@@ -2,14 +2,11 @@
 
 #include <algorithm>
 
+#include "estimator/explanations/moments.h"
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
 namespace {
-
-bool GoesWithTime(const Robot& robot, const EffectSpec& spec) {
-  return FindEffect(robot, spec.effect)->DrivenBy(spec) == EffectDriver::kTime;
-}
 
 // The joint's transform is `by` further on at the same reading of its encoder, rad or m. A compensator's spring keeps
 // its own zero, as after a calibration.
