@@ -28,17 +28,7 @@ Measurements Poses(double point, double rotation, double scatter_of_point = kPoi
 Measurements WithRepeats(Measurements data, int pairs) {
   NormalNumbers normal(31);
   for (int c = 0; c < pairs; ++c) {
-    Shot shot = data.shots[c];
-    shot.repeat = "2";
-    const int point = static_cast<int>(data.observations.size());
-    for (const int i : data.shots[c].observations) {
-      Observation row = data.observations[i];
-      row.shot = static_cast<int>(data.shots.size());
-      row.partner = row.partner < 0 ? -1 : (row.is_point() ? point + 1 : point);
-      data.observations.push_back(row);
-    }
-    shot.observations = {point, point + 1};
-    data.shots.push_back(shot);
+    const int point = test::AppendRepeat(c, &data);
     Observation &moved = data.observations[point], &turned = data.observations[point + 1];
     for (int i = 0; i < 3; ++i) moved.point_in_station[i] += std::sqrt(2.0) * kPoint * normal();
     turned.point_in_station = moved.point_in_station;

@@ -35,19 +35,9 @@ Measurements WithRepeats(Measurements data, double rotation, int pairs, unsigned
   const test::Kr270Truth truth = test::TurnedTruth();
   NormalNumbers normal(seed);
   for (int c = 0; c < pairs; ++c) {
-    Shot shot = data.shots[c];
-    shot.repeat = "2";
-    const int point = static_cast<int>(data.observations.size());
-    for (const int i : data.shots[c].observations) {
-      Observation row = data.observations[i];
-      row.shot = static_cast<int>(data.shots.size());
-      row.partner = row.is_point() ? point + 1 : point;
-      data.observations.push_back(row);
-    }
-    shot.observations = {point, point + 1};
-    data.shots.push_back(shot);
+    const int point = test::AppendRepeat(c, &data);
     Observation &moved = data.observations[point], &turned = data.observations[point + 1];
-    const Pose<double> exact = test::ExactPose(truth, target, data.ConfigurationOf(moved).q, shot.station);
+    const Pose<double> exact = test::ExactPose(truth, target, data.ConfigurationOf(moved).q, data.shots[c].station);
     Vector3<double> off, turn;
     for (int i = 0; i < 3; ++i) off[i] = kPoint * normal();
     for (int i = 0; i < 3; ++i) turn[i] = rotation * normal();

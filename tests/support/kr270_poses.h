@@ -80,4 +80,20 @@ inline Measurements NoisyPoses(int configurations, const PoseNoise& stated, cons
   return data;
 }
 
+// Shoots a pose once more, as it was read before. The place of its point; its rotation is the next one.
+inline int AppendRepeat(int pose, Measurements* data) {
+  Shot shot = data->shots[pose];
+  shot.repeat = "2";
+  const int point = static_cast<int>(data->observations.size());
+  for (const int i : data->shots[pose].observations) {
+    Observation row = data->observations[i];
+    row.shot = static_cast<int>(data->shots.size());
+    row.partner = row.is_point() ? point + 1 : point;
+    data->observations.push_back(row);
+  }
+  shot.observations = {point, point + 1};
+  data->shots.push_back(shot);
+  return point;
+}
+
 }  // namespace sagitta::test
