@@ -8,6 +8,7 @@
 #include "estimator/inspection/inspect.h"
 #include "estimator/results/diagnosis_json.h"
 #include "estimator/results/inspection_json.h"
+#include "estimator/results/next_campaign.h"
 #include "estimator/results/plan_json.h"
 #include "problems/io/cell_file.h"
 #include "problems/io/effect_names.h"
@@ -145,6 +146,12 @@ void BindResults(py::module_& module) {
            [](const DiagnosedExperiment& d) -> std::optional<std::string> {
              if (!d.diagnosis.learnt) return std::nullopt;
              return RobotToYaml(RobotOf(d.diagnosis.learnt->model));
+           })
+      .def("next_robot_yaml",
+           [](const DiagnosedExperiment& d) -> std::optional<std::string> {
+             const std::optional<Robot> next = RobotOfTheNextCampaign(RobotOf(d.diagnosis.final));
+             if (!next) return std::nullopt;
+             return RobotToYaml(*next);
            })
       .def("known", [](const DiagnosedExperiment& d) {
         const OthersMayRun others_may_run;

@@ -97,6 +97,12 @@ Calibration Extended(const Diagnosis& diagnosis, std::uint64_t seed, bool agains
 }
 
 // Everything but the rows is text before the first file is written.
+// Columns that a simulation wrote are no robot, which no campaign measures next.
+std::optional<Robot> RobotMeasuredNext(const Diagnosis& diagnosis, bool against_columns) {
+  if (against_columns) return std::nullopt;
+  return RobotOfTheNextCampaign(RobotOf(diagnosis.final));
+}
+
 void WriteResults(const Provenance& provenance, Calibration extended, const SimulationBaseline& baseline,
                   const Diagnosis& diagnosis, const nlohmann::ordered_json& json, const OutputFolder& out) {
   const bool against_columns = !provenance.simulation.empty();
@@ -112,7 +118,7 @@ void WriteResults(const Provenance& provenance, Calibration extended, const Simu
                                   {"estimate.json", estimate_json},
                                   {"diagnosis.json", DumpJson(with_run)}};
   if (diagnosis.next) files.push_back({kNextFile, NextToCsv(diagnosis)});
-  if (const auto next = RobotOfTheNextCampaign(RobotOf(diagnosis.final)); next && !against_columns)
+  if (const std::optional<Robot> next = RobotMeasuredNext(diagnosis, against_columns))
     files.push_back({kNextRobotFile, RunComment(provenance) + RobotToYaml(*next)});
   if (diagnosis.learnt) {
     const DiagnosedModel& learnt = diagnosis.learnt->model;
@@ -150,9 +156,9 @@ void RemoveOlderProposal(const Diagnosis& diagnosis, const std::string& folder) 
 }
 
 // Files that only some diagnoses have, of an earlier run into the same folder.
-std::vector<std::string> OlderFiles(const Diagnosis& diagnosis, const std::string& folder) {
+std::vector<std::string> OlderFiles(const Diagnosis& diagnosis, const std::string& folder, bool against_columns) {
   std::vector<std::string> unwritten, older;
-  if (!RobotOfTheNextCampaign(RobotOf(diagnosis.final))) unwritten.push_back(kNextRobotFile);
+  if (!RobotMeasuredNext(diagnosis, against_columns)) unwritten.push_back(kNextRobotFile);
   if (!diagnosis.learnt) unwritten.insert(unwritten.end(), {kLearntFile, kLearntEstimateFile});
   for (const std::string& name : unwritten) {
     if (std::filesystem::exists(std::filesystem::path(folder) / name)) older.push_back(name);
@@ -203,7 +209,7 @@ void SayWhereResultsAre(const Diagnosis& diagnosis, const std::string& folder, b
   if (!diagnosis.effects.empty() && !against_columns) {
     std::cout << HowToGoOnWithEffects(OfThisCampaign(RobotOf(diagnosis.final)));
   }
-  const std::vector<std::string> older = OlderFiles(diagnosis, folder);
+  const std::vector<std::string> older = OlderFiles(diagnosis, folder, against_columns);
   if (!older.empty()) std::cout << OlderFilesIn(folder, older);
 }
 

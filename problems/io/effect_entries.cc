@@ -21,6 +21,10 @@ constexpr const char* kPriorSigma = "prior_sigma";
 std::string ReadEffectTarget(const EffectDefinition& definition, const Robot& robot, YamlMap* map) {
   const std::string key = TargetKey(definition.target);
   if (key.empty()) return definition.target == EffectTarget::kBase ? "base" : "robot";
+  if (!map->Find(key)) {  // diagnosis.json has one key for targets of every kind
+    if (const auto target = map->Find("target"))
+      target->Fail("this effect states its target as '" + key + "'", key + ": " + target->Text());
+  }
   const YamlValue value = map->Get(key);
   if (definition.target == EffectTarget::kJoint) return value.OneOf(JointNames(robot.chain.joints));
   if (definition.target != EffectTarget::kError) return value.Text();

@@ -409,6 +409,9 @@ class Diagnosis(_WithKnown):
     learnt_robot_yaml = _of_core(
         "learnt_robot_yaml",
         "The extended robot with smooth functions where something has no name; None: none stands out.", called=True)
+    next_robot_yaml = _of_core(
+        "next_robot_yaml",
+        "The extended robot as the next campaign finds it; None: no effect of it goes with times.", called=True)
     report_html = _of_core("report_html", "report.html: one page, nothing to fetch.", called=True)
 
     def to_dataframe(self):

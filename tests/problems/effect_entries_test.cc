@@ -198,6 +198,7 @@ TEST(EffectEntries, SettingsHaveTheirRanges) {
 
 TEST(EffectEntries, RefusalsNameKeyAndSpelling) {
   EXPECT_NE(Refusal("{effect: joint_harmonic, joint: A9}").find("A9"), std::string::npos);
+  EXPECT_NE(Refusal("{effect: joint_harmonic, target: A2, order: 1}").find("joint: A2"), std::string::npos);
   EXPECT_NE(Refusal("{effect: joint_harmonic, joint: A2, order: 1, cos_m: 1}").find("cos_urad"), std::string::npos);
   EXPECT_NE(Refusal("{effect: joint_slip, joint: A2, jump_urad: 1}").find("after_s"), std::string::npos);
   EXPECT_NE(Refusal("{effect: backlash, joint: A2, by: aproach}").find("approach"), std::string::npos);

@@ -324,7 +324,20 @@ class SameAsTheProgram(FolderTest):
         self.assertEqual(without_circumstances(diagnosis.to_dict()), without_circumstances(theirs))
         self.assert_same_pictures(diagnosis.report_html, out / "report.html")
         self.assertEqual(diagnosis.robot_yaml, without_run((out / "robot.extended.yaml").read_text()))
+        self.assertIsNone(diagnosis.next_robot_yaml)
         self.assertEqual(len(diagnosis.to_dataframe()), sum(len(step["parameters"]) for step in diagnosis.steps))
+
+    def test_a_joint_that_slipped_in_the_next_campaign(self):
+        columns = columns_of(KR270 / "geometric.csv")
+        columns["time_s"] = ["%d" % (60 * i) for i in range(len(columns["config"]))]
+        robot, rows, out = self.folder / "robot.yaml", self.folder / "rows.csv", self.folder / "out"
+        robot.write_text((KR270 / "robot.yaml").read_text() + "effects: [{effect: joint_slip, joint: A3, after_s: 900}]\n")
+        rows.write_text("\n".join(",".join(row) for row in zip(*([name] + column for name, column in columns.items()))))
+        run("diagnose", robot, rows, "--sigma_mm=0.1", "--out=%s" % out, "--quiet")
+        diagnosis = sagitta.diagnose(sagitta.read(robot, rows, sigma_mm=0.1))
+        self.assertIn("joint_slip", diagnosis.robot_yaml)
+        self.assertNotIn("joint_slip", diagnosis.next_robot_yaml)
+        self.assertEqual(diagnosis.next_robot_yaml, without_run((out / "robot.next.yaml").read_text()))
 
 
 class TablesInMemory(FolderTest):

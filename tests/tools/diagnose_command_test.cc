@@ -88,6 +88,25 @@ TEST_F(SimulationColumnsTest, InMetresAreRefused) {
   EXPECT_THAT(outcome.err, Not(HasSubstr("sim_x_m ")));  // no such column is read
 }
 
+// No campaign measures a simulation next: that its joint slips at a time makes no robot for one.
+TEST_F(SimulationColumnsTest, HaveNoNextCampaign) {
+  Rows rows = Cells(Read("simulated.csv"));
+  rows[0].insert(rows[0].end(), {"time_s", "sim_x_mm", "sim_y_mm", "sim_z_mm"});
+  for (size_t i = 1; i < rows.size(); ++i) {
+    rows[i].push_back(std::to_string(60 * i));
+    for (const char* measured : {"x_mm", "y_mm", "z_mm"}) rows[i].push_back(rows[i][Column(rows, measured)]);
+  }
+  Write("both.csv", Csv(rows));
+  Write("robot.yaml", Read("robot.yaml") + "effects: [{effect: joint_slip, joint: A3, after_s: 600}]\n");
+  std::filesystem::create_directory(Path("out"));
+  Write("out/robot.next.yaml", "of another diagnosis");
+  const Outcome outcome =
+      Run({"diagnose", Experiment("experiment.yaml", "both.csv", ""), "--simulation=columns", "--out=" + Path("out")});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(Read("out/robot.extended.yaml"), HasSubstr("joint_slip"));
+  EXPECT_THAT(outcome.out, HasSubstr("Of an earlier run are in " + Path("out") + ": robot.next.yaml;"));
+}
+
 class DiagnoseCommandTest : public ProgramTest {};
 
 // The extended model is judged as calibrate judges: a diagnosis that found nothing says the same of it.
