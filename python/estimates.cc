@@ -301,8 +301,9 @@ Rows SimulateRows(const KnownRobot& truth, const ExperimentInputs& inputs, const
 
 CompensatedRows CompensateTargets(const KnownRobot& known, const py::object& source, int threads) {
   CompensatedRows rows;
-  rows.targets =
-      TargetsFromTable(TableFrom(source, nullptr, CsvContent::kTargets), known.robot, StationOfTargets(known));
+  const std::string station = StationOfTargets(known);
+  rows.targets = py::isinstance<py::str>(source) ? ReadTargets(py::cast<std::string>(source), known.robot, station)
+                                                 : TargetsFromTable(TableFrom(source, nullptr), known.robot, station);
   const CompensationInput input = MakeCompensationInput(known, rows.targets);
   rows.results = ResultOf<std::vector<CompensatedTarget>>(
       py::none(), [&](const Say&) { return Compensate(input, rows.targets.rows, threads); });

@@ -72,10 +72,10 @@ CsvTable TableFromText(const std::string& name, const std::string& text) {
 
 }  // namespace
 
-CsvTable TableFrom(const py::object& source, std::vector<InputFile>* files, CsvContent content) {
+CsvTable TableFrom(const py::object& source, std::vector<InputFile>* files) {
   CsvTable table;
   if (py::isinstance<py::str>(source)) {
-    table = ReadCsvTable(py::cast<std::string>(source), content);
+    table = ReadCsvTable(py::cast<std::string>(source));
   } else {
     const auto [name, cells] = py::cast<std::pair<std::string, py::object>>(source);
     table = py::isinstance<py::str>(cells) ? TableFromText(name, py::cast<std::string>(cells))

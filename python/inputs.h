@@ -17,8 +17,7 @@ namespace sagitta::python {
 CsvTable TableFrom(const std::string& name, const pybind11::dict& columns);
 
 // A path, or a pair (name, columns) or (name, text of a file). `files`: what was read, for provenance.
-CsvTable TableFrom(const pybind11::object& source, std::vector<InputFile>* files,
-                   CsvContent content = CsvContent::kMeasurements);
+CsvTable TableFrom(const pybind11::object& source, std::vector<InputFile>* files);
 
 // Rows of a measurement table for this robot.
 Measurements RowsFrom(const Robot& robot, const pybind11::list& sources, bool points_required,

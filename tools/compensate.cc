@@ -150,6 +150,7 @@ int RunCompensate(const CommandLine& line) {
   }
   out.Write(csv);
   Summarise(results, FLAGS_out);
+  for (const std::string& note : targets.notes) std::cout << "Targets: " << note << "\n";
   const std::string unread = NotReadInWords(targets.shots.unread_columns);
   if (!unread.empty()) std::cout << unread << "\n";
   SayWhatTheWayDoes(known);
@@ -181,6 +182,8 @@ TARGETS has the column target and
                                roll_deg, pitch_deg, yaw_deg (fixed axes: Rz(yaw) Ry(pitch) Rx(roll))
 
 and, where they matter, load, fx_N … mz_Nm, station, temperature_degC, time_s, approach1 … as in measurement files.
+Lists of spreadsheets and controllers are read as well: semicolons or tabs, decimal commas, names such as A1 [deg],
+X [mm], A [deg] and FANUC's W [deg]; what was read as what is said.
 Every row comes back with
 
   status                       ok, singular (on target, close to a singularity), limit, unreachable,

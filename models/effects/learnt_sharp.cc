@@ -147,7 +147,7 @@ const EffectDefinition& LearntStationWave() {
                             EffectTarget::kStation, StationWaveWeights,         MoveStationByWave};
     effect.settings = {{"period_s", Kind::kNumber, "", {}}};
     effect.settings[0].above = 0.0;
-    effect.missing = [](const EffectContext& context) { return std::string(context.shot->has_time ? "" : "time_s"); };
+    effect.driven_by = EffectDriver::kTime;
     return Empirical(std::move(effect));
   }();
   return definition;

@@ -152,17 +152,11 @@ std::vector<std::string> SplitCells(const std::string& path, const CsvLine& line
   return cells;
 }
 
-// Lines are separated otherwise, or have another encoding.
-std::string WithImport(const std::string& hint, const char* tables, CsvContent content) {
-  return content == CsvContent::kTargets ? hint : hint + "; 'sagitta import' reads " + tables + " as well";
-}
-
-void CheckHeader(const std::string& path, const CsvLine& line, const std::vector<std::string>& header,
-                 CsvContent content) {
+void CheckHeader(const std::string& path, const CsvLine& line, const std::vector<std::string>& header) {
   if (header.size() == 1 && line.text.find_first_of(";\t") != std::string_view::npos) {
-    throw InputError(
-        {path, line.number, ""}, "the header has one column",
-        WithImport("columns are separated by commas, and numbers have a decimal point", "other tables", content));
+    throw InputError({path, line.number, ""}, "the header has one column",
+                     "columns are separated by commas, and numbers have a decimal point; 'sagitta import' reads other "
+                     "tables as well");
   }
   std::set<std::string> seen;
   for (size_t c = 0; c < header.size(); ++c) {
@@ -266,16 +260,16 @@ std::string TextOfTable(const MeasurementFile& file) {
 }  // namespace
 
 CsvTable CsvTableOf(const std::string& name, std::vector<std::string> header,
-                    const std::vector<std::vector<std::string>>& columns) {
+                    const std::vector<std::vector<std::string>>& columns, const std::vector<int>& lines) {
   if (columns.empty() || columns.front().empty()) throw InputError({name, 0, ""}, "there are no rows");
   for (const std::string& column : header) CheckCell(column, {name, 0, ""});
   CheckSizes(name, header, columns);
-  CheckHeader(name, {"", 0}, header, CsvContent::kMeasurements);
+  CheckHeader(name, {"", 0}, header);
   CsvTable table;
   table.file.path = name;
   table.file.header = std::move(header);
   for (size_t r = 0; r < columns.front().size(); ++r) {
-    const int line = static_cast<int>(r) + 1;
+    const int line = lines.empty() ? static_cast<int>(r) + 1 : lines[r];
     table.file.rows.BeginRow(line);
     for (size_t c = 0; c < columns.size(); ++c) {
       CheckCell(columns[c][r], {name, line, table.file.header[c]});
@@ -286,15 +280,13 @@ CsvTable CsvTableOf(const std::string& name, std::vector<std::string> header,
   return table;
 }
 
-CsvTable ReadCsvTable(const std::string& path, CsvContent content) {
-  return ParseCsvTable(*SharedText(path), path, content);
-}
+CsvTable ReadCsvTable(const std::string& path) { return ParseCsvTable(*SharedText(path), path); }
 
-CsvTable ParseCsvTable(const std::string& text, const std::string& path, CsvContent of) {
+CsvTable ParseCsvTable(const std::string& text, const std::string& path) {
   if (const int bad_line = LineOfInvalidUtf8(text))
-    throw InputError(
-        {path, bad_line, ""}, "this is not a text file in UTF-8",
-        WithImport("save it as UTF-8, the sheet of a workbook as CSV", "tables in UTF-16 and Latin-1", of));
+    throw InputError({path, bad_line, ""}, "this is not a text file in UTF-8",
+                     "save it as UTF-8, the sheet of a workbook as CSV; 'sagitta import' reads tables in UTF-16 and "
+                     "Latin-1 as well");
   CsvTable table;
   table.file.path = path;
   std::future<std::string> digest = DigestMeanwhile(text);
@@ -307,7 +299,7 @@ CsvTable ParseCsvTable(const std::string& text, const std::string& path, CsvCont
   if (!reader.Next(&line)) throw InputError({path, 0, ""}, "the file is empty", "a header row is expected");
   table.header_line = line.number;
   table.file.header = SplitCells(path, line);
-  CheckHeader(path, line, table.file.header, of);
+  CheckHeader(path, line, table.file.header);
 
   AddRows(path, content, has_control, &reader, &table);
   if (table.file.rows.empty()) throw InputError({path, table.header_line, ""}, "there are no rows below the header");

@@ -10,6 +10,7 @@
 #include "problems/input_error.h"
 #include "problems/io/csv_table.h"
 #include "problems/io/files.h"
+#include "problems/io/import/target_table.h"
 #include "problems/io/load_names.h"
 #include "problems/io/measurement_row.h"
 #include "problems/io/units.h"
@@ -46,8 +47,8 @@ const std::vector<RotationNames>& AllRotationNames() {
 
 class TargetReader {
  public:
-  TargetReader(CsvTable table, const Robot& robot, const std::string& station)
-      : table_(std::move(table)), robot_(robot), station_(station) {}
+  TargetReader(CsvTable table, const Robot& robot, const std::string& station, std::vector<std::string> notes)
+      : table_(std::move(table)), robot_(robot), station_(station), notes_(std::move(notes)) {}
 
   Targets Read();
 
@@ -79,6 +80,7 @@ class TargetReader {
   CsvTable table_;
   const Robot& robot_;
   const std::string station_;
+  std::vector<std::string> notes_;
   const MeasurementFile::Row* row_ = nullptr;
   std::vector<std::string> listed_;
   std::vector<std::string> short_;  // too short for a slip of the pen to be distinguished from another name
@@ -361,6 +363,7 @@ bool TargetReader::MayBeNoVector() const {
 }
 
 Targets TargetReader::Read() {
+  RenameTargetColumns(robot_.chain.joints, &table_.file.header, &notes_);
   FindColumns();
   Targets targets;
   targets.rotation_form = form_;
@@ -373,17 +376,20 @@ Targets TargetReader::Read() {
   }
   targets.shots.files.push_back(std::move(table_.file));
   targets.shots.unread_columns = unread_;
+  targets.notes = std::move(notes_);
   return targets;
 }
 
 }  // namespace
 
 Targets ReadTargets(const std::string& path, const Robot& robot, const std::string& station) {
-  return TargetsFromTable(ReadCsvTable(path, CsvContent::kTargets), robot, station);
+  std::vector<std::string> notes;
+  CsvTable table = ReadTargetTable(path, &notes);
+  return TargetReader(std::move(table), robot, station, std::move(notes)).Read();
 }
 
 Targets TargetsFromTable(CsvTable table, const Robot& robot, const std::string& station) {
-  return TargetReader(std::move(table), robot, station).Read();
+  return TargetReader(std::move(table), robot, station, {}).Read();
 }
 
 }  // namespace sagitta

@@ -35,13 +35,14 @@ struct Targets {
   // rx, ry and rz are in degrees and turn about more than one axis: angles of a controller under these names would be
   // read as a vector, without any sign of it.
   bool may_be_no_vector = false;
+  std::vector<std::string> notes;  // what the list states otherwise than target files do, in words
 };
 
 // Columns: target, then q1 … qN, or x, y, z (_mm, _m) with a rotation, or both. A rotation is rx, ry, rz (_mrad, _rad,
 // _deg, _urad; rotation vector), ow, ox, oy, oz or qw, qx, qy, qz (unit quaternion, scalar first), a, b, c or roll,
 // pitch, yaw (in the units of rx). station, load, the wrench, time_s, temperature_degC and approach1 … as in
-// measurement files. A row's pose may be empty where it states joint values. `station`: the one of rows that name none.
-// Throws InputError.
+// measurement files. A row's pose may be empty where it states joint values. Lists as spreadsheets and controllers
+// write them are read too (import/target_table.h). `station`: the one of rows that name none. Throws InputError.
 Targets ReadTargets(const std::string& path, const Robot& robot, const std::string& station);
 
 // The same of a table that is in memory already.

@@ -15,6 +15,8 @@ class EffectContract : public ::testing::TestWithParam<int> {};
 
 TEST_P(EffectContract, NeutralExactAndVisible) { test::ExpectEffectContract(Uses()[GetParam()], 11 + GetParam()); }
 
+TEST_P(EffectContract, SaysThatItGoesWithTime) { test::ExpectTimeIsStated(Uses()[GetParam()], 31 + GetParam()); }
+
 INSTANTIATE_TEST_SUITE_P(Catalogue, EffectContract, ::testing::Range(0, static_cast<int>(Uses().size())));
 
 TEST(EffectCatalogue, HasEveryEffectOfTheFormat) {

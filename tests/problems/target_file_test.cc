@@ -159,9 +159,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadTargets{"CapitalLetters",
                    "target," + kJoints + ",A_deg,B_deg,C_deg\na,0,0,0,0,0,0,1,2,3\n",
                    {"t.csv:1", "unknown column 'A_deg'", "'a_deg'"}},
-        BadTargets{"NameInCapitals",
-                   "Target," + kJoints + "\na,0,0,0,0,0,0\n",
-                   {"t.csv:1", "'target' is missing", "did you mean 'Target'?"}},
+        BadTargets{"NameOfTheRowIsMisspelt",
+                   "Tagret," + kJoints + "\na,0,0,0,0,0,0\n",
+                   {"t.csv:1", "'target' is missing", "did you mean 'Tagret'?"}},
         BadTargets{"TwoUnits",
                    "target," + kPose + ",z_m\na,1,1,1,0,0,0,1\n",
                    {"t.csv:1", "'z' is given in two units", "keep one"}},
@@ -202,13 +202,54 @@ INSTANTIATE_TEST_SUITE_P(
             "Direction", "target," + kPose + ",approach3\na,1,1,1,0,0,0,2\n", {"t.csv:2", "approach3", "-1, 0 or 1"}}),
     [](const auto& bad) { return std::string(bad.param.name); });
 
-// `sagitta import` reads measurements of other formats, and refuses a list of targets.
-TEST(TargetFileTest, NoWayOutThatIsNone) {
-  const std::string text = "Target;A1 [deg];A2 [deg]\nP101;10.2;-86.5\n";
-  const auto error = [&](CsvContent content) { return ErrorOf([&] { ParseCsvTable(text, "t.csv", content); }); };
-  EXPECT_TRUE(SaysInOrder(error(CsvContent::kTargets), {"t.csv:1", "one column", "separated by commas"}));
-  EXPECT_EQ(error(CsvContent::kTargets).find("sagitta import"), std::string::npos);
-  EXPECT_TRUE(SaysInOrder(error(CsvContent::kMeasurements), {"separated by commas", "'sagitta import'"}));
+// What a spreadsheet or a controller writes is what target files say: cells and names both.
+class ForeignTargetsTest : public FileTest {
+ protected:
+  Targets ReadList(const std::string& text) {
+    Write("list.csv", text);
+    return ReadTargets(Path("list.csv"), Arm(), "S1");
+  }
+};
+
+TEST_F(ForeignTargetsTest, SemicolonsDecimalCommasAndOtherNames) {
+  const Targets targets = ReadList(
+      "Name;A1 [deg];A2 [deg];A3 [deg];A4 [deg];A5 [deg];A6 [deg];Station;Remark\n"
+      "001;10,5;-86;80;0;15;0;S2;1,5 turns\n");
+  ASSERT_EQ(targets.rows.size(), 1u);
+  EXPECT_EQ(targets.rows[0].name, "001");
+  EXPECT_NEAR((*targets.rows[0].q)[0], 10.5 * kDegree, 1e-15);
+  EXPECT_NEAR((*targets.rows[0].q)[4], 15 * kDegree, 1e-15);
+  EXPECT_EQ(targets.shots.stations, std::vector<std::string>{"S2"});
+  EXPECT_EQ(targets.shots.unread_columns, std::vector<std::string>{"Remark"});
+  EXPECT_EQ(targets.shots.files[0].rows[0].line, 2);
+  ASSERT_EQ(targets.notes.size(), 2u);
+  EXPECT_TRUE(SaysInOrder(targets.notes[0], {"list.csv", "semicolon", "decimal comma"}));
+  EXPECT_TRUE(SaysInOrder(targets.notes[1], {"'Name' as target", "'A1 [deg]' as q1_deg", "'Station' as station"}));
+}
+
+// KUKA: Rz(A) Ry(B) Rx(C). FANUC: W, P and R turn about fixed x, y and z.
+TEST_F(ForeignTargetsTest, AnglesOfControllers) {
+  const auto rotation = [this](const std::string& names, const std::string& numbers) {
+    return ReadList("target,X [mm],Y [mm],Z [mm]," + names + "\nt,1,2,3," + numbers + "\n")
+        .rows[0]
+        .flange_in_base->rotation;
+  };
+  const Matrix3<double> right =
+      Read("target,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\nt,1,2,3,10,20,30\n").rows[0].flange_in_base->rotation;
+  EXPECT_EQ(rotation("A [deg],B [deg],C [deg]", "10,20,30"), right);
+  EXPECT_EQ(rotation("W (deg),P (deg),R (deg)", "30,20,10"), right);
+}
+
+// A name without its unit, a column that is there already, commanded values.
+TEST_F(ForeignTargetsTest, WhatDoesNotSayEnoughKeepsItsName) {
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { ReadList("Name;A1;A2;A3;A4;A5;A6\na;0;0;0;0;0;0\n"); }),
+                          {"list.csv:1", "neither joint values nor poses", "q1_deg (A1)"}));
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { ReadList("target," + kPose + ",X [mm]\na,1,2,3,0,0,0,9\n"); }),
+                          {"list.csv:1", "X [mm]", "'x_mm'"}));
+  const Targets targets = ReadList("target," + kPose + ",payload\na,1,2,3,0,0,0,5\n");
+  EXPECT_EQ(targets.rows[0].flange_in_base->translation.x(), 1e-3);
+  EXPECT_EQ(targets.shots.unread_columns, std::vector<std::string>{"payload"});
+  EXPECT_TRUE(targets.notes.empty());
 }
 
 }  // namespace

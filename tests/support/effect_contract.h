@@ -200,4 +200,39 @@ inline void ExpectEffectContract(const EffectSpec& use, int seed,
   }
 }
 
+// What moves when all clocks are set is driven by time: predictions beyond the times of a calibration are warned of by
+// that, and the next campaign leaves it out.
+inline void ExpectTimeIsStated(const EffectSpec& use, int seed) {
+  Robot robot = ContractArm();
+  robot.effects = {use};
+  const ForwardModel model(robot, ContractMarkers());
+  std::map<std::string, double> typical = TypicalSizes(robot, use);
+  std::vector<double> theta = model.NominalValues();
+  for (int i = 0; i < model.num_parameters(); ++i) {
+    if (model.parameters()[i].law == ParameterLaw::kEffect) theta[i] = typical[model.parameters()[i].name];
+  }
+  RandomNumbers random(seed);
+  const ShotInput shot = ContractShot(model.chain().FlangeFrame(), &random);
+  const MarkerInFrame marker{model.chain().FlangeFrame(), random.Vector(0.3), 1};
+  const auto point_later_by = [&](double seconds) {
+    std::vector<ShotInput> campaign = {shot, shot};
+    campaign[0].conditions.q.setConstant(1.6);
+    campaign[0].conditions.time -= 3600.0;
+    campaign[0].conditions.station_time -= 3600.0;
+    for (ShotInput& each : campaign) {
+      each.conditions.time += seconds;
+      each.conditions.station_time += seconds;
+    }
+    model.Prepare(&campaign);
+    std::vector<PointPrediction> prediction;
+    EXPECT_TRUE(model.Predict(campaign[1], theta.data(), {}, {}, {marker}, &prediction)) << use.Path();
+    return prediction[0].point;
+  };
+  const Vector3<double> now = point_later_by(0.0);
+  for (const double seconds : {1700.0, -7150.0}) {  // the second: before what the contract's moment is
+    if ((point_later_by(seconds) - now).norm() < 1e-9) continue;
+    EXPECT_EQ(FindEffect(robot, use.effect)->DrivenBy(use), EffectDriver::kTime) << use.Path();
+  }
+}
+
 }  // namespace sagitta::test
