@@ -12,13 +12,10 @@ namespace {
 
 namespace py = pybind11;
 
-// Arguments have the names of the program's flags.
+// Arguments have the names of the program's flags, but for those of the commands that Python does not have.
 std::string WithoutHyphens(const std::string& text) {
-  static const std::regex flag = MakePattern(
-      "(^|[ (])--(sigma_mm|holdout|seed|free|fixed|method|threads|poses|accuracy_mm|augment|criterion|discriminate|"
-      "candidates|tests|pool|cell|model_error|truth|load|tools_mm_deg|frames_mm_deg|start_deg|loads_kg_mm|turn_joints)"
-      "\\b");
-  return ReplacePattern(text, flag, "$1$2");
+  static const std::regex flag = MakePattern("(^|[ (])--(?!(base_link|tip_link|out)\\b)([a-z])");
+  return ReplacePattern(text, flag, "$1$3");
 }
 
 // Raises an exception of the package with attributes.

@@ -505,6 +505,13 @@ class Errors(FolderTest):
         self.caught(sagitta.read, KR270 / "experiment.yaml", noise={"sigma_mm": 1})
         self.caught(sagitta.calibrate, sagitta.read(KR270 / "experiment.yaml"), method="guess")
 
+    # Hints are those of the program, whose flags are arguments here.
+    def test_no_flags(self):
+        frame = pandas.read_csv(KR270 / "geometric.csv", comment="#")
+        frame["load"], frame["fz_N"] = "heavy", -100.0
+        error = self.caught(lambda: sagitta.calibrate(sagitta.read(KR270 / "robot.yaml", frame, sigma_mm=0.1)))
+        self.assertIn("or load_point_mm=", error.hint)
+
     def test_one_name_is_a_list_of_one(self):
         files = (KR270 / "robot.yaml", KR270 / "geometric.csv")
         error = self.caught(lambda: sagitta.calibrate(sagitta.read(*files, sigma_mm="0.1", free="geometry/p_x9")))
