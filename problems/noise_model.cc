@@ -75,9 +75,7 @@ void AddSpread(double share, double dof, bool axes_differ, std::vector<KnownSpre
   spreads->insert(spreads->end(), axes, {share / axes, dof / axes});
 }
 
-}  // namespace
-
-std::optional<RepeatScatter> PooledRepeats(const Measurements& data) {
+std::optional<RepeatScatter> PooledAmong(const Measurements& data, bool of_validation) {
   struct Group {
     const Observation* first = nullptr;
     std::vector<Vector3<double>> from_first;  // rotations: angles, small enough to add
@@ -85,7 +83,7 @@ std::optional<RepeatScatter> PooledRepeats(const Measurements& data) {
   std::map<std::tuple<int, std::string, int, std::string, int, ReadingKind>, Group> groups;
   double readings = 0.0, rotations = 0.0;
   for (const Observation& observation : data.observations) {
-    if (observation.excluded || data.IsValidation(observation)) continue;
+    if (observation.excluded || data.IsValidation(observation) != of_validation) continue;
     readings += 1.0;
     rotations += observation.is_point() ? 0.0 : 1.0;
     const Shot& shot = data.shots[observation.shot];
@@ -113,7 +111,15 @@ std::optional<RepeatScatter> PooledRepeats(const Measurements& data) {
   scatter.sigma = SpreadOfAxes(squares, scatter.dof);
   scatter.rotation_share = rotations / std::max(1.0, readings);
   SetRotationSigma(rotation_squares, rotation_dof, &scatter);
+  scatter.is_of_fitted = !of_validation;
   return scatter;
+}
+
+}  // namespace
+
+std::optional<RepeatScatter> PooledRepeats(const Measurements& data) {
+  const std::optional<RepeatScatter> of_fitted = PooledAmong(data, false);
+  return of_fitted ? of_fitted : PooledAmong(data, true);
 }
 
 std::vector<KnownSpread> SpreadsOf(const RepeatScatter& repeats) {

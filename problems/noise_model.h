@@ -55,7 +55,7 @@ enum class NoiseOrigin {
 };
 
 // Spread of repeated shots of equal (config, visit, marker, load, station), pooled over all of them, per axis: what the
-// instrument alone does, the robot stands still meanwhile. Calibration rows only.
+// instrument alone does, the robot stands still meanwhile.
 struct RepeatScatter {
   // m, of each axis, or of all three together where one has less than kLeastSpreadDof.
   Vector3<double> sigma = Vector3<double>::Zero();
@@ -68,8 +68,10 @@ struct RepeatScatter {
   bool rotation_axes_differ = false;   // each has a sigma of its own
   bool rotation_is_estimated = false;  // left open by the repeats, found from residuals with rotation_dof
   double rotation_share = 0.0;         // of the readings that are fitted
+  bool is_of_fitted = true;            // false: all that was repeated is held out
 };
-// Empty without repeats.
+// Of the fitted rows, or where none of them was repeated of the validation rows, whose repeats know the model as
+// little; empty without repeats.
 std::optional<RepeatScatter> PooledRepeats(const Measurements& data);
 
 // Spreads that squared residuals are divided by: which share of the readings, and how many degrees of freedom each has.

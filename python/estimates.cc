@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "estimator/changes/changes.h"
+#include "estimator/estimate/parameter_table.h"
 #include "estimator/report/compensation_words.h"
 #include "estimator/report/results_words.h"
 #include "estimator/results/measured_conditions.h"
@@ -197,8 +198,14 @@ LinearizedRows LinearizeFit(const CalibratedExperiment& e, bool is_whitened) {
   std::vector<std::string> names;
   for (const int c : parameters.EstimatedCoordinates()) names.push_back(parameters.coordinates()[c].name);
   const OthersMayRun others_may_run;
-  return Numerically(
+  LinearizedRows rows = Numerically(
       [&] { return LinearizedAt(problem, parameters, problem.CalibrationObservations(), names, is_whitened); });
+  // By the noise that the covariance goes by.
+  const double noise = AppliedNoise(e.calibration.estimate.sigma);
+  if (!is_whitened || !(noise > 0.0)) return rows;
+  rows.jacobian /= noise;
+  rows.residuals /= noise;
+  return rows;
 }
 
 LinearizedRows LinearizeRows(const KnownRobot& known, const py::list& sources) {

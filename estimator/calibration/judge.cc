@@ -69,7 +69,7 @@ void JudgeNoise(const CalibrationProblem& problem, const FittedRows& fitted, Est
   SetPriorsAside(problem, linearization, &sum, &dof, estimate);
   // chi-square / dof is F(dof, infinity), unless the noise was read off repeats.
   sigma.a_posteriori = std::sqrt(sum / dof);
-  sigma.p_value = ChanceOfSquares(problem.repeat_scatter, sum, dof);
+  sigma.p_value = ChanceOfResiduals(problem, sum, dof);
   sigma.scaled = sigma.a_posteriori > 1.0 && sigma.p_value < problem.experiment().significance;
   const double times = sigma.scaled ? sigma.a_posteriori : 1.0;
   sigma.rotation = times * problem.rotation_noise;

@@ -217,7 +217,9 @@ void FinishRobust(Loop* loop, CalibrationProblem* judged, Estimate* estimate) {
   const PointCheck check = CheckPoints(loop->problem, estimate->parameters, noise, loop->weights, report.robust_scale);
   std::vector<bool> kept(observations.size(), true);
   for (size_t k = 0; k < observations.size(); ++k) {
-    for (const Outlier& outlier : loop->outliers) kept[k] = kept[k] && outlier.observation != observations[k];
+    const int i = observations[k], partner = judged->data().observations[i].partner;
+    for (const Outlier& outlier : loop->outliers)
+      kept[k] = kept[k] && outlier.observation != i && (partner < 0 || outlier.observation != partner);
   }
   report.loss_inflation = report.systematic ? 1.0 : std::max(1.0, LossInflation(loop->loss, check, kept));
   if (report.systematic) return;

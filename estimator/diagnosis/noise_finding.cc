@@ -187,7 +187,7 @@ void NameLeftOut(const DiagnosedModel& model, const std::vector<int>& outliers, 
 double LackOfFit(const CalibrationProblem& stated, const DiagnosedModel& model, const NoiseFinding& noise) {
   const Estimate& estimate = model.estimate;
   if (estimate.dof <= 0) return kNotKnown;
-  if (!noise.scale_differs) return ChanceOfSquares(stated.repeat_scatter, estimate.chi2, estimate.dof);
+  if (!noise.scale_differs) return ChanceOfResiduals(stated, estimate.chi2, estimate.dof);
   // Joints move bodies as a whole: what rigid bodies leave is the instrument alone, and the two sums are independent.
   const auto rigid = InstrumentNoiseScale(*model.problem, model.estimate.parameters);
   if (!rigid) return kNotKnown;

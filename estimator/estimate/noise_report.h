@@ -34,9 +34,10 @@ struct NoiseGroup {
 
 // A reading that its neighbours and the model do not explain.
 struct Outlier {
-  int observation = -1;
-  double size = 0.0;      // m, distance to where the others say it should be
-  double whitened = 0.0;  // in standard deviations of the leave-one-out prediction
+  int observation = -1;   // the point where the row has one
+  double size = 0.0;      // m, distance of the point to where the others say it should be; 0: it is no outlier
+  double angle = 0.0;     // rad, the same of the row's rotation
+  double whitened = 0.0;  // in standard deviations of the leave-one-out prediction, of the reading that is farther off
   int swapped_with = -1;  // observation of the same shot whose reading it has
 };
 

@@ -75,7 +75,7 @@ void MarkExchanges(const CalibrationProblem& problem, const ParameterSet& parame
   const std::vector<Observation>& all = problem.data().observations;
   for (Outlier& a : *outliers) {
     for (Outlier& b : *outliers) {
-      if (!all[a.observation].is_point() || !all[b.observation].is_point()) continue;
+      if (a.size == 0.0 || b.size == 0.0) continue;
       if (a.observation >= b.observation || all[a.observation].shot != all[b.observation].shot) continue;
       const Vector3<double> pa = all[a.observation].point_in_station, pb = all[b.observation].point_in_station;
       const Vector3<double> ma = predicted(a.observation), mb = predicted(b.observation);
@@ -88,6 +88,18 @@ void MarkExchanges(const CalibrationProblem& problem, const ParameterSet& parame
   }
 }
 
+// A row that reads a pose is one outlier, whichever of its readings is off.
+Outlier& OutlierOfRow(const Measurements& data, int observation, std::vector<Outlier>* outliers) {
+  const Observation& reading = data.observations[observation];
+  const int row = reading.is_point() || reading.partner < 0 ? observation : reading.partner;
+  const auto found = std::find_if(outliers->begin(), outliers->end(),
+                                  [row](const Outlier& outlier) { return outlier.observation == row; });
+  if (found != outliers->end()) return *found;
+  outliers->emplace_back();
+  outliers->back().observation = row;
+  return outliers->back();
+}
+
 }  // namespace
 
 std::vector<Outlier> FlagOutliers(const CalibrationProblem& problem, const PointCheck& check,
@@ -96,7 +108,10 @@ std::vector<Outlier> FlagOutliers(const CalibrationProblem& problem, const Point
   std::vector<Outlier> outliers;
   for (size_t k = 0; k < check.observations.size(); ++k) {
     if (check.leave_one_out[k] <= limit) continue;
-    outliers.push_back({check.observations[k], check.error.col(k).norm(), std::sqrt(check.leave_one_out[k]), -1});
+    const int i = check.observations[k];
+    Outlier& outlier = OutlierOfRow(problem.data(), i, &outliers);
+    (problem.data().observations[i].is_point() ? outlier.size : outlier.angle) = check.error.col(k).norm();
+    outlier.whitened = std::max(outlier.whitened, std::sqrt(check.leave_one_out[k]));
   }
   MarkExchanges(problem, parameters, &outliers);
   std::stable_sort(outliers.begin(), outliers.end(),

@@ -54,6 +54,17 @@ double ChanceOfSquares(const std::optional<RepeatScatter>& repeats, double squar
   return FSurvival(squares / m / ratio.factor, m, ratio.dof);
 }
 
+double ChanceOfResiduals(const CalibrationProblem& problem, double squares, double m) {
+  const std::optional<RepeatScatter>& repeats = problem.repeat_scatter;
+  if (!repeats || !repeats->is_of_fitted || problem.noise_origin != NoiseOrigin::kRepeats) {
+    return ChanceOfSquares(repeats, squares, m);
+  }
+  double within = 0.0;
+  for (const KnownSpread& spread : SpreadsOf(*repeats)) within += spread.dof;
+  if (!(m - within > 0.0)) return 1.0;
+  return ChanceOfSquares(repeats, std::max(0.0, squares - within), m - within);
+}
+
 double DofOfSizes(const Vector3<double>& sigma, double dof_per_axis) {
   const double squares = sigma.squaredNorm();
   return dof_per_axis * squares * squares / sigma.cwiseAbs2().squaredNorm();

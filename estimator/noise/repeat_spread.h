@@ -28,6 +28,15 @@ RatioOfSpreads RatioByRepeats(const std::optional<RepeatScatter>& repeats, doubl
 // Chance of a sum of m squared whitened residuals that is larger still.
 double ChanceOfSquares(const std::optional<RepeatScatter>& repeats, double squares, double m);
 
+// The same of the residuals of a fit, m = its degrees of freedom. Where the noise was read off repeats that are fitted
+// too, what they are off their means is no evidence: as the noise is theirs it is nu = sum of nu_k by construction, and
+//
+//   (chi^2 - nu) / (m - nu)  is compared as T of m - nu squares: what is left of the means of repeats, independent of
+//   s_k
+//
+// 1 where means leave nothing to compare.
+double ChanceOfResiduals(const CalibrationProblem& problem, double squares, double m);
+
 // Of squared lengths of points, m, which the axis that scatters most decides:
 //
 //   var(sum s_k^2) = sum 2 s_k^4 / nu = 2 (sum s_k^2)^2 / dof;   infinite where sigmas are stated

@@ -181,7 +181,7 @@ void DescribeOutliers(const CalibrationProblem& problem, Estimate* estimate) {
     const Outlier& outlier = report.outliers[i];
     const Observation& row = data.observations[outlier.observation];
     list += (list.empty() ? "" : "; ") + data.SourceOf(row) + " (" + data.markers[row.marker] + ", " +
-            Significant(1e3 * outlier.size, 3) + " mm";
+            OutlierIsOffBy(outlier);
     if (outlier.swapped_with >= 0) {
       const Observation& other = data.observations[outlier.swapped_with];
       list += ", exchanged with " + data.markers[other.marker];
@@ -323,6 +323,13 @@ std::string TwoNoisesInWords(const VarianceComponent& point, const VarianceCompo
 }
 
 }  // namespace
+
+std::string OutlierIsOffBy(const Outlier& outlier) {
+  std::vector<std::string> sizes;
+  if (outlier.size > 0.0) sizes.push_back(Significant(1e3 * outlier.size, 3) + " mm");
+  if (outlier.angle > 0.0) sizes.push_back(Significant(1e3 * outlier.angle, 3) + " mrad");
+  return Joined(sizes, " and ");
+}
 
 void DescribeOrigin(const CalibrationProblem& problem, Estimate* estimate) {
   NoiseReport& report = estimate->noise_report;

@@ -24,6 +24,8 @@ void SayRotationsAreAssumed(bool by_repeats, Estimate* estimate);
 std::string OutliersAreOf(int hits, int outliers, const std::string& category, double share);
 std::string OutliersLieAt(const std::string& what, double from, double to, const std::string& unit);
 std::string AreNoMinority(double share);
+// By how much: "3.67 mm and 14.5 mrad".
+std::string OutlierIsOffBy(const Outlier& outlier);
 
 // Where it is from alone: of an estimate whose noise nothing was looked for in, as a diagnosis's.
 void DescribeOrigin(const CalibrationProblem& problem, Estimate* estimate);

@@ -56,8 +56,9 @@ Json OutlierToJson(const Measurements& data, const Outlier& outlier) {
   Json json = {{"row", data.SourceOf(row)},
                {"config", data.ConfigurationOf(row).id},
                {"marker", data.markers[row.marker]},
-               {"distance_mm", 1e3 * outlier.size},
+               {"distance_mm", outlier.size > 0.0 ? Json(1e3 * outlier.size) : Json(nullptr)},
                {"whitened", outlier.whitened}};
+  if (row.partner >= 0) json["angle_mrad"] = outlier.angle > 0.0 ? Json(1e3 * outlier.angle) : Json(nullptr);
   json["exchanged_with"] =
       outlier.swapped_with < 0 ? Json(nullptr) : Json(data.SourceOf(data.observations[outlier.swapped_with]));
   return json;

@@ -11,6 +11,7 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/refit.h"
 #include "estimator/least_squares/sample.h"
+#include "estimator/report/noise_words.h"
 #include "estimator/report/validation_words.h"
 
 namespace sagitta {
@@ -108,7 +109,7 @@ std::vector<Suspect> LeftOut(const CalibrationProblem& problem, const Estimate& 
   std::vector<Suspect> suspects;
   for (const Outlier& outlier : estimate.noise_report.outliers) {
     const Observation& row = problem.data().observations[outlier.observation];
-    std::string words = OutlierIsOff(outlier.size);
+    std::string words = "off by " + OutlierIsOffBy(outlier);
     if (outlier.swapped_with >= 0) {
       const Observation& other = problem.data().observations[outlier.swapped_with];
       words += "; " + FitsAsMarker(problem.data().markers[other.marker], problem.data().SourceOf(other));

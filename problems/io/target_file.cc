@@ -75,6 +75,7 @@ class TargetReader {
   std::optional<Pose<double>> PoseOfRow() const;
   Target ReadTarget();
   bool MayBeNoVector() const;
+  Eigen::VectorXd ValuesOfNone() const;
   void AddShot(const Target& target, Measurements* data);
 
   CsvTable table_;
@@ -312,9 +313,18 @@ Target TargetReader::ReadTarget() {
   return target;
 }
 
+// 0, but of joints that have one value only.
+Eigen::VectorXd TargetReader::ValuesOfNone() const {
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(robot_.num_joints());
+  for (int j = 0; j < robot_.num_joints(); ++j) {
+    if (robot_.chain.joints[j].IsHeld()) q[j] = *robot_.chain.joints[j].min;
+  }
+  return q;
+}
+
 void TargetReader::AddShot(const Target& target, Measurements* data) {
   const int i = static_cast<int>(data->shots.size());
-  const Eigen::VectorXd q = target.q.value_or(Eigen::VectorXd::Zero(robot_.num_joints()));
+  const Eigen::VectorXd q = target.q ? *target.q : ValuesOfNone();
   data->configurations.push_back({target.name, q, false});
   Shot shot;
   shot.configuration = i;

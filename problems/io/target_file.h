@@ -29,7 +29,8 @@ struct Targets {
   std::vector<Target> rows;
   std::vector<JointType> joint_types;
   // The same rows as shots of a measurement file without points: station, load, wrench, time, temperature, approach.
-  // Configuration, shot and observation i are those of row i; q is 0 where a row states none.
+  // Configuration, shot and observation i are those of row i; q is 0 where a row states none
+  // (the value of a joint that has only one).
   Measurements shots;
   RotationForm rotation_form = RotationForm::kVector;
   // rx, ry and rz are in degrees and turn about more than one axis: angles of a controller under these names would be

@@ -194,11 +194,14 @@ def _is_number(text):
 
 
 def _numbers_or_texts(column):
-    """A column of whose name nothing says what it holds: numbers where every cell is one, else the texts."""
+    """A column of whose name nothing says what it holds: numbers where every cell is one, else the texts; whole numbers
+    that no int64 holds stay texts too."""
     cells = column.dropna()
     if not all(_is_number(text) for text in cells.unique()):
         return column
     is_whole = len(cells) == len(column) and cells.str.fullmatch("-?[0-9]+").all()
+    if is_whole and any(abs(int(text)) >= 2**63 for text in cells.unique()):
+        return column
     return column.map(int if is_whole else float, na_action="ignore").astype("int64" if is_whole else "float64")
 
 

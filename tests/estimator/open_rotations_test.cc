@@ -80,6 +80,27 @@ TEST(OpenRotations, ALossFindsWhatTheyScatterBy) {
   }
 }
 
+// A row is one outlier, whose point is off by mm and whose rotation by mrad.
+TEST(OpenRotations, ARowIsOneOutlier) {
+  Measurements data = Poses(kPoint, kRotation);
+  const auto turn = [&data](int rotation) {
+    data.observations[rotation].mutable_rotation()->in_station =
+        RotationFromVector<double>({0.0, 0.014, 0.0}) * data.observations[rotation].rotation().in_station;
+  };
+  turn(7), turn(31);
+  data.observations[30].point_in_station.x() += 4e-3;
+  const ResolvedEstimate found = Found(data, Asking(NoiseSpec::From::kDefault, LossKind::kHuber));
+  const auto json = EstimateToJson(found.problem, found.estimate, {})["noise"]["outliers"];
+  ASSERT_EQ(json.size(), 2u);
+  for (const auto& row : json) {
+    const bool both = row["row"] == data.SourceOf(data.observations[30]);
+    EXPECT_EQ(row["distance_mm"].is_null(), !both);
+    EXPECT_NEAR(row["angle_mrad"].get<double>(), 14.0, 4.0 * 1e3 * kRotation * std::sqrt(3.0));
+  }
+  EXPECT_NE(found.estimate.noise_report.words.back().find(" mrad)"), std::string::npos)
+      << found.estimate.noise_report.words.back();
+}
+
 TEST(OpenRotations, VarianceComponentsHaveOneOfTheirs) {
   Experiment repeatability;
   repeatability.repeatability.angle.estimate = true;
@@ -261,6 +282,41 @@ TEST(OpenRotations, SquaresOverRepeatsExceedAsOftenAsStated) {
     }
     const double share = static_cast<double>(beyond) / kDraws;
     EXPECT_NEAR(share, kLevel, 4.0 * std::sqrt(kLevel / kDraws) + 0.25 * kLevel) << dof;
+  }
+}
+
+// Readings of one value of three axes, groups of which are shot three times: what is left of their mean is tested by
+// repeats that are among them.
+TEST(RepeatSpread, RepeatsAreNotHeldAgainstThemselves) {
+  constexpr int kDraws = 4000, kRepeats = 3;
+  constexpr double kLevel = 0.1;
+  CalibrationProblem problem = test::Kr270ProblemOf(Poses(kPoint, kRotation), Experiment());
+  problem.noise_origin = NoiseOrigin::kRepeats;
+  NormalNumbers normal(11);
+  for (const int groups : {10, 40}) {
+    const int single = 20, readings = groups * kRepeats + single;
+    int beyond = 0;
+    for (int draw = 0; draw < kDraws; ++draw) {
+      RepeatScatter scatter;
+      scatter.dof = groups * (kRepeats - 1);
+      scatter.axes_differ = true;
+      double chi2 = 0.0;
+      for (int axis = 0; axis < 3; ++axis) {
+        Eigen::VectorXd values(readings);
+        for (double& value : values) value = normal();
+        double within = 0.0;
+        for (int g = 0; g < groups; ++g) {
+          const auto own = values.segment<kRepeats>(g * kRepeats);
+          within += (own.array() - own.mean()).square().sum();
+        }
+        scatter.sigma[axis] = std::sqrt(within / scatter.dof);
+        chi2 += (values.array() - values.mean()).square().sum() * scatter.dof / within;
+      }
+      problem.repeat_scatter = scatter;
+      beyond += ChanceOfResiduals(problem, chi2, 3.0 * (readings - 1)) < kLevel ? 1 : 0;
+    }
+    const double share = static_cast<double>(beyond) / kDraws;
+    EXPECT_NEAR(share, kLevel, 4.0 * std::sqrt(kLevel / kDraws) + 0.1 * kLevel) << groups;
   }
 }
 

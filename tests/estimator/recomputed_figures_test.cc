@@ -263,9 +263,10 @@ TEST(RecomputedFigures, Deflections) {
   EXPECT_NEAR(estimate.deflection_after.distance_max, farthest, 1e-12);
 }
 
-// Pairs of 18 arrivals determine the sigma of each axis by 54 degrees of freedom: with a third of the n squares each,
-// n_k = n / 3, the sum over n is the mean of three F(n_k, 54), of mean m = 54 / 52 and variance v / 3; it is compared
-// with c F(n, nu) of that mean and variance.
+// Pairs of 18 arrivals determine the sigma of each axis by 54 degrees of freedom, by which the pairs scatter exactly:
+// 3 x 54 of chi-square are theirs, whatever the model, and n = dof - 3 x 54 squares are left. With a third of them
+// each, n_k = n / 3, the sum over n is the mean of three F(n_k, 54), of mean m = 54 / 52 and variance v / 3; it is
+// compared with c F(n, nu) of that mean and variance.
 TEST(RecomputedFigures, LackOfFitAgainstFewRepeats) {
   test::RepeatDesign design;
   design.configurations = 18;
@@ -280,15 +281,15 @@ TEST(RecomputedFigures, LackOfFitAgainstFewRepeats) {
   ASSERT_TRUE(problem.repeat_scatter);
   EXPECT_EQ(problem.repeat_scatter->dof, 18 * 3);  // one of each pair, per axis
   const Estimate estimate = EstimateJointly(problem);
-  const double reduced = estimate.chi2 / estimate.dof;
-  const double n = estimate.dof, of_axis = 18 * 3, mean = of_axis / (of_axis - 2.0);
+  const double of_axis = 18 * 3, of_pairs = 3 * of_axis;
+  const double n = estimate.dof - of_pairs, reduced = (estimate.chi2 - of_pairs) / n, mean = of_axis / (of_axis - 2.0);
   const auto relative_variance = [](double m, double nu) { return 2.0 * (m + nu - 2.0) / (m * (nu - 4.0)); };
   const double wanted = relative_variance(n / 3.0, of_axis) / 3.0;
   double low = 5.0, high = 1e6;  // nu
   for (int k = 0; k < 200; ++k) (relative_variance(n, 0.5 * (low + high)) > wanted ? low : high) = 0.5 * (low + high);
   const double factor = mean * (low - 2.0) / low;
   EXPECT_NEAR(estimate.sigma.p_value, FSurvival(reduced / factor, n, low), 1e-9);
-  EXPECT_GT(std::abs(estimate.sigma.p_value - ChiSquareSurvival(estimate.chi2, estimate.dof)), 1e-3);
+  EXPECT_GT(std::abs(estimate.sigma.p_value - ChiSquareSurvival(estimate.chi2 - of_pairs, n)), 1e-3);
 }
 
 TEST(RecomputedFigures, TheArmsShareOfAPredictionGrowsWithTheNoise) {

@@ -168,6 +168,17 @@ TEST(NoiseModel, AnotherArrivalIsNoRepeat) {
   EXPECT_FALSE(PooledRepeats(data).has_value());
 }
 
+// Where all that was repeated is held out the noise is known all the same.
+TEST(NoiseModel, RepeatsOfAHeldOutPose) {
+  Measurements data = Repeated();
+  const RepeatScatter fitted = *PooledRepeats(data);
+  EXPECT_TRUE(fitted.is_of_fitted);
+  for (Configuration& configuration : data.configurations) configuration.is_validation = true;
+  const RepeatScatter held_out = *PooledRepeats(data);
+  EXPECT_FALSE(held_out.is_of_fitted);
+  EXPECT_EQ(held_out.sigma, fitted.sigma);
+}
+
 std::string Refusal(const Measurements& data, const Experiment& experiment) {
   try {
     Make(data, experiment);

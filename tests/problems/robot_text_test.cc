@@ -4,6 +4,7 @@
 #include "models/constants.h"
 #include "problems/io/import/expressions.h"
 #include "problems/io/import/robot_reading.h"
+#include "problems/text.h"
 #include "tests/problems/file_test_support.h"
 
 namespace sagitta::robot_text_test {
@@ -184,6 +185,29 @@ TEST_F(RobotUnits, NumbersThatCannotBeInMOrRadAreRefused) {
   EXPECT_TRUE(SaysInOrder(Error("[DH]\na = [0, -425, -392, 0, 0, 0]\n" + d + alpha), {"a:", "-425 m"}));
   EXPECT_TRUE(SaysInOrder(Error(a + "d = [89.159, 0, 0, 109, 95, 82]\n" + alpha), {"d:", "89.159 m"}));
   EXPECT_TRUE(SaysInOrder(Error(a + d + "alpha = [90, 0, 0, 90, -90, 0]\n"), {"alpha:", "90 rad"}));
+}
+
+// The RX-90 by Khalil and Dombre (Modeling, Identification and Control of Robots, 2002): d along x, r along z.
+TEST_F(RobotUnits, KhalilsLengths) {
+  const std::string rows =
+      "j,sigma,alpha_deg,d_mm,theta_deg,r_mm\n1,0,0,0,0,0\n2,0,90,0,0,0\n3,0,0,450,0,0\n4,0,-90,0,0,450\n5,0,90,0,0,0\n"
+      "6,0,-90,0,0,85\n";
+  const RobotReading reading = Read("# RX-90, modified DH (Khalil)\n" + rows);
+  EXPECT_EQ(reading.robot.dh->convention, DhConvention::kModified);
+  EXPECT_EQ(reading.robot.dh->links[2].a, 0.45);
+  EXPECT_EQ(reading.robot.dh->links[3].d, 0.45);
+  EXPECT_EQ(reading.robot.dh->links[3].a, 0.0);
+  EXPECT_TRUE(SaysInOrder(Joined(reading.notes), {"d is along x", "r along z"}));
+  EXPECT_TRUE(SaysInOrder(Error("# modified DH\n" + rows), {"r", "along x", "Khalil", "along z", "call the length"}));
+  EXPECT_EQ(Read("# standard DH\n" + rows).robot.dh->links[3].a, 0.45);
+}
+
+// Link and SerialLink put q where theta of a row that turns stands (Corke, Link.A).
+TEST_F(MatlabLinks, ThetaThatTheToolboxIgnoresIsSaid) {
+  const RobotReading reading = Read("R = SerialLink([pi/2 0.4 0 pi/2; 0 0 0.5 0; 0.1 0.2 0 0 1]);");
+  EXPECT_TRUE(SaysInOrder(Joined(reading.guesses, "; "),
+                          {"SerialLink; theta of row 1", "the toolbox ignores it", "; d of row 3"}));
+  EXPECT_EQ(reading.guesses.size(), 3u);
 }
 
 }  // namespace

@@ -114,6 +114,11 @@ TEST(TargetFileTest, JointsThatOnlyFollowHaveNoValueOfTheirOwn) {
   };
   EXPECT_EQ(read("0"), "");
   EXPECT_TRUE(SaysInOrder(read("0.1"), {"targets.csv:2", "q3_deg", "does not move by itself"}));
+  // A pose says nothing of it.
+  robot.chain.joints[2].min = robot.chain.joints[2].max = 0.2;
+  const std::string pose = "target,x_mm,y_mm,z_mm,rx_mrad,ry_mrad,rz_mrad\na,1,2,3,0,0,0\n";
+  const Targets targets = TargetsFromTable(ParseCsvTable(pose, "targets.csv"), robot, "S1");
+  EXPECT_EQ(targets.shots.configurations[0].q[2], 0.2);
 }
 
 struct BadTargets {

@@ -16,7 +16,7 @@ namespace {
 
 const std::map<std::string, DhColumn>& Names() {
   static const std::map<std::string, DhColumn> kNames = {{"a", DhColumn::kA},
-                                                         {"r", DhColumn::kA},
+                                                         {"r", DhColumn::kR},
                                                          {"length", DhColumn::kA},
                                                          {"link length", DhColumn::kA},
                                                          {"alpha", DhColumn::kAlpha},
@@ -118,10 +118,14 @@ const TextTable::Row* RowThatMatters(const TextTable& table, size_t c) {
 }
 
 void CheckNotTwice(const TextTable& table, const std::vector<DhColumn>& columns, size_t c) {
-  static const std::set<DhColumn> kOnce = {DhColumn::kA,    DhColumn::kAlpha, DhColumn::kD,
-                                           DhColumn::kBeta, DhColumn::kType,  DhColumn::kSign};
+  static const std::set<DhColumn> kOnce = {DhColumn::kA,    DhColumn::kR,    DhColumn::kAlpha, DhColumn::kD,
+                                           DhColumn::kBeta, DhColumn::kType, DhColumn::kSign};
   const auto end = columns.begin() + static_cast<long>(c);
-  const auto before = std::find(columns.begin(), end, columns[c]);
+  const auto is_same = [&](DhColumn other) {
+    return other == columns[c] || (other == DhColumn::kA && columns[c] == DhColumn::kR) ||
+           (other == DhColumn::kR && columns[c] == DhColumn::kA);
+  };
+  const auto before = std::find_if(columns.begin(), end, is_same);
   if (before == end || kOnce.count(columns[c]) == 0) return;
   throw InputError({table.path, table.header_line, table.header[c]},
                    "the columns '" + table.header[static_cast<size_t>(before - columns.begin())] + "' and '" +
@@ -131,7 +135,7 @@ void CheckNotTwice(const TextTable& table, const std::vector<DhColumn>& columns,
 
 }  // namespace
 
-bool IsLength(DhColumn column) { return column == DhColumn::kA || column == DhColumn::kD; }
+bool IsLength(DhColumn column) { return column == DhColumn::kA || column == DhColumn::kR || column == DhColumn::kD; }
 bool IsAngle(DhColumn column) {
   return column == DhColumn::kAlpha || column == DhColumn::kTheta || column == DhColumn::kBeta ||
          column == DhColumn::kOffset || column == DhColumn::kThetaOffset;
@@ -152,7 +156,26 @@ bool IsDhHeader(const std::vector<std::string>& header) {
   std::set<DhColumn> columns;
   bool ignored = false;
   for (const std::string& name : header) columns.insert(ColumnOf(name, &ignored));
-  return columns.count(DhColumn::kA) && columns.count(DhColumn::kAlpha) && columns.count(DhColumn::kD);
+  return columns.count(DhColumn::kA) + columns.count(DhColumn::kR) > 0 && columns.count(DhColumn::kAlpha) &&
+         columns.count(DhColumn::kD);
+}
+
+void SetLengths(bool is_khalil, std::vector<DhColumn>* columns) {
+  const bool has_r = std::count(columns->begin(), columns->end(), DhColumn::kR) > 0;
+  if (!has_r) return;
+  for (DhColumn& column : *columns) {
+    if (column == DhColumn::kD && is_khalil) {
+      column = DhColumn::kA;
+    } else if (column == DhColumn::kR) {
+      column = is_khalil ? DhColumn::kD : DhColumn::kA;
+    }
+  }
+}
+
+bool HasOpenLengths(const std::vector<std::string>& header) {
+  bool ignored = false;
+  return std::any_of(header.begin(), header.end(),
+                     [&](const std::string& name) { return ColumnOf(name, &ignored) == DhColumn::kR; });
 }
 
 std::vector<DhColumn> DhColumnsOf(const TextTable& table, bool* has_previous) {

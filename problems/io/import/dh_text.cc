@@ -55,6 +55,8 @@ class DhReader {
 
   RobotReading Read() {
     columns_ = DhColumnsOf(table_, &has_previous_);
+    const bool is_khalil = SearchPattern(LowerCaseOf(Joined(table_.preamble, "\n")), MakePattern("khalil"));
+    SetLengths(is_khalil, &columns_);
     reading_.format = "DH table (" + table_.separator + (table_.decimal_comma ? ", decimal comma)" : ")");
     reading_.guesses = table_.guesses;
     const DhUnits units(table_, columns_, &reading_);
@@ -67,6 +69,7 @@ class DhReader {
     NoteColumnsNotRead();
     ReadComments();
     SetConvention();
+    if (HasOpenLengths(table_.header)) CheckLengths(is_khalil);
     reading_.robot = RobotOfTable(joints_, couplings_, dh_);
     reading_.robot.name = name_;
     return std::move(reading_);
@@ -298,6 +301,17 @@ class DhReader {
       }
       if (i < 3) dh_.flange_xyz[i] = UnitNamed("mm").ToSi(*number);
       if (i >= 3) dh_.flange_rpy[i - 3] = UnitNamed("deg").ToSi(*number);
+    }
+  }
+
+  // A modified table of d and r is Khalil's, or has a in its column r.
+  void CheckLengths(bool is_khalil) {
+    if (is_khalil) {
+      reading_.notes.push_back("d is along x and r along z, as in Khalil's notation, which the file says");
+    } else if (dh_.convention == DhConvention::kModified && !reading_.convention_is_open) {
+      throw InputError({table_.path, table_.header_line, "r"},
+                       "whether r is along x or, as in Khalil's notation, along z is not said",
+                       "call the length along x a and that along z d, or say '# modified DH (Khalil)' above the table");
     }
   }
 

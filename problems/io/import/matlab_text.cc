@@ -101,7 +101,7 @@ class MatlabReader {
     ReadProperties();
     for (size_t r = 0; r < table_.links.size(); ++r) CheckRowUnits(table_.links[r], {path_, lines_[r], ""});
     SetConvention();
-    SayWhatTheTreeIgnores();
+    SayWhatTheToolboxIgnores();
     reading_.robot = RobotOfTable(joints_, {}, table_);
     CheckReach(reading_.robot.chain, {path_, lines_.front(), ""});
     reading_.format = is_system_toolbox_ ? "MATLAB dhparams [a alpha d theta], m and rad"
@@ -179,6 +179,7 @@ class MatlabReader {
     joints_.push_back(
         {"j" + std::to_string(joints_.size() + 1), slides ? JointType::kPrismatic : JointType::kRevolute, {}, {}});
     table_.links.push_back(link);
+    typed_.push_back(slides ? link.d : link.theta);
     offsets_.push_back(0.0);
     labels_.push_back(label);
     lines_.push_back(LineAt(place));
@@ -268,20 +269,19 @@ class MatlabReader {
     return false;
   }
 
-  // setFixedTransform(…, 'dh') of a tree ignores theta of a joint that turns, and d of one that slides: here they are
-  // offsets of q, as in every other table.
-  void SayWhatTheTreeIgnores() {
-    if (!is_system_toolbox_ || table_.convention != DhConvention::kStandard ||
-        text_.find("setFixedTransform") == std::string::npos) {
-      return;
-    }
+  // setFixedTransform(…, 'dh') of a tree ignores theta of a joint that turns, and d of one that slides, and so does
+  // Link, in whose place q stands (Corke, Robotics Toolbox, Link.A): here they are offsets of q, as in every other
+  // table.
+  void SayWhatTheToolboxIgnores() {
+    const bool is_tree = is_system_toolbox_ && text_.find("setFixedTransform") != std::string::npos;
+    if (is_system_toolbox_ && (!is_tree || table_.convention != DhConvention::kStandard)) return;
     for (size_t r = 0; r < joints_.size(); ++r) {
+      if (typed_[r] == 0.0) continue;
       const bool slides = joints_[r].type == JointType::kPrismatic;
-      const double ignored = slides ? table_.links[r].d : table_.links[r].theta;
-      if (ignored == 0.0) continue;
-      reading_.guesses.push_back(std::string(slides ? "d" : "theta") + " of row " + std::to_string(r + 1) +
-                                 " adds to its joint's value: setFixedTransform ignores it, so that joint values of a "
-                                 "rigidBodyTree count without it");
+      reading_.guesses.push_back(
+          std::string(slides ? "d" : "theta") + " of row " + std::to_string(r + 1) + " adds to its joint's value: " +
+          (is_tree ? "setFixedTransform ignores it, so that joint values of a rigidBodyTree count without it"
+                   : "the toolbox ignores it, so that joint values there count without it; what adds is the offset"));
     }
   }
 
@@ -364,6 +364,7 @@ class MatlabReader {
   bool is_system_toolbox_ = false, of_links_ = false;
   DhTable table_;
   std::vector<Joint> joints_;  // these five: one per row
+  std::vector<double> typed_;  // theta of a row that turns, d of one that slides, as typed
   std::vector<double> offsets_;
   std::vector<RowLabel> labels_;
   std::vector<int> lines_;
