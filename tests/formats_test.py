@@ -25,7 +25,8 @@ CONTRACT = ROOT.parent / 'shared' / 'FORMATS.md'
 COPY = ROOT / 'docs' / 'FORMATS.md'
 
 WRITERS = ('estimator/results/*.cc', 'estimator/changes/changes.cc', 'estimator/predict.cc',
-           'estimator/predicted_rows.cc', 'tools/compare.cc', 'tools/coverage.cc')
+           'estimator/predicted_rows.cc', 'tools/compare.cc', 'tools/coverage.cc',
+           'tools/reproduce/main.cc', 'tools/reproduce/table.cc')
 # {"key", value}; ["key"]; columns; lists of columns.
 LITERAL = (re.compile(r'\{\s*"([A-Za-z_]\w*)",'), re.compile(r'\["([A-Za-z_]\w*)"\]'),
            re.compile(r'(?:Cell|Number|number)\("(\w+)"'), re.compile(r'"(p(?:sig|cov|axis|held|arm|noise)\w+)"'))
@@ -33,6 +34,8 @@ FREE = {  # literal: what it is, if no key of a result file
     'flags': 'of coverage.state.jsonl, which the program alone reads',
     'x_m': "of the rows that a program's points become",
     'aligning': 'a phase of the progress',
+    'all': 'a word of the command line',
+    'reproduce': 'a command',
     'measurement': 'a value of gravity.frame',
 }
 MAPS = {'direction', 'parameters', 'sigmas', 'units', 'stations', 'markers', 'loads', 'first_time_s', 'status',
