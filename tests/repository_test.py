@@ -96,6 +96,16 @@ def threads_gate_in_vain():
         yield 'tests/CMakeLists.txt: the gate threads runs no test of %s' % source
 
 
+def unnamed_packages():
+    """README names the packages that the program is built with: those of tools/install-dependencies."""
+    script = (ROOT / 'tools/install-dependencies').read_text(encoding='utf-8')
+    needed = re.search(r'^build_packages=\((.*?)\)', script, re.DOTALL | re.MULTILINE).group(1).split()
+    page = (ROOT / 'README.md').read_text(encoding='utf-8')
+    named = re.search(r'Debian packages: `([^`]+)`', page)
+    if named is None or named.group(1).split() != needed:
+        yield "README.md: 'Debian packages: `…`' does not list those of tools/install-dependencies in its order"
+
+
 def main():
     try:
         names = files()
@@ -104,7 +114,7 @@ def main():
     names = names or sorted(files_without_git())
     machine_path = machine_paths()
     found = [defect for name in names for defect in defects(name, machine_path)]
-    found += [*outdated_examples(), *unsaid_gates(), *threads_gate_in_vain()]
+    found += [*outdated_examples(), *unsaid_gates(), *threads_gate_in_vain(), *unnamed_packages()]
     print('\n'.join(found) if found else '%d files, nothing to complain about' % len(names))
     return 1 if found or not names else 0
 
