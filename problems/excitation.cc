@@ -116,18 +116,18 @@ class ShotBatches {
   std::vector<int> by_model_;
 };
 
-// A force along the axis of its own lever leaves round-off where its neighbours of the same kind leave a motion: 0.
+// A force along the axis of its own lever leaves round-off where the effect's other parameters leave a motion: 0. In SI
+// units these move the arm alike to a few orders of magnitude (a link's mass, kg, and its first moments, kg m).
 void DropRoundOff(const std::vector<ModelParameter>& parameters, std::vector<double>* motions) {
-  using Kind = std::pair<int, Quantity>;
-  std::map<Kind, double> most;
-  const auto kind_of = [&](size_t i) { return Kind(parameters[i].index, parameters[i].quantity); };
+  std::map<int, double> most;  // by effect
   for (size_t i = 0; i < parameters.size(); ++i) {
     if (parameters[i].law != ParameterLaw::kEffect) continue;
-    double& largest = most[kind_of(i)];
+    double& largest = most[parameters[i].index];
     largest = std::max(largest, (*motions)[i]);
   }
   for (size_t i = 0; i < parameters.size(); ++i) {
-    if (parameters[i].law == ParameterLaw::kEffect && (*motions)[i] < kRoundOff * most[kind_of(i)]) (*motions)[i] = 0.0;
+    if (parameters[i].law != ParameterLaw::kEffect) continue;
+    if ((*motions)[i] < kRoundOff * most[parameters[i].index]) (*motions)[i] = 0.0;
   }
 }
 

@@ -176,18 +176,48 @@ Eigen::VectorXd BoundedGaussNewton(const CalibrationProblem& problem, const Fitt
   return delta;
 }
 
+// How much of each Gauss-Newton step d is gone. Near the optimum, with H = J'J + S and S what the residuals' own
+// curvature adds (a load's centre of gravity times the compliances that it bends, both open), a step of lambda d leaves
+// the next one
+//
+//   d' = (1 - lambda mu) d,   mu: of (J'J)^-1 H along d
+//
+// Where mu exceeds 2 whole steps swing farther each time: from the ratio of two of them mu is known, and 1 / mu
+// arrives.
+class Relaxation {
+ public:
+  // weights: of each column, of which |weight d| is commensurate.
+  double NextFactor(const Eigen::VectorXd& step, const Eigen::VectorXd& weights) {
+    const Eigen::VectorXd here = step.cwiseProduct(weights);
+    if (before_.size() == here.size() && before_.squaredNorm() > 0.0) {
+      const double ratio = here.dot(before_) / before_.squaredNorm(), mu = (1.0 - ratio) / factor_;
+      if (ratio < kSwings || factor_ < 1.0) factor_ = mu > 1.0 ? std::max(kLeast, 1.0 / mu) : 1.0;
+    }
+    before_ = here;
+    return factor_;
+  }
+
+ private:
+  static constexpr double kSwings = -0.5;  // with a smaller swing whole steps are there as soon
+  static constexpr double kLeast = 0.05;
+  Eigen::VectorXd before_;
+  double factor_ = 1.0;
+};
+
 // Ceres stops where the cost cannot decide (1e-5 standard deviations away), and
 // with joint deviations at the mode instead of the marginal optimum; the
 // gradient still can: a few Gauss-Newton steps bring 1e-7.
 Certificate Polish(const CalibrationProblem& problem, const NormalEquations& equations, double reach, int steps,
                    ParameterSet* parameters) {
   Certificate certificate;
+  Relaxation relaxation;
   for (int i = 0; i < steps && certificate.step >= kConvergedSteps; ++i) {
     const FittedRows here = RowsOf(equations, *parameters, parameters->EstimatedCoordinates());
     certificate.valid = here.rows.valid;
     if (!certificate.valid) return certificate;
-    const Eigen::VectorXd delta = BoundedGaussNewton(problem, here, *parameters, &certificate);
+    Eigen::VectorXd delta = BoundedGaussNewton(problem, here, *parameters, &certificate);
     if (certificate.exact_fit || !(certificate.step < reach)) return certificate;
+    delta *= relaxation.NextFactor(delta, here.rows.jacobian.colwise().norm().transpose());
     const ParameterSet before = *parameters;
     Move(here.rows.columns, delta, 1.0, parameters);
     // 1e-5 standard deviations change columns by less than 1e-10 of themselves.

@@ -150,7 +150,7 @@ std::string RowsContradictPrior(const ParameterSet& parameters, const PriorConfl
   return fmt::format(
       "the rows contradict the prior of {}: it is stated as {} +- {} {}, they say {} +- {}, {} standard "
       "deviations apart{}: check its value and its unit, or leave it out",
-      coordinate.name, value(coordinate.prior_value), value(coordinate.prior_sigma), traits.unit, value(worst.rows),
+      coordinate.name, value(coordinate.prior_value), value(worst.prior_sigma), traits.unit, value(worst.rows),
       value(worst.rows_sigma), Significant(worst.sigmas, 2), all > 1 ? fmt::format(" (and {} more)", all - 1) : "");
 }
 

@@ -14,6 +14,15 @@ namespace {
 // A prior of which the rows leave this share of the variance says all that is known: they cannot contradict it.
 constexpr double kRowsSayNothing = 1.0 - 1e-6;
 
+// SI, of an effect where the rows scatter as they do; 0 where nobody stated one.
+double StatedPrior(const CalibrationProblem& problem, const Coordinate& coordinate) {
+  if (HasStatedPrior(coordinate)) return coordinate.prior_sigma;
+  const auto& parameters = problem.model().parameters();
+  const auto stated = std::find_if(parameters.begin(), parameters.end(),
+                                   [&](const ModelParameter& own) { return own.name == coordinate.name; });
+  return stated == parameters.end() || !(stated->prior_sigma > 0.0) ? 0.0 : coordinate.effect_prior;
+}
+
 // Of what the rows say without the prior, SI^2. A fit with weights of its own makes less of the rows than it could: of
 // the variance of its estimate (v / p)^2 p is the prior's, the rest is theirs, (v / d)^2 times.
 double VarianceOfRows(const CalibrationProblem& problem, const Estimate& estimate, Eigen::Index row, double prior,
@@ -41,7 +50,8 @@ std::vector<PriorConflict> PriorsAgainstRows(const CalibrationProblem& problem, 
   for (size_t k = 0; k < estimate.estimated.size(); ++k) {
     const int i = estimate.estimated[k];
     const Coordinate& coordinate = estimate.parameters.coordinates()[i];
-    if (!HasStatedPrior(coordinate)) continue;
+    const double stated = StatedPrior(problem, coordinate);
+    if (!(stated > 0.0)) continue;
     priors += 1.0;
     const auto row = static_cast<Eigen::Index>(k);
     const double prior = std::pow(coordinate.prior_sigma, 2), left = estimate.fit_covariance(row, row);
@@ -49,9 +59,10 @@ std::vector<PriorConflict> PriorsAgainstRows(const CalibrationProblem& problem, 
     const double own = 1.0 / (1.0 / left - 1.0 / prior);
     const double apart = (estimate.parameters.Value(i) - coordinate.prior_value) * own / left;
     const double rows = VarianceOfRows(problem, estimate, row, prior, own);
-    const double dof = WelchDof(prior, std::numeric_limits<double>::infinity(), rows, noise_dof);
-    conflicts.push_back(
-        {i, coordinate.prior_value + apart, std::sqrt(rows), std::abs(apart) / std::sqrt(prior + rows), dof});
+    const double variance = stated * stated;
+    const double dof = WelchDof(variance, std::numeric_limits<double>::infinity(), rows, noise_dof);
+    conflicts.push_back({i, stated, coordinate.prior_value + apart, std::sqrt(rows),
+                         std::abs(apart) / std::sqrt(variance + rows), dof});
   }
   const double tail = 0.5 * problem.experiment().significance / std::max(1.0, priors);
   const auto is_chance = [tail](const PriorConflict& conflict) {

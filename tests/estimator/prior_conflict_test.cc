@@ -34,6 +34,29 @@ Trust TrustOf(const CalibrationProblem& problem) {
   return test::JudgeTrust(problem, 1, &estimate);
 }
 
+// A gear that errs by 300 urad twice per turn, of which the robot file says that it does by 1 urad.
+TEST(Trust, AnEffectSizeThatTheRowsContradictIsNamed) {
+  const Kr270Design design = Design(40);
+  Measurements data = test::DesignMeasurements(design);
+  test::MeasureKr270(test::Kr270Truth(), design.sigma, 101, &data);
+  for (Configuration& pose : data.configurations) pose.q[0] -= 3e-4 * std::sin(2.0 * pose.q[0]);
+  const auto with = [&](double prior_sigma) {
+    Robot robot;
+    robot.chain = test::Kr270Chain();
+    robot.effects = {{"joint_harmonic", "A1", {{"order", "2"}}, {0.0, 0.0}, {0.0, prior_sigma}}};
+    return MakeCalibrationProblem(robot, data, Experiment());
+  };
+  const CalibrationProblem contradicted = with(1e-6);
+  const std::vector<PriorConflict> conflicts = PriorsAgainstRows(contradicted, EstimateJointly(contradicted));
+  ASSERT_EQ(conflicts.size(), 1U);
+  EXPECT_DOUBLE_EQ(conflicts[0].prior_sigma, 1e-6);
+  EXPECT_NEAR(conflicts[0].rows, 3e-4, 5.0 * conflicts[0].rows_sigma);
+  EXPECT_THAT(TrustOf(contradicted).verdict.reasons,
+              ::testing::Contains(HasSubstr("contradict the prior of effect/joint_harmonic[order=2]/A1/sin")));
+  const CalibrationProblem wide = with(3e-4);
+  EXPECT_TRUE(PriorsAgainstRows(wide, EstimateJointly(wide)).empty());
+}
+
 // Against the fit without the prior: x1 of variance d there, the prior x0 of variance p;  (x1 - x0) / sqrt(p + d).
 TEST(Trust, APriorThatTheRowsContradictIsNamed) {
   const Kr270Design design = Design(40);
