@@ -237,7 +237,7 @@ double TuneSettings(const Evidence& evidence, const JointOptions& joint, Refitte
     ChangeTo(At(spec, setting->name, LeastOf(fits)), &tuned.effects[k].candidate);
     tuned.with_effects = Extend(tuned.lacking, CandidatesOf(tuned.effects), joint);
     if (!tuned.IsUsable()) continue;
-    const double better = LogFullOverLinear(evidence, tuned) - LogFullOverLinear(evidence, *refitted);
+    const double better = LogOfFull(evidence, tuned) - LogOfFull(evidence, *refitted);
     VLOG(1) << "diagnosis: " << tuned.effects[k].candidate.spec.Path() << " in place of " << spec.Path() << " adds "
             << better << " to the log likelihood";
     if (better < kInDoubt) continue;

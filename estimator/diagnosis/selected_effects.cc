@@ -320,13 +320,16 @@ double LogPriorOfFitted(const Evidence& evidence, const RefittedSet& refitted, c
   return LogPriorOfSpring(parameters) + std::log(share / evidence.list().place[spring.explanation].weight);
 }
 
+double LogOfFull(const Evidence& evidence, const RefittedSet& refitted) {
+  const double unit = UnitOfRows(evidence, refitted.model);
+  return evidence.LikelihoodOf(NamedOf(refitted).view)
+      .Log(unit * (refitted.with_effects.estimate.chi2 - SquareOfPriors(refitted)));
+}
+
 double LogFullOverLinear(const Evidence& evidence, const RefittedSet& refitted) {
   if (evidence.FollowsPose(refitted.model)) return 0.0;  // the full model has no deviation that follows the pose
   const WeightedModel named = NamedOf(refitted);
-  const ResidualLikelihood likelihood = evidence.LikelihoodOf(named.view);
-  const double unit = UnitOfRows(evidence, refitted.model);
-  return likelihood.Log(unit * (refitted.with_effects.estimate.chi2 - SquareOfPriors(refitted))) -
-         likelihood.Log(ResidualAtBest(evidence, named));
+  return LogOfFull(evidence, refitted) - evidence.LikelihoodOf(named.view).Log(ResidualAtBest(evidence, named));
 }
 
 double CorrectedP(double reduction, int parameters, double scatter, int dof, bool is_sigma_stated, int tests) {

@@ -52,6 +52,9 @@ RefittedSet RefitSet(const Evidence& evidence, const WeightedModel& model, const
 RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel& baseline, const JointOptions& joint,
                          double gate, Evidence* evidence, Posterior* posterior, std::vector<RivalSet>* rivals);
 
+// Log likelihood of the set's effects alone in the full model, which has neither functions without a name nor a
+// deviation that follows the pose: two settings of an effect are compared by it whatever else the set holds.
+double LogOfFull(const Evidence& evidence, const RefittedSet& refitted);
 // What the full model finds more of log likelihood than the linear one in the set's effects, those without a name left
 // out, which the full model cannot hold.
 double LogFullOverLinear(const Evidence& evidence, const RefittedSet& refitted);
