@@ -20,20 +20,16 @@ constexpr double kWidth = 15.0;       // deg, between 10 and 30 of the list
 constexpr int kJoint = 4;             // A5
 
 // Joint A5 wanders by 6 deg from pose to pose. A stop that is dragged along by a fork of this width, written as a
-// machine would do it: it moves when one of the fork's two ends meets it. twice: the second half of the 80 shots visits
-// the poses of the first half again, in another order.
-CalibrationProblem Dragged(std::uint64_t seed, bool twice = false) {
-  constexpr int kHalf = 40;
-  const auto again = [](int c) { return (7 * c + 3) % kHalf; };
+// machine would do it: it moves when one of the fork's two ends meets it.
+CalibrationProblem Dragged(std::uint64_t seed) {
   Measurements data = test::DesignMeasurements(test::CampaignOf(80, 1, kSigma, seed));
   test::RandomNumbers steps(seed + 1);
   double angle = 0.0;
   for (Configuration& configuration : data.configurations) {
-    angle += twice ? steps.Uniform(-45.0, 45.0) : steps.Uniform(-12.0, 12.0);
+    angle += steps.Uniform(-12.0, 12.0);
     angle = std::min(100.0, std::max(-100.0, angle));
     configuration.q[kJoint] = angle * kDegree;
   }
-  for (int c = 0; twice && c < kHalf; ++c) data.configurations[kHalf + c].q = data.configurations[again(c)].q;
   Measurements moved = data;
   const double half = 0.5 * kWidth * kDegree;
   double stop = data.configurations[0].q[kJoint];
@@ -46,12 +42,6 @@ CalibrationProblem Dragged(std::uint64_t seed, bool twice = false) {
   test::MeasureKr270(test::Kr270Truth(), kSigma, seed + 2, &moved);
   for (size_t i = 0; i < data.observations.size(); ++i)
     data.observations[i].point_in_station = moved.observations[i].point_in_station;
-  for (Shot& shot : data.shots) {
-    if (!twice || shot.configuration < kHalf) continue;
-    shot.configuration = again(shot.configuration - kHalf);
-    shot.visit = "2";
-  }
-  if (twice) data.configurations.resize(kHalf);
   return MakeCalibrationProblem(test::Kr270ProblemOf(data, Experiment()).robot(), data, Experiment());
 }
 
@@ -73,16 +63,6 @@ TEST(ScannedSettings, AWidthBetweenThoseListedIsFound) {
   EXPECT_EQ(spec.effect, "hysteresis");
   EXPECT_EQ(spec.target, "A5");
   EXPECT_NEAR(spec.NumberSetting("width_deg", 0.0), kWidth, 2.0);
-}
-
-// Where poses were visited twice, what the wrong width leaves looks like a deviation that follows the pose: with that
-// hypothesis in the leading set the width is found all the same, and it is gone.
-TEST(ScannedSettings, AWidthIsFoundThroughADeviationOfThePose) {
-  const CalibrationProblem problem = Dragged(25, true);
-  const LeadingSet found = FindIn(problem, FitFully(problem, JointOptions()));
-  ASSERT_EQ(found.refitted.effects.size(), 1u);
-  EXPECT_NEAR(found.refitted.effects[0].candidate.spec.NumberSetting("width_deg", 0.0), kWidth, 2.0);
-  EXPECT_FALSE(found.evidence->FollowsPose(found.refitted.model));
 }
 
 // 60 poses, one a minute, and a stop of `stop` seconds after the 30th: the instrument's stand shifts by exp(-t / 850

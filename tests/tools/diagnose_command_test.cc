@@ -158,6 +158,19 @@ TEST_F(DiagnoseCommandTest, ASpringWhoseFirstRefitFailsIsNotRefuted) {
   EXPECT_LT(diagnosis["posterior"]["noise"].get<double>(), 1e-6);
 }
 
+// Play of 17 deg that a joint drags along, poses visited twice, by a simulation that shares no code with the model. By the
+// nearest listed widths, 10 and 30 deg, the rest looks like a deviation that follows the pose: with that hypothesis in the
+// leading set no other width had been tried.
+TEST_F(DiagnoseCommandTest, AWidthIsFoundThroughADeviationOfThePose) {
+  const std::string campaign = SourceFolder() + "/tests/tools/dragged_stop/experiment.yaml";
+  ASSERT_EQ(Run({"diagnose", campaign, "--out=" + Path("out")}).status, 0);
+  const auto diagnosis = ReadJson("out/diagnosis.json");
+  EXPECT_EQ(diagnosis["verdict"], "explained");
+  ASSERT_EQ(diagnosis["steps"].size(), 1u);
+  EXPECT_EQ(diagnosis["steps"][0]["effect"], "hysteresis");
+  EXPECT_NEAR(diagnosis["steps"][0]["settings"]["width_deg"].get<double>(), 17.0, 1.5);
+}
+
 constexpr char kProposed[] = "config,marker,q1_deg,x_mm,y_mm,z_mm\nnext1,T1,10,,,\nnext2,T1,20,";
 
 // Somebody measured the proposed poses and filled in the file where it lay.
