@@ -13,6 +13,7 @@
 #include "estimator/diagnosis/gap.h"
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/diagnosis/stated_effects.h"
+#include "estimator/diagnosis/unstated_rows.h"
 #include "estimator/explanations/drivers.h"
 #include "estimator/inspection/load_lint.h"
 #include "estimator/inspection/reading_lint.h"
@@ -103,30 +104,13 @@ std::string OfStandingJoints(const CalibrationProblem& problem) {
   return standing.empty() ? "" : JointsStandStill(standing, all);
 }
 
-struct DrivingColumn {
-  std::string name;
-  std::function<bool(const ShotConditions&)> is_stated;
-};
-
-std::vector<DrivingColumn> DrivingColumns(int joints) {
-  std::vector<DrivingColumn> columns = {
-      {"time_s", [](const ShotConditions& shot) { return shot.has_time; }},
-      {"temperature_degC", [](const ShotConditions& shot) { return shot.has_temperature; }}};
-  for (int j = 0; j < joints; ++j) {
-    columns.push_back(
-        {"approach" + std::to_string(j + 1), [j](const ShotConditions& shot) { return shot.StatesApproachOf(j); }});
-  }
-  return columns;
-}
-
-// An effect acts in every shot or is not looked for: a few empty cells silence a whole column.
+// An effect acts in every shot or is not looked for: where more than a few cells are empty, the column is silent.
 std::string OfPartlyStated(const CalibrationProblem& problem) {
   const Measurements& data = problem.data();
   std::vector<std::string> partly;
   for (const DrivingColumn& column : DrivingColumns(problem.robot().num_joints())) {
-    const auto stating = std::count_if(problem.shot_inputs().begin(), problem.shot_inputs().end(),
-                                       [&](const ShotInput& shot) { return column.is_stated(shot.conditions); });
-    if (stating == 0 || stating == static_cast<long>(problem.shot_inputs().size())) continue;
+    const auto stating = std::count_if(data.shots.begin(), data.shots.end(), column.is_stated);
+    if (stating == 0 || stating == static_cast<long>(data.shots.size())) continue;
     const auto empty = std::count_if(data.observations.begin(), data.observations.end(), [&](const Observation& row) {
       return row.is_point() && data.Cell(row, column.name).empty();
     });

@@ -12,6 +12,7 @@
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/diagnosis/scanned_settings.h"
 #include "estimator/diagnosis/set_aside.h"
+#include "estimator/diagnosis/unstated_rows.h"
 #include "estimator/evidence/revisits.h"
 #include "estimator/report/diagnosis_caution_words.h"
 #include "estimator/report/explanations_words.h"
@@ -493,7 +494,11 @@ void CheckOptions(const DiagnosisOptions& options) {
 Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& options) {
   CheckOptions(options);
   Diagnosis diagnosis;
-  Session(problem, options, &diagnosis).Run();
+  std::vector<std::string> left_out;
+  const std::optional<CalibrationProblem> stated = WithoutUnstatedRows(problem, &left_out);
+  Session(stated ? *stated : problem, options, &diagnosis).Run();
+  const auto others = diagnosis.cautions.begin() + static_cast<long>(diagnosis.read_first);
+  diagnosis.cautions.insert(others, left_out.begin(), left_out.end());
   return diagnosis;
 }
 

@@ -63,6 +63,15 @@ Eigen::MatrixXd TorquesOfOwnWrenches(const CalibrationProblem& problem, const Pa
   return torques;
 }
 
+// 0 throughout, which drives nothing, where some shots do not state it.
+template <typename IsStated, typename Value>
+Eigen::VectorXd IfAllState(const CalibrationProblem& problem, const IsStated& is_stated, const Value& value) {
+  const std::vector<ShotInput>& shots = problem.shot_inputs();
+  const bool all = std::all_of(shots.begin(), shots.end(), [&](const ShotInput& s) { return is_stated(s.conditions); });
+  if (!all) return Eigen::VectorXd::Zero(static_cast<Eigen::Index>(shots.size()));
+  return OfShots(problem, value);
+}
+
 }  // namespace
 
 std::vector<int> FittedShots(const CalibrationProblem& problem) {
@@ -87,21 +96,22 @@ Driver AngleOf(const CalibrationProblem& problem, int joint) {
 }
 
 Driver ApproachOf(const CalibrationProblem& problem, int joint) {
-  const auto approach = [joint](const ShotConditions& shot) -> double {
-    return shot.StatesApproachOf(joint) ? shot.approach[joint] : 0.0;
-  };
-  return {"approach of " + problem.robot().chain.joints[joint].name, "", DriverKind::kOther,
-          OfShots(problem, approach)};
+  const auto is_stated = [joint](const ShotConditions& shot) { return shot.StatesApproachOf(joint); };
+  return {
+      "approach of " + problem.robot().chain.joints[joint].name, "", DriverKind::kOther,
+      IfAllState(problem, is_stated, [joint](const ShotConditions& shot) -> double { return shot.approach[joint]; })};
 }
 
 Driver TimeOf(const CalibrationProblem& problem) {
-  const auto time = [](const ShotConditions& shot) { return shot.has_time ? shot.time : 0.0; };
-  return {"time", "s", DriverKind::kTime, OfShots(problem, time)};
+  const auto is_stated = [](const ShotConditions& shot) { return shot.has_time; };
+  return {"time", "s", DriverKind::kTime,
+          IfAllState(problem, is_stated, [](const ShotConditions& shot) { return shot.time; })};
 }
 
 Driver TemperatureOf(const CalibrationProblem& problem) {
-  const auto above = [](const ShotConditions& shot) { return shot.has_temperature ? shot.temperature : 0.0; };
-  return {"temperature above its mean", "K", DriverKind::kTemperature, OfShots(problem, above)};
+  const auto is_stated = [](const ShotConditions& shot) { return shot.has_temperature; };
+  return {"temperature above its mean", "K", DriverKind::kTemperature,
+          IfAllState(problem, is_stated, [](const ShotConditions& shot) { return shot.temperature; })};
 }
 
 Driver ConfigurationNumberOf(const CalibrationProblem& problem) {

@@ -37,8 +37,9 @@ Eigen::VectorXd JointValues(const CalibrationProblem& problem, int joint);
 // A revolute joint, whose angle is read; of the others a length is.
 bool IsRevolute(const CalibrationProblem& problem, int joint);
 
+// Of what a shot may leave open all are 0 where one does.
 Driver AngleOf(const CalibrationProblem& problem, int joint);     // deg or mm, commanded
-Driver ApproachOf(const CalibrationProblem& problem, int joint);  // +1, -1 or 0; zero where it is not stated
+Driver ApproachOf(const CalibrationProblem& problem, int joint);  // +1, -1 or 0
 Driver TimeOf(const CalibrationProblem& problem);                 // s since the station's first row
 Driver TemperatureOf(const CalibrationProblem& problem);          // K above the mean
 Driver ConfigurationNumberOf(const CalibrationProblem& problem);  // from 1

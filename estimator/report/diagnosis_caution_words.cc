@@ -87,8 +87,15 @@ std::string PartlyStated(const std::string& column, long empty, size_t rows) {
 
 std::string ColumnsArePartlyStated(const std::vector<std::string>& columns) {
   return "Columns that some rows do not state: " + Enumerate(columns, kNamesListed) +
-         ". What they drive is looked for only where every shot states it: fill the cells, or leave those "
+         ". What they drive is looked for only where three shots of four state it: fill the cells, or leave those "
          "rows out.";
+}
+
+std::string RowsThatStateLessAreLeftOut(size_t shots, size_t all, const std::vector<std::string>& columns) {
+  return "Left out for empty cells: " + std::to_string(shots) + " of " + std::to_string(all) + " shots (" +
+         Enumerate(columns, kNamesListed) +
+         "), so that what goes with these columns can be looked for. Fill the cells, or remove the rows before "
+         "robot.extended.yaml is calibrated with them.";
 }
 
 std::string ParametersAreHeld(const std::vector<std::string>& parameters) {

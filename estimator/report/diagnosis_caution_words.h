@@ -45,6 +45,8 @@ std::string JointsFollowTheOrder(const std::vector<std::string>& joints);
 // "time_s (3 of 40 rows)".
 std::string PartlyStated(const std::string& column, long empty, size_t rows);
 std::string ColumnsArePartlyStated(const std::vector<std::string>& columns);
+// shots: how many of all leave cells of the columns empty.
+std::string RowsThatStateLessAreLeftOut(size_t shots, size_t all, const std::vector<std::string>& columns);
 std::string ParametersAreHeld(const std::vector<std::string>& parameters);
 std::string EffectsAreHeld(const std::vector<std::string>& effects);
 // Of effects in whose place other values of stated ones would do, what their probabilities are given; "" where none is.

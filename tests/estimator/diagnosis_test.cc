@@ -168,16 +168,15 @@ TEST(Diagnosis, WhatLimitsTheVerdictIsSaid) {
   EXPECT_TRUE(AnyStartsWith(FindCautions(sorted, believed), "A4 follows the order of the rows"));
 }
 
-// A few empty cells silence a whole column.
+// Where more than a few cells are empty, the column is silent.
 TEST(Diagnosis, ColumnsThatSomeRowsDoNotStateAreNamed) {
   CalibrationProblem partly = Hidden(1, [](double) { return 0.0; });
   const DiagnosedModel believed{std::make_shared<CalibrationProblem>(partly), {}};
-  for (size_t s = 0; s < partly.shot_inputs().size(); ++s) {
-    (*partly.mutable_shot_inputs())[s].conditions.has_time = s % 2 == 0;
-  }
+  std::vector<Shot>& shots = partly.mutable_data()->shots;
+  for (size_t s = 0; s < shots.size(); ++s) shots[s].has_time = s % 2 == 0;
   const std::string words = "Columns that some rows do not state: time_s (";
   EXPECT_TRUE(AnyStartsWith(FindCautions(partly, believed), words));
-  for (ShotInput& shot : *partly.mutable_shot_inputs()) shot.conditions.has_time = true;
+  for (Shot& shot : shots) shot.has_time = true;
   EXPECT_FALSE(AnyStartsWith(FindCautions(partly, believed), words));
 }
 
