@@ -189,8 +189,8 @@ Every row comes back with
   status                       ok, singular (on target, close to a singularity), limit, unreachable,
                                equilibrium_diverged, not_converged
   q1_cmd_deg … (_mm)           corrected joint values: with them the estimated robot, loads included, is on target
-  x_cmd_mm … rz_cmd_mrad       the pose to send where the controller keeps its nominal model, its rotation in the
-                               form of the targets (a_cmd_deg …, ow_cmd …, roll_cmd_deg …)
+  x_cmd_mm … rz_cmd_mrad       the pose to send where the controller keeps its nominal model: a rotation vector in mrad,
+                               or, where the targets state these, ow_cmd …, a_cmd_deg …, roll_cmd_deg …
   u95_mm, u95_mrad             95 % of where the flange then is lie within this of the target: what is left and the
                                uncertainty of the estimate; repeatability not in it.
                                The flange is where the markers have it: for tools measured through the same markers

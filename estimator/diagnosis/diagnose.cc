@@ -145,9 +145,7 @@ class Session {
     d_.has_unexplained |= posterior_.MoreThan(selected_.size()) > NamingGate();
     aside_.FromHeldOut(!named_, &d_.baseline, &d_.final, &lacking_, &prefixes_);
     FindRest();
-    // The most probable set may be noise alone, and those that hold a cause more probable together.
-    const bool is_hardly_noise = d_.noise.is_finding && posterior_.Something() > kEvenOdds;
-    d_.has_unexplained |= Misfits() || (selected_.empty() && (MayFollowThePose() || is_hardly_noise));
+    d_.has_unexplained |= Misfits() || (selected_.empty() && (MayFollowThePose() || IsHardlyNoise()));
     if (!selected_.empty()) {
       judged_ = d_.final;
       if (d_.has_unexplained && MayFollowThePose()) FollowRepeatability();
@@ -413,6 +411,14 @@ class Session {
   bool MayFollowThePose() const {
     return d_.noise.HasUndeclaredRepeatability() && !d_.noise.is_distinguished_from_pose &&
            !d_.noise.repeatability_is_overstated;
+  }
+
+  // The most probable set may be noise alone, and those that hold a cause more probable together. Where these too have
+  // readings of a group scatter otherwise, that is sure whatever else there is; what else is not, by the gate.
+  bool IsHardlyNoise() const {
+    const bool is_of_groups = !d_.noise.HasUndeclaredRepeatability() && !d_.noise.scale_differs;
+    if (is_of_groups && d_.noise.probability > NamingGate()) return false;
+    return d_.noise.is_finding && posterior_.Something() > kEvenOdds;
   }
 
   // m. A deviation of the joints that may be an error which follows the pose is no noise: it would close the gap by

@@ -41,8 +41,8 @@ Call CallAround(const std::string& code, size_t at) {
   return call;
 }
 
-// An argument that is the variable or a part of it, no value that is computed of it; of a routine's head the parameter,
-// which hides the variable.
+// An argument that is the variable or a part of it, no value that is computed of it, but for a chain of frames (A:B),
+// which is left alone as well; of a routine's head the parameter (P:OUT), which hides the variable.
 bool IsAnArgument(const std::string& code, size_t at, size_t end) {
   static const std::regex behind = MakeCodePattern("^(?: ?\\. ?\\w+){0,9} ?[,):]");
   size_t before = at;
