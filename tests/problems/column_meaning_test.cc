@@ -121,6 +121,19 @@ TEST(TimeColumns, NumbersAreInTheUnitOfTheHeader) {
   EXPECT_EQ(LookAtTime(Times("Time (UTC)", {"2024-03-12 09:00:11", "2024-03-12 09:01:11"}), 0, 2).why_not, "");
 }
 
+// 2023-11-14 22:13:20 and later, as computers count it; in s the unit is a guess as of any number.
+TEST(TimeColumns, NumbersSince1970StateTheirUnitByTheirSize) {
+  const std::pair<const char*, double> clocks[] = {{"000", 1e-3}, {"000000", 1e-6}, {"000000000", 1e-9}};
+  for (const auto& [zeros, seconds] : clocks) {
+    std::vector<std::string> stamps;
+    for (const char* time : {"1700000000", "1700000060", "1700000120"}) stamps.push_back(std::string(time) + zeros);
+    const TimeColumn time = LookAtTime(Times("timestamp", stamps), 0, 3);
+    EXPECT_TRUE(time.since_1970);
+    EXPECT_EQ(time.seconds_per_unit, seconds);
+  }
+  EXPECT_FALSE(LookAtTime(Times("timestamp", {"1700000000", "1700000060"}), 0, 2).since_1970);
+}
+
 // tx, ty, tz are a point where no other column is one.
 TEST(ColumnMeanings, TranslationsArePointsWhereNothingElseIs) {
   const std::vector<std::string> names = {"pose", "tx", "ty [mm]", "tz", "qx", "qy", "qz", "qw"};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -29,6 +30,16 @@ std::optional<double> SecondsOfUnit(const std::string& word) {
       {"hr", 3600.0}, {"hours", 3600.0}, {"d", 86400.0},   {"days", 86400.0}};
   const auto found = kUnits.find(word);
   return found == kUnits.end() ? std::nullopt : std::optional<double>(found->second);
+}
+
+// ms, us or ns since 1970, by which all times are of this century; "" where none is. In s a number is one anyway.
+std::string UnitSince1970(double first, double last) {
+  constexpr double kFrom = 946684800.0, kTo = 4102444800.0;  // 2000 and 2100
+  for (const char* unit : {"ms", "us", "ns"}) {
+    const double seconds = *SecondsOfUnit(unit);
+    if (first * seconds >= kFrom && last * seconds <= kTo) return unit;
+  }
+  return "";
 }
 
 // What stands in brackets at the end, or is a unit behind the last bar or blank; "" where there is none.
@@ -94,6 +105,9 @@ void DecideTimes(const TextTable& table, std::vector<ImportPlan>* plans) {
     if (!time.why_not.empty()) {
       plan.unused.emplace_back(column->header, time.why_not);
       plan.columns.erase(column);
+    } else if (time.since_1970) {
+      plan.guesses.push_back("'" + column->header + "' is in " + time.unit +
+                             " since 1970, by its size: the header does not say");
     } else if (!time.stamps && !time.seconds_per_unit) {
       plan.guesses.push_back("'" + column->header + "' is in s: the header does not say");
     }
@@ -104,6 +118,7 @@ TimeColumn LookAtTime(const TextTable& table, int column, size_t shots) {
   TimeColumn time;
   std::set<std::string> different;
   bool numbers = true;
+  double first = std::numeric_limits<double>::infinity(), last = 0.0;
   time.stamps = true;
   for (const TextTable::Row& row : table.rows) {
     CheckInterruption();
@@ -111,7 +126,9 @@ TimeColumn LookAtTime(const TextTable& table, int column, size_t shots) {
     if (IsLostCell(cell)) continue;
     if (!different.insert(cell).second) continue;
     time.stamps = time.stamps && SecondsOfStamp(cell).has_value();
-    numbers = numbers && table.Number(cell).has_value();
+    const std::optional<double> number = table.Number(cell);
+    numbers = numbers && number;
+    first = std::min(first, number.value_or(0.0)), last = std::max(last, number.value_or(0.0));
   }
   if (different.size() < 2) {
     time.why_not = "the time is the same in every row";
@@ -121,7 +138,11 @@ TimeColumn LookAtTime(const TextTable& table, int column, size_t shots) {
     time.why_not = "the times are rounded: " + std::to_string(different.size()) + " different ones of " +
                    std::to_string(shots) + " shots";
   }
-  const std::string unit = table.has_header() ? WrittenUnit(table.header[static_cast<size_t>(column)]) : "";
+  std::string unit = table.has_header() ? WrittenUnit(table.header[static_cast<size_t>(column)]) : "";
+  if (unit.empty() && numbers && !time.stamps) {
+    unit = UnitSince1970(first, last);
+    time.since_1970 = !unit.empty();
+  }
   time.seconds_per_unit = SecondsOfUnit(unit);
   time.unit = time.seconds_per_unit && !time.stamps ? unit : "s";
   if (time.why_not.empty() && !time.stamps && !unit.empty() && !time.seconds_per_unit)

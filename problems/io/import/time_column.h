@@ -21,8 +21,9 @@ size_t CountShots(const TextTable& table, const ImportPlan& plan);
 struct TimeColumn {
   bool stamps = false;
   std::optional<double> seconds_per_unit;  // of numbers; nothing: the header does not say
-  std::string unit;                        // of it, as written
-  std::string why_not;                     // "": it can
+  bool since_1970 = false;  // the header does not say, and the numbers are of this century in one unit only
+  std::string unit;         // of it, as written
+  std::string why_not;      // "": it can
 };
 TimeColumn LookAtTime(const TextTable& table, int column, size_t shots);
 
