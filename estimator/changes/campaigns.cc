@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/explanations/moments.h"
 #include "estimator/report/diagnosis_words.h"
 #include "models/constants.h"
 #include "models/effects/catalogue.h"

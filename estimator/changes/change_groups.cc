@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/explanations/moments.h"
+#include "models/effects/catalogue.h"
 #include "models/geometry.h"
 #include "models/steel.h"
 

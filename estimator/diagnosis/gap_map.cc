@@ -163,7 +163,7 @@ std::string DrivingJoint(const EffectDefinition& definition, const EffectSpec& s
 
 Driver DriverOf(const CalibrationProblem& problem, const EffectSpec& spec) {
   const EffectDefinition* definition = FindEffect(problem.robot(), spec.effect);  // none of the compensator
-  const EffectDriver by = definition == nullptr ? EffectDriver::kJoint : definition->driven_by;
+  const EffectDriver by = definition == nullptr ? EffectDriver::kJoint : definition->DrivenBy(spec);
   if (by == EffectDriver::kTemperature) return TemperatureOf(problem);
   if (by == EffectDriver::kTime) return TimeOf(problem);
   const std::string name = definition == nullptr ? spec.target : DrivingJoint(*definition, spec);

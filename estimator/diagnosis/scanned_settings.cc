@@ -221,6 +221,13 @@ ThermalLag LagOf(const std::vector<FitAt>& fits, double noise, bool is_timed) {
   return lag;
 }
 
+// Whether this use goes with a temperature that it may lag behind.
+bool MayLag(const EffectDefinition& definition, const EffectSpec& spec) {
+  const bool has_lag = std::any_of(definition.settings.begin(), definition.settings.end(),
+                                   [](const SettingDefinition& setting) { return setting.name == kLagSetting; });
+  return has_lag && definition.DrivenBy(spec) == EffectDriver::kTemperature;
+}
+
 }  // namespace
 
 double TuneSettings(const Evidence& evidence, const JointOptions& joint, RefittedSet* refitted) {
@@ -251,7 +258,7 @@ std::optional<ThermalLag> AllowForSetting(const DiagnosedModel& final, const Eff
                                           std::vector<ParameterEstimate>* rows) {
   const Robot& robot = final.problem->robot();
   const EffectDefinition* definition = FindEffect(robot, spec.effect);
-  const bool is_lag = definition != nullptr && definition->driven_by == EffectDriver::kTemperature;
+  const bool is_lag = definition != nullptr && MayLag(*definition, spec);
   const SettingDefinition* scanned = is_lag ? nullptr : ScannedDefinition(robot, spec);
   if (rows->empty() || (!is_lag && scanned == nullptr)) return std::nullopt;
   const std::string setting = is_lag ? kLagSetting : scanned->name;

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "estimator/diagnosis/noise_check.h"
-#include "estimator/explanations/moments.h"
 #include "estimator/report/diagnosis_caution_words.h"
 #include "estimator/statistics/distributions.h"
+#include "models/effects/catalogue.h"
 
 namespace sagitta {
 namespace {

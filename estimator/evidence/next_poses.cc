@@ -237,8 +237,9 @@ bool DependsOnWhen(const Evidence& evidence, int member) {
     const DriverKind kind = list.functions[list.unnamed[member]].driver.kind;
     return kind == DriverKind::kTime || kind == DriverKind::kTemperature;
   }
-  const EffectDefinition* effect = FindEffect(evidence.robot(), list.start[member].effect);
-  return effect != nullptr && effect->driven_by != EffectDriver::kJoint;
+  const EffectSpec& spec = list.start[member];
+  const EffectDefinition* effect = FindEffect(evidence.robot(), spec.effect);
+  return effect != nullptr && effect->DrivenBy(spec) != EffectDriver::kJoint;
 }
 
 // What a member is called at new poses. After a way longer than its width a play operator stands where a backlash does:

@@ -64,19 +64,6 @@ std::vector<Candidate> BestMoments(const CalibrationProblem& problem, const Para
 
 }  // namespace
 
-bool GoesWithTime(const Robot& robot, const EffectSpec& spec) {
-  return FindEffect(robot, spec.effect)->DrivenBy(spec) == EffectDriver::kTime;
-}
-
-std::string MomentOf(const Robot& robot, const EffectSpec& spec) {
-  const EffectDefinition* definition = FindEffect(robot, spec.effect);
-  if (definition == nullptr) return "";
-  for (const SettingDefinition& setting : definition->settings) {
-    if (setting.kind == SettingDefinition::Kind::kMoment && spec.settings.count(setting.name) > 0) return setting.name;
-  }
-  return "";
-}
-
 std::vector<std::string> ChangePoints(const CalibrationProblem& problem) {
   const std::vector<double> times = FittedTimes(problem);
   std::vector<std::string> points;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <optional>
 
-#include "estimator/explanations/moments.h"
 #include "estimator/results/known_loads.h"
 #include "estimator/results/remembering_effects.h"
 #include "estimator/results/residuals_csv.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "estimator/explanations/moments.h"
 #include "models/effects/catalogue.h"
 
 namespace sagitta {

@@ -80,4 +80,9 @@ std::vector<const EffectDefinition*> EffectsOf(const Robot& robot);
 const EffectDefinition* FindEffect(const Robot& robot, const std::string& name);
 std::vector<std::string> EffectNames(const Robot& robot);
 
+// Whether times of the campaign's clock drive this use.
+bool GoesWithTime(const Robot& robot, const EffectSpec& spec);
+// Name of its setting that is a moment, "" where there is none (of the compensator too).
+std::string MomentOf(const Robot& robot, const EffectSpec& spec);
+
 }  // namespace sagitta
