@@ -338,7 +338,7 @@ Json IdentifiabilityToJson(const CalibrationProblem& problem, const Identifiabil
   json["unidentifiable"] = DirectionsToJson(identifiability.unidentifiable);
   json["weak"] = DirectionsToJson(identifiability.weak);
   json["redundant"] = Json::array();
-  for (const std::string& error : problem.redundant_errors) json["redundant"].push_back("geometry/" + error);
+  for (const std::string& error : problem.redundant_errors) json["redundant"].push_back(GeometryName(error));
   return json;
 }
 
