@@ -238,7 +238,7 @@ void CautionOfTemperature(const CalibrationProblem& problem, const std::vector<F
   const auto is_known = [](const ShotInput& shot) { return shot.conditions.has_temperature; };
   if (std::any_of(shots.begin(), shots.end(), is_known)) return;
   for (const FoundEffect& effect : effects) {
-    if (effect.candidate.spec.effect != StationScale().name || effect.parameters.empty()) continue;
+    if (!IsUseOf(StationScale(), effect.candidate.spec) || effect.parameters.empty()) continue;
     cautions->push_back(ScaleMayBeWarmth(effect.candidate.spec, effect.parameters[0].value / kSteelPerKelvin));
   }
 }

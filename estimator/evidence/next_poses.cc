@@ -184,7 +184,7 @@ class FewColumns {
     }
     const int all = AnyUnnamed(sets) ? static_cast<int>(given_.candidates.size()) : 0;
     for (int c = 0; c < all; ++c) {  // functions without a name move load points too
-      if (given_.candidates[c].spec.effect == LoadCom().name) used.insert(c);
+      if (IsUseOf(LoadCom(), given_.candidates[c].spec)) used.insert(c);
     }
     CandidateList few;
     for (const int candidate : used) {

@@ -72,7 +72,7 @@ bool Stands(const CalibrationProblem& problem, const EffectSpec& spec) {
   for (const EffectSpec& own : problem.robot().effects) {
     if (own.Path() == spec.Path()) return true;
   }
-  if (spec.effect != JointComplianceEffect().name) return false;
+  if (!IsUseOf(JointComplianceEffect(), spec)) return false;
   for (const int i : ComplianceCoordinates(problem.parameters, spec.target)) {
     if (problem.parameters.coordinates()[i].estimated()) return true;
   }

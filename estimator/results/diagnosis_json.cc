@@ -249,7 +249,7 @@ Robot RobotOf(const DiagnosedModel& model) {
   Robot robot = model.problem->RobotWith(model.estimate.parameters);
   std::vector<EffectSpec> others;
   for (const EffectSpec& spec : robot.effects) {
-    if (spec.effect != JointComplianceEffect().name || !MoveHome(spec, &robot)) others.push_back(spec);
+    if (!IsUseOf(JointComplianceEffect(), spec) || !MoveHome(spec, &robot)) others.push_back(spec);
   }
   robot.effects = others;
   return robot;

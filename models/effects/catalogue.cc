@@ -95,6 +95,12 @@ const EffectDefinition* FindEffect(const Robot& robot, const std::string& name) 
 
 std::vector<std::string> EffectNames(const Robot& robot) { return NamesOf(EffectsOf(robot)); }
 
+const EffectDefinition* EffectOfName(const std::string& name) {
+  const std::string family = "effect/";
+  if (name.compare(0, family.size(), family) != 0) return nullptr;
+  return FindEffect(name.substr(family.size(), name.find_first_of("[/", family.size()) - family.size()));
+}
+
 bool GoesWithTime(const Robot& robot, const EffectSpec& spec) {
   return FindEffect(robot, spec.effect)->DrivenBy(spec) == EffectDriver::kTime;
 }
