@@ -181,7 +181,7 @@ Eigen::VectorXd Contribution(const DiagnosedModel& with, const EffectSpec& spec,
     if (!IsParameterOf(spec, coordinate.name)) continue;
     if (spring && coordinate.compensator_part != CompensatorPart::kKc) continue;
     const double neutral = is_correction ? coordinate.prior_value : 0.0;
-    if (is_correction && !(coordinate.prior_sigma > 0.0)) continue;  // believed
+    if (is_correction && !coordinate.has_prior()) continue;  // believed
     contribution += here.jacobian.col(c) * (with.estimate.parameters.Value(here.columns[c]) - neutral);
   }
   return contribution;
