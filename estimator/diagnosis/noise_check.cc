@@ -17,8 +17,8 @@
 #include "estimator/noise/variance_components.h"
 #include "estimator/random_effects/evidence_score.h"
 #include "estimator/statistics/distributions.h"
-#include "estimator/statistics/median.h"
 #include "models/effects/learnt_deviation.h"
+#include "models/quantiles.h"
 
 namespace sagitta {
 namespace {

@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "estimator/inspection/load_direction.h"
-#include "estimator/statistics/median.h"
+#include "models/quantiles.h"
 #include "problems/loads.h"
 
 namespace sagitta {

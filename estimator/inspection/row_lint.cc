@@ -10,7 +10,7 @@
 #include <set>
 
 #include "estimator/least_squares/row_sums.h"
-#include "estimator/statistics/median.h"
+#include "models/quantiles.h"
 
 namespace sagitta {
 namespace {

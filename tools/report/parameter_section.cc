@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "estimator/estimate/parameter_table.h"
-#include "estimator/statistics/median.h"
+#include "models/quantiles.h"
 #include "problems/text.h"
 
 namespace sagitta {

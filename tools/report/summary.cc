@@ -11,7 +11,7 @@
 #include "estimator/report/inspection_known_words.h"
 #include "estimator/report/inspection_words.h"
 #include "estimator/report/noise_words.h"
-#include "estimator/statistics/median.h"
+#include "models/quantiles.h"
 #include "tools/report/parameter_section.h"
 #include "tools/report/remedies.h"
 
