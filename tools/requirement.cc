@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "problems/input_error.h"
-#include "problems/io/files.h"
 #include "problems/io/trimmed.h"
 #include "problems/io/units.h"
+#include "problems/text.h"
 #include "tools/command_line.h"
 #include "tools/run_command.h"
 

@@ -9,7 +9,7 @@
 #include "estimator/explanations/scan.h"
 #include "estimator/random_effects/sweep.h"
 #include "models/effects/catalogue.h"
-#include "problems/io/files.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {

@@ -16,8 +16,8 @@
 #include "estimator/evidence/posterior.h"
 #include "estimator/explanations/candidates.h"
 #include "estimator/explanations/moments.h"
-#include "problems/io/files.h"
 #include "problems/simulation.h"
+#include "problems/text.h"
 #include "tests/support/moved_kr270.h"
 
 namespace sagitta::diagnosis_formulas_test {

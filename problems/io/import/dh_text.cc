@@ -6,7 +6,6 @@
 #include <sstream>
 
 #include "problems/input_error.h"
-#include "problems/io/files.h"
 #include "problems/io/import/dh_columns.h"
 #include "problems/io/import/dh_units.h"
 #include "problems/io/import/expressions.h"

@@ -13,7 +13,6 @@
 
 #include "models/dh_from_chain.h"
 #include "problems/input_error.h"
-#include "problems/io/files.h"
 #include "problems/io/import/robot_reading.h"
 #include "problems/io/pattern.h"
 #include "problems/io/robot_file.h"
@@ -23,6 +22,7 @@
 #include "problems/io/urdf_robot.h"
 #include "problems/io/yaml_reader.h"
 #include "problems/limits.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
