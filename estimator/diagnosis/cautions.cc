@@ -12,6 +12,7 @@
 #include "estimator/diagnosis/diagnosed_model.h"
 #include "estimator/diagnosis/gap.h"
 #include "estimator/diagnosis/noise_check.h"
+#include "estimator/diagnosis/outlier_rules.h"
 #include "estimator/diagnosis/stated_effects.h"
 #include "estimator/explanations/drivers.h"
 #include "estimator/inspection/load_lint.h"
@@ -214,10 +215,10 @@ std::string OfPriors(const CalibrationProblem& problem, const Estimate& estimate
   return priors.empty() ? "" : PriorsFirst(RowsContradictPrior(estimate.parameters, priors[0], priors.size()));
 }
 
-void CautionOfAFew(const DiagnosedModel& final, std::vector<std::string>* cautions) {
+void CautionOfAFew(const DiagnosedModel& final, double significance, std::vector<std::string>* cautions) {
   const Measurements& data = final.problem->data();
   std::vector<std::string> names;
-  for (const int i : RowsOfTheWorst(*final.problem, final.estimate.parameters)) {
+  for (const int i : RowsOfTheWorst(*final.problem, final.estimate.parameters, significance)) {
     const std::string& name = data.ConfigurationOf(data.observations[i]).id;
     if (names.empty() || names.back() != name) names.push_back(name);
   }
@@ -334,7 +335,7 @@ void CautionOfNotNamed(const std::vector<std::pair<EffectSpec, double>>& unconfi
 
 void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, bool is_sigma_stated, double significance,
                       std::vector<std::string>* cautions) {
-  if (has_unexplained) CautionOfAFew(final, cautions);
+  if (has_unexplained) CautionOfAFew(final, significance, cautions);
   const double rms = final.estimate.validation.rms, floor = final.estimate.noise_floor;
   const int held_out = CountHeldOut(final);
   if (held_out < kFewHeldOut) return;

@@ -11,7 +11,7 @@
 
 #include "estimator/diagnosis/diagnose.h"
 #include "estimator/diagnosis/gap.h"
-#include "estimator/diagnosis/noise_check.h"
+#include "estimator/diagnosis/outlier_rules.h"
 #include "estimator/diagnosis/selected_effects.h"
 #include "estimator/evidence/posterior.h"
 #include "estimator/explanations/candidates.h"
