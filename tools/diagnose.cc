@@ -28,7 +28,6 @@
 #include "tools/progress.h"
 #include "tools/report/command_words.h"
 #include "tools/report/diagnosis_report.h"
-#include "tools/report/summary.h"
 #include "tools/requirement.h"
 #include "tools/run_command.h"
 

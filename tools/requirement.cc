@@ -9,7 +9,6 @@
 #include "problems/io/trimmed.h"
 #include "problems/io/units.h"
 #include "problems/text.h"
-#include "tools/command_line.h"
 #include "tools/run_command.h"
 
 DEFINE_string(require, "", "'PATH<NUMBER,…' in the result JSON (< <= > >= ==); not met: exit status 1");

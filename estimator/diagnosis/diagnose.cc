@@ -14,8 +14,6 @@
 #include "estimator/diagnosis/set_aside.h"
 #include "estimator/evidence/revisits.h"
 #include "estimator/report/diagnosis_caution_words.h"
-#include "estimator/report/explanations_words.h"
-#include "estimator/statistics/distributions.h"
 #include "problems/input_error.h"
 #include "problems/range.h"
 

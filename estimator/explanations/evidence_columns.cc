@@ -13,7 +13,6 @@
 #include "models/effects/catalogue.h"
 #include "models/effects/learnt_deviation.h"
 #include "models/sight.h"
-#include "problems/loads.h"
 #include "problems/split.h"
 
 namespace sagitta {

@@ -5,7 +5,6 @@
 #include <random>
 #include <utility>
 
-#include "estimator/alignment/aligned_misfit.h"
 #include "estimator/alignment/starting_values.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/least_squares/linearization.h"

@@ -6,7 +6,6 @@
 
 #include "estimator/estimate/parameter_table.h"
 #include "estimator/least_squares/linearization.h"
-#include "estimator/statistics/distributions.h"
 
 namespace sagitta {
 namespace {

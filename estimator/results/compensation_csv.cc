@@ -10,7 +10,6 @@
 #include "models/constants.h"
 #include "models/effects/catalogue.h"
 #include "problems/input_error.h"
-#include "problems/loads.h"
 #include "problems/problem_checks.h"
 #include "problems/structure_checks.h"
 #include "problems/text.h"

@@ -10,10 +10,8 @@
 #include "estimator/report/diagnosis_noise_words.h"
 #include "estimator/report/diagnosis_words.h"
 #include "estimator/results/json_numbers.h"
-#include "models/constants.h"
 #include "models/effects/catalogue.h"
 #include "problems/io/effect_entries.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {

@@ -12,7 +12,6 @@
 #include "estimator/results/prediction_noise.h"
 #include "estimator/results/torques_json.h"
 #include "problems/io/robot_file.h"
-#include "problems/io/units.h"
 
 namespace sagitta {
 namespace {

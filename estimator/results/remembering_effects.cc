@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "estimator/diagnosis/diagnosed_model.h"
 #include "estimator/results/estimate_json.h"
 #include "models/effects/catalogue.h"
+#include "problems/calibration_problem.h"
 
 namespace sagitta {
 namespace {

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "models/kinematics.h"
-#include "problems/limits.h"
 #include "problems/text.h"
 
 namespace sagitta {

@@ -8,7 +8,6 @@
 
 #include "estimator/noise/robot_scatter.h"
 #include "estimator/noise/rotation_noise.h"
-#include "estimator/report/inspection_known_words.h"
 #include "estimator/report/inspection_words.h"
 #include "estimator/report/noise_words.h"
 #include "models/quantiles.h"

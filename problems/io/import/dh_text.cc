@@ -9,7 +9,6 @@
 #include "problems/io/import/dh_columns.h"
 #include "problems/io/import/dh_units.h"
 #include "problems/io/import/expressions.h"
-#include "problems/io/import/header_words.h"
 #include "problems/io/import/robot_reading.h"
 #include "problems/io/import/text_table.h"
 #include "problems/io/pattern.h"

@@ -8,7 +8,6 @@
 #include "problems/interruption.h"
 #include "problems/io/import/header_words.h"
 #include "problems/io/import/marker_column.h"
-#include "problems/io/text_checks.h"
 #include "problems/io/units.h"
 #include "problems/limits.h"
 #include "problems/measurements.h"

@@ -15,7 +15,6 @@
 #include "problems/input_error.h"
 #include "problems/io/import/robot_reading.h"
 #include "problems/io/pattern.h"
-#include "problems/io/robot_file.h"
 #include "problems/io/robot_units.h"
 #include "problems/io/trimmed.h"
 #include "problems/io/units.h"
