@@ -29,12 +29,12 @@
 namespace sagitta {
 namespace {
 
-constexpr double kStill = 5.0 * kDegree;  // rad: a joint that moves less is assumed to stand
-constexpr double kStillLength = 0.05;     // m, prismatic
-constexpr int kFewConfigurations = 15;    // with three markers 135 equations, for some fifty parameters
-constexpr double kInOrder = 0.9;          // rank correlation: of 15 values in random order one in 80 000 has more
-constexpr double kProbable = 0.9;         // as where the next poses count as decisive (next_poses.h)
-constexpr double kFarBelowFloor = 3.1;    // standard deviations, one in a thousand
+constexpr double kStandingJoint = 5.0 * kDegree;  // rad: a joint that moves less is assumed to stand
+constexpr double kStandingSlide = 0.05;           // m, prismatic
+constexpr int kFewConfigurations = 15;            // with three markers 135 equations, for some fifty parameters
+constexpr double kInOrder = 0.9;        // rank correlation: of 15 values in random order one in 80 000 has more
+constexpr double kProbable = 0.9;       // as where the next poses count as decisive (next_poses.h)
+constexpr double kFarBelowFloor = 3.1;  // standard deviations, one in a thousand
 
 // Configurations with equal joint values count once.
 struct Counts {
@@ -65,7 +65,7 @@ std::vector<std::string> StandingJoints(const CalibrationProblem& problem) {
       low = std::min(low, configuration.q[j]);
       high = std::max(high, configuration.q[j]);
     }
-    const double least = IsRevolute(problem, j) ? kStill : kStillLength;
+    const double least = IsRevolute(problem, j) ? kStandingJoint : kStandingSlide;
     if (high - low < least) standing.push_back(problem.robot().chain.joints[j].name);
   }
   return standing;

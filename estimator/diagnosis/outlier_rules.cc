@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kMedianOfOne = 0.4549, kMedianOfTwo = 1.3863;  // of chi-square with 1 and 2 degrees of freedom
 constexpr double kOfTheWorst = 0.05;     // of its square: a fit gives its neighbours as much of it, by their leverage
-constexpr double kAlone = 4.0;           // times the squares of the other markers of the shot: twice as far off
+constexpr double kAloneInShot = 4.0;     // times the squares of the other markers of the shot: twice as far off
 constexpr double kSingleMarker = 3.0;    // times the limit, where no other marker decides
 constexpr double kHeldOutScatter = 1.5;  // the parameters' own uncertainty adds to the noise
 // What the arm or the instrument does and no model has moves more than a tenth of the rows, and more than two, by a
@@ -176,9 +176,9 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
   size_t single = removed;
   for (const Misfit& misfit : misfits) {
     const bool alone =
-        misfit.others > 0.0 ? misfit.squared > kAlone * misfit.others : misfit.squared > kSingleMarker * limit;
+        misfit.others > 0.0 ? misfit.squared > kAloneInShot * misfit.others : misfit.squared > kSingleMarker * limit;
     // Two in one shot hide each other, but not that the body does not move like this.
-    const bool not_rigid = misfit.squared > kAlone * misfit.least && misfit.rigid > limit;
+    const bool not_rigid = misfit.squared > kAloneInShot * misfit.least && misfit.rigid > limit;
     const bool is_its_own = !held_out || misfit.rigid > limit || misfit.squared > beyond_others;
     // Joint values that were not those, or a shot of another pose.
     const bool are_all_off = std::min(misfit.squared, misfit.least) > limit && misfit.turn > kNoCause;

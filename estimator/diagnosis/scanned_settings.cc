@@ -21,7 +21,7 @@ constexpr double kSameSetting = 1e-6;  // relative
 constexpr const char* kLagSetting = "lag_s";
 constexpr double kLongestLag = 1800.0, kBetweenShots = 60.0;  // s; the latter where no time is stated
 constexpr double kBeyondOwn = 2.0;  // times the lag that the effect states, where that is more
-constexpr int kLags = 30;
+constexpr int kScannedLags = 30;
 constexpr int kDigits = 3;  // of a setting that is found: no rows determine a time constant or a width to 0.5 %
 
 const SettingDefinition* ScannedDefinition(const Robot& robot, const EffectSpec& spec) {
@@ -205,7 +205,7 @@ DiagnosedModel WithClock(DiagnosedModel model) {
 std::vector<double> LagsFor(double own) {
   const double longest = std::max(kLongestLag, kBeyondOwn * own);
   std::vector<double> lags;
-  for (int k = 0; k <= kLags; ++k) lags.push_back(longest * k / kLags);
+  for (int k = 0; k <= kScannedLags; ++k) lags.push_back(longest * k / kScannedLags);
   return lags;
 }
 
