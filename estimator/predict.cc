@@ -14,7 +14,6 @@
 #include "estimator/results/remembering_effects.h"
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
-#include "models/effects/catalogue.h"
 #include "models/matrix_functions.h"
 #include "problems/failure.h"
 

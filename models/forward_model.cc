@@ -6,7 +6,6 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "models/constants.h"
 #include "models/effects/catalogue.h"
 
 namespace sagitta {

@@ -38,6 +38,8 @@ struct ModelParameter {
   // SI, as the robot file states it: of an effect about 0, of a spring about its nominal value; 0: none.
   double prior_sigma = 0.0;
 };
+// Name of a geometric error among the unknowns.
+inline std::string GeometryName(const std::string& error) { return "geometry/" + error; }
 
 // What one shot commands and hangs on the arm; data, no unknowns.
 struct ShotInput {

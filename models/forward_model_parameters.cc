@@ -23,7 +23,7 @@ void ForwardModel::AddGeometry() {
     const ElementaryTransform& transform = chain().transforms[e];
     if (transform.error.empty()) continue;
     const Quantity quantity = transform.is_rotation() ? Quantity::kAngle : Quantity::kLength;
-    parameters_.push_back({"geometry/" + transform.error, quantity, ParameterLaw::kGeometry, e});
+    parameters_.push_back({GeometryName(transform.error), quantity, ParameterLaw::kGeometry, e});
   }
 }
 

@@ -165,6 +165,11 @@ CalibrationProblem::~CalibrationProblem() = default;
 
 bool IsGravityCompensator(const EffectSpec& spec) { return spec.effect == kGravityCompensator; }
 
+bool IsParameterOf(const EffectSpec& spec, const std::string& name) {
+  const std::string family = IsGravityCompensator(spec) ? WordOf(CoordinateKind::kCompensator) : spec.Path();
+  return name != family && IsWithin(name, family);
+}
+
 CalibrationProblem::CalibrationProblem(ForwardModel model, SharedValue<Measurements> data,
                                        SharedValue<Experiment> experiment)
     : parameters(data->stations, data->markers, model.parameters(), data->OrientedMarkers()),

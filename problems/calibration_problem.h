@@ -36,6 +36,8 @@ extern template std::vector<ShotInput>* SharedValue<std::vector<ShotInput>>::Own
 
 // The one effect that has a home of its own in the robot (Robot::gravity_compensator).
 bool IsGravityCompensator(const EffectSpec& spec);
+// Whether a coordinate of this name is a parameter of the effect, or of the compensator.
+bool IsParameterOf(const EffectSpec& spec, const std::string& name);
 
 // Robot, measurements and experiment with what is unknown. Always whole: MakeCalibrationProblem and MakeKnownProblem
 // are the only sources, all others are copies.

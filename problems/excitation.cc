@@ -12,9 +12,9 @@
 namespace sagitta {
 namespace {
 
-constexpr double kHoldMotion = 5e-3;  // m or rad, FORMATS section 4
-constexpr double kClear = 0.1;        // of a motion: what a rotation of the base changes of it is less
-constexpr double kRoundOff = 1e-12;   // a sum of some hundred products of what moves the others
+constexpr double kHoldMotion = 5e-3;          // m or rad, FORMATS section 4
+constexpr double kClear = 0.1;                // of a motion: what a rotation of the base changes of it is less
+constexpr double kRoundOffOfMotions = 1e-12;  // a sum of some hundred products of what moves the others
 
 // Lengths of the spring move its ends: they are limited as lengths.
 bool IsLimitedByMotion(const ModelParameter& parameter) {
@@ -127,7 +127,7 @@ void DropRoundOff(const std::vector<ModelParameter>& parameters, std::vector<dou
   }
   for (size_t i = 0; i < parameters.size(); ++i) {
     if (parameters[i].law != ParameterLaw::kEffect) continue;
-    if ((*motions)[i] < kRoundOff * most[parameters[i].index]) (*motions)[i] = 0.0;
+    if ((*motions)[i] < kRoundOffOfMotions * most[parameters[i].index]) (*motions)[i] = 0.0;
   }
 }
 

@@ -83,26 +83,26 @@ std::vector<std::string> FreeSpring(const CalibrationProblem& problem) {
 
 // The parameters of the name's family (geometry/...), or all where it has none.
 std::vector<std::string> KnownNextTo(const std::string& name, const ParameterSet& parameters) {
-  const std::string family = name.substr(0, name.find('/') + 1);
+  const std::optional<CoordinateKind> kind =
+      name.find('/') == std::string::npos ? std::nullopt : CoordinateKindOf(name);
   std::vector<std::string> known, related;
   for (const Coordinate& coordinate : parameters.coordinates()) {
     known.push_back(coordinate.name);
-    if (!family.empty() && coordinate.name.rfind(family, 0) == 0) related.push_back(coordinate.name);
+    if (coordinate.kind == kind) related.push_back(coordinate.name);
   }
   return related.empty() ? known : related;
 }
 
-// name: of an effect's parameter, "learnt_deviation[by=q,...]/j1/w1".
+// name: of an effect's parameter, "effect/learnt_deviation[by=q,...]/j1/w1".
 bool IsLearnt(const std::string& name) {
-  const EffectDefinition* definition = FindEffect(name.substr(0, name.find_first_of("[/")));
+  const EffectDefinition* definition = EffectOfName(name);
   return definition != nullptr && definition->is_learnt;
 }
 
 // A joint that the robot has, under a selection that leaves it out.
 void RefuseUnlistedCompliance(const CalibrationProblem& problem, const std::string& name, const char* key) {
-  const std::string family = "compliance/";
-  if (name.compare(0, family.size(), family) != 0) return;
-  const std::string joint = name.substr(family.size());
+  if (CoordinateKindOf(name) != CoordinateKind::kCompliance) return;
+  const std::string joint = NameWithinKind(name);
   if (problem.robot().chain.FindJoint(joint) < 0) return;
   FailProblem(problem, key, "joint '" + joint + "' has no compliance in this estimate",
               "add " + joint + " to estimate.compliance, or to compliance: of the robot file");
@@ -119,7 +119,7 @@ class ModelSelection {
 
   // name: of the coordinate, family/rest.
   bool Holds(ParameterLaw law, const std::string& name) const {
-    const std::string own = name.substr(name.find('/') + 1);
+    const std::string own = NameWithinKind(name);
     switch (law) {
       case ParameterLaw::kGeometry:
         return IsIn(errors_, own);
@@ -132,7 +132,7 @@ class ModelSelection {
     }
     // Learnt weights are as an earlier diagnosis found them, about what is left of its model: where they are not asked
     // for they are kept.
-    const bool is_kept = effects_ == Selection::Kind::kDefault && IsLearnt(own);
+    const bool is_kept = effects_ == Selection::Kind::kDefault && IsLearnt(name);
     return effects_ != Selection::Kind::kNone && !is_kept;
   }
 

@@ -5,8 +5,6 @@
 namespace sagitta {
 namespace {
 
-constexpr const char* kAxisNames[3] = {"x", "y", "z"};
-
 CoordinateKind KindOfLaw(ParameterLaw law) {
   switch (law) {
     case ParameterLaw::kGeometry:
@@ -21,19 +19,34 @@ CoordinateKind KindOfLaw(ParameterLaw law) {
   return CoordinateKind::kEffect;
 }
 
+// kind/target: base/S1.
+std::string NameOf(CoordinateKind kind, const std::string& target) { return WordOf(kind) + ("/" + target); }
+
+std::array<std::string, 6> SixNames(const std::string& of) {
+  return {of + "/x", of + "/y", of + "/z", of + "/rx", of + "/ry", of + "/rz"};
+}
+
 }  // namespace
 
 std::optional<CoordinateKind> CoordinateKindOf(const std::string& name) {
-  static const std::map<std::string, CoordinateKind> kinds = {
-      {"base", CoordinateKind::kBase},
-      {"marker", CoordinateKind::kMarker},
-      {"geometry", CoordinateKind::kGeometry},
-      {"compliance", CoordinateKind::kCompliance},
-      {"compensator", CoordinateKind::kCompensator},
-      {"effect", CoordinateKind::kEffect},
-  };
-  const auto found = kinds.find(name.substr(0, name.find('/')));
-  return found == kinds.end() ? std::nullopt : std::optional(found->second);
+  return FindChoice<CoordinateKind>(name.substr(0, name.find('/')));
+}
+
+std::string NameWithinKind(const std::string& name) {
+  const size_t slash = name.find('/');
+  return slash == std::string::npos ? "" : name.substr(slash + 1);
+}
+
+bool IsWithin(const std::string& name, const std::string& prefix) {
+  return name == prefix || name.rfind(prefix + "/", 0) == 0;
+}
+
+std::array<std::string, 6> BaseNames(const std::string& station) {
+  return SixNames(NameOf(CoordinateKind::kBase, station));
+}
+
+std::array<std::string, 6> MarkerNames(const std::string& marker) {
+  return SixNames(NameOf(CoordinateKind::kMarker, marker));
 }
 
 ParameterSet::ParameterSet() = default;
@@ -56,29 +69,31 @@ ParameterSet::ParameterSet(const std::vector<std::string>& stations, const std::
     }
     blocks_.push_back(std::move(block));
   };
-  const auto axes = [](const std::string& prefix) {
-    std::vector<std::string> names;
-    for (const char* axis : kAxisNames) names.push_back(prefix + axis);
-    return names;
+  const auto lengths = [](const std::array<std::string, 6>& six) {
+    return std::vector<std::string>(six.begin(), six.begin() + 3);
+  };
+  const auto turns = [](const std::array<std::string, 6>& six) {
+    return std::vector<std::string>(six.begin() + 3, six.end());
   };
   for (int s = 0; s < num_stations_; ++s) {
-    const std::string base = "base/" + stations[s];
-    add_block(base + "/position", BlockKind::kStationTranslation, s, {0, 0, 0}, axes(base + "/"), Quantity::kLength,
+    const std::string base = NameOf(CoordinateKind::kBase, stations[s]);
+    const std::array<std::string, 6> names = BaseNames(stations[s]);
+    add_block(base + "/position", BlockKind::kStationTranslation, s, {0, 0, 0}, lengths(names), Quantity::kLength,
               CoordinateKind::kBase);
-    add_block(base + "/rotation", BlockKind::kStationRotation, s, {0, 0, 0, 1}, axes(base + "/r"),
-              Quantity::kRotationVector, CoordinateKind::kBase);
+    add_block(base + "/rotation", BlockKind::kStationRotation, s, {0, 0, 0, 1}, turns(names), Quantity::kRotationVector,
+              CoordinateKind::kBase);
   }
   for (int m = 0; m < num_markers_; ++m) {
-    const std::string name = "marker/" + markers[m];
-    add_block(name, BlockKind::kMarker, m, {0, 0, 0}, axes(name + "/"), Quantity::kLength, CoordinateKind::kMarker);
+    add_block(NameOf(CoordinateKind::kMarker, markers[m]), BlockKind::kMarker, m, {0, 0, 0},
+              lengths(MarkerNames(markers[m])), Quantity::kLength, CoordinateKind::kMarker);
   }
   rotation_block_.assign(markers.size(), -1);
   for (size_t m = 0; m < oriented.size(); ++m) {
     if (!oriented[m]) continue;
-    const std::string name = "marker/" + markers[m];
     rotation_block_[m] = static_cast<int>(blocks_.size());
-    add_block(name + "/rotation", BlockKind::kMarkerRotation, static_cast<int>(m), {0, 0, 0, 1}, axes(name + "/r"),
-              Quantity::kRotationVector, CoordinateKind::kMarker);
+    add_block(NameOf(CoordinateKind::kMarker, markers[m]) + "/rotation", BlockKind::kMarkerRotation,
+              static_cast<int>(m), {0, 0, 0, 1}, turns(MarkerNames(markers[m])), Quantity::kRotationVector,
+              CoordinateKind::kMarker);
   }
   first_model_block_ = static_cast<int>(blocks_.size());
   for (int i = 0; i < num_model_parameters_; ++i) {
@@ -111,8 +126,7 @@ int ParameterSet::FindCoordinate(CompensatorPart part) const {
 std::vector<int> ParameterSet::Match(const std::string& prefix) const {
   std::vector<int> matches;
   for (int i = 0; i < num_coordinates(); ++i) {
-    const std::string& name = coordinates_[i].name;
-    if (name == prefix || name.rfind(prefix + "/", 0) == 0) matches.push_back(i);
+    if (IsWithin(coordinates_[i].name, prefix)) matches.push_back(i);
   }
   return matches;
 }

@@ -8,6 +8,7 @@
 // column of the identification Jacobian, one line of the result table.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <map>
 #include <optional>
@@ -18,15 +19,29 @@
 #include "models/geometry.h"
 #include "models/gravity_compensator.h"
 #include "models/quantity.h"
+#include "problems/choices.h"
 #include "problems/spring_tie.h"
 
 namespace sagitta {
 
 // What a coordinate is of; its name begins with it.
 enum class CoordinateKind { kBase, kMarker, kGeometry, kCompliance, kCompensator, kEffect };
+template <>
+struct ChoiceWords<CoordinateKind> {
+  static constexpr const char* kWords[] = {"base", "marker", "geometry", "compliance", "compensator", "effect"};
+};
 
 // Of a name in a file, e.g. kGeometry of geometry/A2.theta; nothing where it is none.
 std::optional<CoordinateKind> CoordinateKindOf(const std::string& name);
+// What follows the kind: A2.theta; "" where nothing does.
+std::string NameWithinKind(const std::string& name);
+// Whether it is `prefix` or starts with `prefix/`.
+bool IsWithin(const std::string& name, const std::string& prefix);
+
+// Names of the coordinates of a station's base: x, y, z, rx, ry, rz.
+std::array<std::string, 6> BaseNames(const std::string& station);
+// Those of a marker; the last three are where poses of it are read.
+std::array<std::string, 6> MarkerNames(const std::string& marker);
 
 // One tangent direction of a block: one unknown.
 struct Coordinate {
@@ -48,7 +63,14 @@ struct Coordinate {
   CoordinateKind kind = CoordinateKind::kBase;
   std::optional<CompensatorPart> compensator_part = {};
   bool estimated() const { return free && !held; }
+  bool has_prior() const { return prior_sigma > 0.0; }
 };
+
+// What a coordinate's prior adds to the residuals where the coordinate is `value` (SI): its distance from what the
+// prior states, in standard deviations. Its derivative is 1 / prior_sigma.
+inline double PriorResidual(const Coordinate& coordinate, double value) {
+  return (value - coordinate.prior_value) / coordinate.prior_sigma;
+}
 
 // What the values of a block are.
 enum class BlockKind { kStationTranslation, kStationRotation, kMarker, kMarkerRotation, kModelParameter };
@@ -91,7 +113,7 @@ class ParameterSet {
   int FindCoordinate(const std::string& name) const;
   // -1: the robot has no compensator.
   int FindCoordinate(CompensatorPart part) const;
-  // Coordinates whose name is `prefix` or starts with `prefix/`.
+  // Coordinates whose name is within `prefix`.
   std::vector<int> Match(const std::string& prefix) const;
   std::vector<int> EstimatedCoordinates() const;
 

@@ -6,7 +6,6 @@
 
 #include "models/effects/catalogue.h"
 #include "problems/input_error.h"
-#include "problems/split.h"
 #include "problems/text.h"
 
 namespace sagitta {

@@ -14,7 +14,7 @@ using Kind = ReadingGroup::Kind;
 
 constexpr int kFewestCoordinates = 20;
 constexpr std::array<const char*, 5> kKinds = {"station", "marker", "rotations", "axis", "sight"};
-const std::vector<std::string> kAxes = {"x", "y", "z"};
+const std::vector<std::string> kAxesOfGroups = {"x", "y", "z"};
 
 std::vector<ReadingGroup> AllGroups(const Measurements& data) {
   std::vector<ReadingGroup> groups;
@@ -34,7 +34,7 @@ std::vector<std::string> NamesOf(Kind kind, const Measurements& data) {
     case Kind::kMarker:
       return data.markers;
     case Kind::kAxis:
-      return kAxes;
+      return kAxesOfGroups;
     case Kind::kRotations:
     case Kind::kSight:
       break;

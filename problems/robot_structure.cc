@@ -13,7 +13,8 @@
 namespace sagitta {
 namespace {
 
-constexpr double kRoundOff = 1e-9;  // m or rad: of a table and a chain that were corrected by the same sums
+constexpr double kRoundOffOfCorrections =
+    1e-9;  // m or rad: of a table and a chain that were corrected by the same sums
 
 void CheckJoints(const Chain& chain) {
   if (chain.joints.empty()) FailStructure("robot", "it has no joint");
@@ -72,7 +73,7 @@ void CheckTable(const Robot& robot) {
   }
   const auto alike = [](const ElementaryTransform& one, const ElementaryTransform& other) {
     return one.motion == other.motion && one.axis == other.axis && one.joint == other.joint && one.sign == other.sign &&
-           one.error == other.error && std::abs(one.nominal - other.nominal) < kRoundOff;
+           one.error == other.error && std::abs(one.nominal - other.nominal) < kRoundOffOfCorrections;
   };
   if (std::equal(own.begin(), own.end(), of_table.transforms.begin(), of_table.transforms.end(), alike)) return;
   FailStructure("Robot::dh", "the chain is not that of the table",

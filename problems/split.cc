@@ -10,6 +10,7 @@
 
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {

@@ -22,6 +22,12 @@ std::string Fixed(double value, int decimals) {
   return std::isnan(value) ? "-" : WithoutSignOfZero(fmt::format("{:.{}f}", value, decimals));
 }
 
+std::string FormatNumber(double value) {
+  char buffer[64];
+  const std::to_chars_result result = std::to_chars(buffer, buffer + sizeof(buffer), value);
+  return std::string(buffer, result.ptr);
+}
+
 std::string Significant(double value, int digits) {
   if (std::isnan(value)) return "-";
   const std::string text = fmt::format("{:.{}g}", value, digits);

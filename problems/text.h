@@ -12,6 +12,9 @@ inline constexpr char kAxisLetters[] = "xyz";
 // "12.30" with two decimals; "-" where the value is not known (NaN). Zero has no sign.
 std::string Fixed(double value, int decimals);
 
+// The shortest decimal text that reads back to the same double, as files have it.
+std::string FormatNumber(double value);
+
 // Rounded to that many significant digits, without a power of ten up to 1e6: "1660", "0.023". "-": not known.
 std::string Significant(double value, int digits);
 

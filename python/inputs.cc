@@ -12,6 +12,7 @@
 #include "problems/io/measurement_writer.h"
 #include "problems/io/text_checks.h"
 #include "problems/range.h"
+#include "problems/text.h"
 
 namespace sagitta::python {
 

@@ -16,6 +16,7 @@ EMPTY = {'__init__.py', 'py.typed'}
 GENERATED = {'.git', 'build', 'results', '__pycache__'}
 # Of C: it reads 1.5 as 1 where a program around the library has set a locale with a comma.
 READS_BY_LOCALE = re.compile(r'\b(?:sto(?:d|f|ld)|strto(?:d|f|ld)|atof|sscanf)\(')
+COMPILED_ALONE = ('models/batch/', 'models/effects/learnt_')
 SOURCES = ('models/', 'problems/', 'estimator/', 'tools/', 'python/')
 SHARED_PARENTS = {'/', '/tmp', '/opt', '/srv', '/mnt', '/usr/src', '/usr/local/src'}
 
@@ -60,6 +61,30 @@ def defects(name, machine_path):
             yield '%s:%d: a number read in the program\'s locale; ParseNumber reads the same in all' % (name, number)
         if machine_path.search(line):
             yield '%s:%d: a path of one machine: %s' % (name, number, line.strip()[:80])
+
+
+def repeated_names(names):
+    """Constants and types of unnamed namespaces that several sources of a library have: which of them are compiled
+    together changes with every new source. A folder of tools/ is a program or a library."""
+    seen = {}
+    for name in names:
+        if not name.endswith('.cc') or not name.startswith(SOURCES) or name.startswith(COMPILED_ALONE):
+            continue
+        text = (ROOT / name).read_text(encoding='utf-8')
+        library = name.rsplit('/', 1)[0] if name.startswith('tools/') else name.split('/')[0]
+        for space in re.finditer(r'^namespace \{\n(.*?)^\}  // namespace$', text, re.MULTILINE | re.DOTALL):
+            around = re.findall(r'^(?:namespace|\}  // namespace) ([\w:]+)(?= \{|$)', text[:space.start()],
+                                re.MULTILINE)
+            if [n for n in around if around.count(n) % 2] != ['sagitta']:
+                continue  # in a namespace of its own
+            constants = ''.join(re.findall(r'^const(?:expr)? [^;]*;', space.group(1), re.MULTILINE))
+            own = re.findall(r'\b(k[A-Z]\w*)(?:\[\w*\])?\s*=', constants)
+            own += re.findall(r'^(?:struct|class|enum class) (\w+)', space.group(1), re.MULTILINE)
+            for each in set(own):
+                seen.setdefault((library, each), []).append(name)
+    for (library, each), sources in sorted(seen.items()):
+        if len(sources) > 1:
+            yield '%s: %s stands in unnamed namespaces of %s' % (library, each, ' and '.join(sources))
 
 
 def outdated_examples():
@@ -114,7 +139,7 @@ def main():
     names = names or sorted(files_without_git())
     machine_path = machine_paths()
     found = [defect for name in names for defect in defects(name, machine_path)]
-    found += [*outdated_examples(), *unsaid_gates(), *threads_gate_in_vain(), *unnamed_packages()]
+    found += [*outdated_examples(), *repeated_names(names), *unsaid_gates(), *threads_gate_in_vain(), *unnamed_packages()]
     print('\n'.join(found) if found else '%d files, nothing to complain about' % len(names))
     return 1 if found or not names else 0
 

@@ -10,7 +10,6 @@
 
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/diagnosis/simulation_baseline.h"
-#include "estimator/explanations/moments.h"
 #include "estimator/report/diagnosis_words.h"
 #include "estimator/results/diagnosis_json.h"
 #include "estimator/results/estimate_json.h"
@@ -18,6 +17,7 @@
 #include "estimator/results/next_csv.h"
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
+#include "models/effects/catalogue.h"
 #include "problems/input_error.h"
 #include "problems/io/csv_table.h"
 #include "problems/io/files.h"
@@ -28,7 +28,6 @@
 #include "tools/progress.h"
 #include "tools/report/command_words.h"
 #include "tools/report/diagnosis_report.h"
-#include "tools/report/summary.h"
 #include "tools/requirement.h"
 #include "tools/run_command.h"
 

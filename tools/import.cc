@@ -13,7 +13,6 @@
 
 #include "models/constants.h"
 #include "problems/input_error.h"
-#include "problems/io/files.h"
 #include "problems/io/import/import_plan.h"
 #include "problems/io/import/imported_rows.h"
 #include "problems/io/import/joined_tables.h"

@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "estimator/results/inspection_json.h"
-#include "problems/input_error.h"
 #include "problems/io/output_files.h"
 #include "tools/commands.h"
 #include "tools/problem_from_arguments.h"
@@ -15,7 +14,6 @@
 #include "tools/report/command_words.h"
 #include "tools/report/inspection_report.h"
 #include "tools/requirement.h"
-#include "tools/run_command.h"
 
 namespace sagitta {
 namespace {

@@ -24,7 +24,6 @@
 #include "tools/report/command_words.h"
 #include "tools/report/plan_report.h"
 #include "tools/report/summary.h"
-#include "tools/run_command.h"
 
 DEFINE_int32(poses, 0, "how many poses to plan");
 DEFINE_double(accuracy_mm, 0.0, "as few poses as reach this RMS position error at the test poses");

@@ -6,13 +6,10 @@
 #include "estimator/report/inspection_words.h"
 #include "estimator/sagitta.h"
 #include "problems/interruption.h"
-#include "problems/io/files.h"
 #include "problems/io/output_files.h"
 #include "tools/commands.h"
-#include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
 #include "tools/report/command_words.h"
-#include "tools/report/summary.h"
 
 namespace sagitta {
 namespace {

@@ -6,10 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "problems/input_error.h"
-#include "problems/io/files.h"
 #include "problems/io/trimmed.h"
 #include "problems/io/units.h"
-#include "tools/command_line.h"
+#include "problems/text.h"
 #include "tools/run_command.h"
 
 DEFINE_string(require, "", "'PATH<NUMBER,…' in the result JSON (< <= > >= ==); not met: exit status 1");

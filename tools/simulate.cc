@@ -11,7 +11,6 @@
 #include "problems/io/output_files.h"
 #include "problems/range.h"
 #include "tools/commands.h"
-#include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
 #include "tools/report/command_words.h"
 

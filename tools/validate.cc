@@ -7,12 +7,10 @@
 #include "problems/io/experiment_inputs.h"
 #include "problems/io/output_files.h"
 #include "tools/commands.h"
-#include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
 #include "tools/report/command_words.h"
 #include "tools/report/validation_report.h"
 #include "tools/requirement.h"
-#include "tools/run_command.h"
 
 namespace sagitta {
 namespace {

@@ -17,7 +17,7 @@
 #include "estimator/noise/repeat_spread.h"
 #include "estimator/report/agreement_words.h"
 #include "estimator/statistics/distributions.h"
-#include "estimator/statistics/median.h"
+#include "models/quantiles.h"
 
 namespace sagitta {
 namespace {

@@ -12,7 +12,7 @@
 #include "estimator/noise/repeat_spread.h"
 #include "estimator/noise/weighting.h"
 #include "estimator/statistics/distributions.h"
-#include "estimator/statistics/median.h"
+#include "models/quantiles.h"
 
 namespace sagitta {
 namespace {

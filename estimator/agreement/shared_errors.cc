@@ -21,14 +21,14 @@ std::map<int, std::vector<size_t>> PointsOfShots(const CalibrationProblem& probl
 }
 
 // What M, W and r come to, p x p.
-struct Sums {
+struct SharedSums {
   double q = 0.0, square_of_w = 0.0;  // r'W r, tr W^2
   Eigen::MatrixXd g, g2;              // J'W J, J'W^2 J: W^2 = (m - 1) 1 + (m - 2) W in a shot of m points
 };
 
-Sums SumShots(const CalibrationProblem& problem, const Whole& whole) {
+SharedSums SumShots(const CalibrationProblem& problem, const Whole& whole) {
   const auto p = whole.rows.jacobian.cols();
-  Sums sums{0.0, 0.0, Eigen::MatrixXd::Zero(p, p), Eigen::MatrixXd::Zero(p, p)};
+  SharedSums sums{0.0, 0.0, Eigen::MatrixXd::Zero(p, p), Eigen::MatrixXd::Zero(p, p)};
   for (const auto& [shot, places] : PointsOfShots(problem, whole.observations)) {
     const auto m = static_cast<double>(places.size());
     if (places.size() < 2) continue;
@@ -56,7 +56,7 @@ Sums SumShots(const CalibrationProblem& problem, const Whole& whole) {
 
 double SharedErrors(const CalibrationProblem& problem, const Whole& whole) {
   if (!whole.are_held || !problem.latent.empty()) return 0.0;  // arrivals that share what is stated are whitened by it
-  const Sums sums = SumShots(problem, whole);
+  const SharedSums sums = SumShots(problem, whole);
   if (sums.square_of_w == 0.0) return 0.0;
   const Eigen::MatrixXd products = whole.rows.jacobian.transpose() * whole.rows.jacobian;
   const Linearization priors = PriorsOf(whole.estimate.parameters, whole.columns);

@@ -14,7 +14,7 @@ namespace sagitta {
 namespace {
 
 constexpr double kEqual = 1e-6;  // relative difference of RMS below which starts count as equal
-constexpr int kAlternations = 25;
+constexpr int kStartAlternations = 25;
 constexpr double kMarkerSpread = 0.3;  // m, of the random marker starts
 constexpr unsigned long long kSeedOfStarts = 1;
 
@@ -225,7 +225,7 @@ Start StartOfSample(const CalibrationProblem& problem, const std::vector<int>& o
       const Vector3<double> guess(x, y, z);
       if (AllFree(trial, trial.marker(m))) trial.SetMarkerPoint(m, guess);
     }
-    for (int i = 0; i < kAlternations; ++i) {
+    for (int i = 0; i < kStartAlternations; ++i) {
       RegisterStations(framed, &trial);
       AverageMarkers(framed, &trial);
     }

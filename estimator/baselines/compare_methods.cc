@@ -37,13 +37,20 @@ double LargestDeviation(const Estimate& estimate, const Estimate& joint) {
   return largest;
 }
 
-// On parameters of one family; of all (""), the tie of markers to a spring too.
-bool HasPriors(const ParameterSet& parameters, const std::string& family) {
+// On what is estimated of one kind.
+bool HasPriors(const ParameterSet& parameters, CoordinateKind kind) {
   const std::vector<Coordinate>& coordinates = parameters.coordinates();
-  const bool any = std::any_of(coordinates.begin(), coordinates.end(), [&](const Coordinate& c) {
-    return c.estimated() && c.prior_sigma > 0.0 && c.name.rfind(family, 0) == 0;
+  return std::any_of(coordinates.begin(), coordinates.end(), [kind](const Coordinate& coordinate) {
+    return coordinate.estimated() && coordinate.has_prior() && coordinate.kind == kind;
   });
-  return any || (family.empty() && parameters.spring_tie());
+}
+
+// On anything, the tie of markers to a spring too.
+bool HasPriors(const ParameterSet& parameters) {
+  const std::vector<Coordinate>& coordinates = parameters.coordinates();
+  return parameters.spring_tie() ||
+         std::any_of(coordinates.begin(), coordinates.end(),
+                     [](const Coordinate& coordinate) { return coordinate.estimated() && coordinate.has_prior(); });
 }
 
 // The halves find the joint optimum under the noise that the joint estimate found.
@@ -78,10 +85,11 @@ std::string MethodObstacle(const CalibrationProblem& problem, Method method) {
     return name + " knows measured points, not the rotation of a pose";
   }
   const bool takes_rows_only = method == Method::kFullPose || method == Method::kTwoStepLiteral;
-  if (takes_rows_only && HasPriors(problem.parameters, "")) return name + " knows no priors";
-  for (const char* family : {"base/", "marker/"}) {  // in its first half, which solves for these
-    const bool is_ignored = method == Method::kTwoStepRelinearised && HasPriors(problem.parameters, family);
-    if (is_ignored) return name + " knows no priors of " + family + "…";
+  if (takes_rows_only && HasPriors(problem.parameters)) return name + " knows no priors";
+  for (const CoordinateKind kind :
+       {CoordinateKind::kBase, CoordinateKind::kMarker}) {  // what its first half solves for
+    const bool is_ignored = method == Method::kTwoStepRelinearised && HasPriors(problem.parameters, kind);
+    if (is_ignored) return name + " knows no priors of " + WordOf(kind) + "/…";
   }
   if (method == Method::kFullPose && problem.experiment().method.covariance == CovarianceKind::kSandwich)
     return name + " knows no sandwich";

@@ -13,7 +13,6 @@
 #include "estimator/noise/residual_noise.h"
 #include "estimator/report/baselines_words.h"
 #include "estimator/statistics/ascending.h"
-#include "estimator/statistics/distributions.h"
 #include "problems/loads.h"
 
 namespace sagitta {

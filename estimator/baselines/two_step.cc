@@ -19,12 +19,12 @@
 namespace sagitta {
 namespace {
 
-constexpr double kSmallestScale = 1e-4;  // times it: 0.1 um, the scale of steps on data without noise
-constexpr double kDiverged = 1e12;       // standard deviations per step
-constexpr double kRoundOff = 1e-5;       // standard deviations: a step below it may be a rounding error
-constexpr int kRateWindow = 6;           // iterations over which the rate is measured ...
-constexpr int kStandstill = 20;          // iterations without progress that show rounding
-constexpr double kRateFloor = 1e-6;      // ... the last ones with steps above this many standard deviations
+constexpr double kSmallestScale = 1e-4;    // times it: 0.1 um, the scale of steps on data without noise
+constexpr double kDiverged = 1e12;         // standard deviations per step
+constexpr double kRoundOffOfSteps = 1e-5;  // standard deviations: a step below it may be a rounding error
+constexpr int kRateWindow = 6;             // iterations over which the rate is measured ...
+constexpr int kStandstill = 20;            // iterations without progress that show rounding
+constexpr double kRateFloor = 1e-6;        // ... the last ones with steps above this many standard deviations
 
 Linearization LinearizeWithPriors(const StageContext& context, const ParameterSet& parameters,
                                   const std::vector<int>& columns) {
@@ -162,7 +162,7 @@ void Alternate(const StageContext& context, const TwoStepOptions& options, TwoSt
       options.progress("iteration " + std::to_string(i + 1) + ": step " + Significant(step, 2) +
                        " standard deviations");
     }
-    const bool rounding = i >= kStandstill && step < kRoundOff && step >= result->steps[i - kStandstill];
+    const bool rounding = i >= kStandstill && step < kRoundOffOfSteps && step >= result->steps[i - kStandstill];
     // A step s that shrinks by the rate q leaves s q / (1 - q) still to go: stop where that is below the tolerance.
     const double rate = i == 0 ? 0.5 : std::min(step / std::max(1e-300, result->steps[i - 1]), 0.999);
     if (rounding || step < options.tolerance * (1.0 - rate)) {

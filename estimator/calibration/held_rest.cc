@@ -34,7 +34,7 @@ ParameterSet ReleaseHeld(const CalibrationProblem& problem, const ParameterSet& 
     if (IsRotation(released.blocks()[coordinate.block].kind) || coordinate.name == NameOf(CompensatorPart::kL))
       continue;
     coordinate.held = false;
-    if (coordinate.prior_sigma > 0.0) continue;
+    if (coordinate.has_prior()) continue;
     // s / P in whitened rows: the prior of the header.
     const double weight = std::max(noise_scale / PhysicalRange(coordinate), kLeastWeight * ColumnNorm(here, i));
     coordinate.prior_sigma = 1.0 / weight;

@@ -24,7 +24,6 @@
 #include "estimator/noise/repeat_spread.h"
 #include "estimator/noise/weighting.h"
 #include "estimator/report/calibration_words.h"
-#include "estimator/statistics/distributions.h"
 #include "models/matrix_functions.h"
 #include "models/row_block.h"
 #include "problems/loads.h"

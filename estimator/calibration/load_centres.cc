@@ -29,7 +29,7 @@ double StatedMass(const CalibrationProblem& problem, const std::string& load) {
 std::vector<std::string> LoadCentresInWords(const CalibrationProblem& problem, const ParameterSet& parameters) {
   std::vector<std::string> words;
   for (const EffectSpec& effect : problem.robot().effects) {
-    if (effect.effect != LoadCom().name) continue;
+    if (!IsUseOf(LoadCom(), effect)) continue;
     const std::optional<double> more = ValueOf(parameters, Payload(), effect.target, "dmass");
     const double mass = StatedMass(problem, effect.target);
     if (!more || *more == 0.0 || !(mass + *more > 0.0)) continue;

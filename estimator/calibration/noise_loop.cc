@@ -17,7 +17,6 @@
 #include "estimator/noise/weighting.h"
 #include "estimator/report/calibration_words.h"
 #include "estimator/report/noise_words.h"
-#include "estimator/statistics/distributions.h"
 #include "problems/problem_checks.h"
 
 namespace sagitta {

@@ -43,7 +43,7 @@ std::vector<Apart> DirectionsApart(const CalibrationProblem& problem, const Line
     // A fit with weights of its own is not where the least of this chi-square is.
     const double step = problem.weight_roots.empty() ? 0.0 : solution.step[k];
     sigma[a] = coordinate.prior_sigma;
-    away[a] = (estimate.parameters.Value(i) + step - coordinate.prior_value) / coordinate.prior_sigma;
+    away[a] = PriorResidual(coordinate, estimate.parameters.Value(i) + step);
   }
   const Eigen::MatrixXd left =
       sigma.cwiseInverse().asDiagonal() * solution.covariance(stated, stated) * sigma.cwiseInverse().asDiagonal();
@@ -67,9 +67,7 @@ double SquaresApart(const std::vector<Apart>& directions, double variance) {
 
 }  // namespace
 
-bool HasStatedPrior(const Coordinate& coordinate) {
-  return coordinate.prior_sigma > 0.0 && !(coordinate.effect_prior > 0.0);
-}
+bool HasStatedPrior(const Coordinate& coordinate) { return coordinate.has_prior() && !(coordinate.effect_prior > 0.0); }
 
 void SetPriorsAside(const CalibrationProblem& problem, const Linearization& fitted, double* sum, double* dof,
                     Estimate* estimate) {

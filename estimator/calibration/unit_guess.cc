@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 #include <vector>
 
 #include "estimator/report/calibration_words.h"
@@ -143,11 +142,10 @@ void CheckUnits(const CalibrationProblem& problem, const AlignedSample& aligned)
 }
 
 std::string WarningOfLargeCorrections(const CalibrationProblem& problem, const std::vector<ParameterEstimate>& table) {
-  constexpr std::string_view kGeometry = "geometry/";
   std::vector<std::string> large;
   for (const ParameterEstimate& row : table) {
-    if (row.name.rfind(kGeometry, 0) != 0) continue;
-    const int at = problem.robot().chain.FindError(row.name.substr(kGeometry.size()));
+    if (CoordinateKindOf(row.name) != CoordinateKind::kGeometry) continue;
+    const int at = problem.robot().chain.FindError(NameWithinKind(row.name));
     if (at < 0 || problem.robot().chain.transforms[at].motion != Motion::kTranslation) continue;
     const double length = problem.robot().chain.transforms[at].nominal, by = row.value;
     if (length == 0.0 || !(std::abs(by) > std::max(kOfALink * std::abs(length), kLargeCorrection))) continue;

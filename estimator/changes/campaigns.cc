@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/explanations/moments.h"
 #include "estimator/report/diagnosis_words.h"
 #include "models/constants.h"
 #include "models/effects/catalogue.h"
@@ -50,7 +49,7 @@ std::vector<std::string> OwnTools(const KnownRobot& known, const KnownRobot& oth
 // base/S2/x becomes base/S1/x.
 void Rename(const std::string& from, const std::string& to, std::vector<std::string>* coordinates) {
   for (std::string& name : *coordinates) {
-    if (name.rfind(from + "/", 0) == 0) name = to + name.substr(from.size());
+    if (IsWithin(name, from)) name = to + name.substr(from.size());
   }
 }
 
@@ -289,7 +288,7 @@ std::vector<std::string> StationsBegunAnew(const KnownRobot& a, const KnownRobot
 
 bool IsOfItsCourse(const KnownRobot& known, const std::string& coordinate) {
   return std::any_of(known.robot.effects.begin(), known.robot.effects.end(), [&](const EffectSpec& spec) {
-    return coordinate.rfind(spec.Path() + "/", 0) == 0 && IsOfItsCourse(known.robot, spec);
+    return IsParameterOf(spec, coordinate) && IsOfItsCourse(known.robot, spec);
   });
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/explanations/moments.h"
+#include "models/effects/catalogue.h"
 #include "models/geometry.h"
 #include "models/steel.h"
 
@@ -37,8 +37,8 @@ ChangeGroup BaseGroup(const CalibrationProblem& problem, int station, bool of_ca
   ChangeGroup group{ChangeKind::kBase, problem.data().stations[station], station};
   group.of_campaign = of_campaign;
   for (int i = 0; i < 6; ++i) AddAxis(i % 3, i >= 3, &group);
-  for (const std::string& name : group.names) {
-    group.coordinates.push_back(problem.parameters.FindCoordinate("base/" + group.target + "/" + name));
+  for (const std::string& name : BaseNames(group.target)) {
+    group.coordinates.push_back(problem.parameters.FindCoordinate(name));
   }
   return group;
 }
@@ -46,9 +46,10 @@ ChangeGroup BaseGroup(const CalibrationProblem& problem, int station, bool of_ca
 ChangeGroup MarkerGroup(const CalibrationProblem& problem, int marker, bool of_campaign) {
   ChangeGroup group{ChangeKind::kMarker, problem.data().markers[marker], marker};
   group.of_campaign = of_campaign;
-  for (int a = 0; a < 3; ++a) AddAxis(a, false, &group);
-  for (const std::string& name : group.names) {
-    group.coordinates.push_back(problem.parameters.FindCoordinate("marker/" + group.target + "/" + name));
+  const std::array<std::string, 6> names = MarkerNames(group.target);
+  for (int a = 0; a < 3; ++a) {
+    AddAxis(a, false, &group);
+    group.coordinates.push_back(problem.parameters.FindCoordinate(names[a]));
   }
   return group;
 }
@@ -114,7 +115,7 @@ void AddDesignParameters(const CalibrationProblem& problem, bool with_effects, s
                             : parameter.law == ParameterLaw::kCompliance ? ChangeKind::kCompliance
                             : parameter.law == ParameterLaw::kEffect     ? ChangeKind::kEffect
                                                                          : ChangeKind::kCompensator;
-    ChangeGroup group{kind, parameter.name.substr(parameter.name.find('/') + 1)};
+    ChangeGroup group{kind, NameWithinKind(parameter.name)};
     group.coordinates = {problem.parameters.FindCoordinate(parameter.name)};
     group.names = {"value"}, group.typical = {typical};
     group.units = {TraitsOf(parameter.quantity).unit}, group.unit = {TraitsOf(parameter.quantity).si_per_unit};

@@ -12,7 +12,6 @@
 #include "models/dense_algebra.h"
 #include "models/matrix_functions.h"
 #include "problems/failure.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {

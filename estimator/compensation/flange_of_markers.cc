@@ -3,6 +3,8 @@
 #include <Eigen/QR>
 #include <algorithm>
 
+#include "problems/parameter_set.h"
+
 namespace sagitta {
 namespace {
 
@@ -56,13 +58,13 @@ FlangeOfMarkers FlangeFromMarkers(const std::map<std::string, MarkerSpec>& marke
     flange.by_names.col(found - names.begin()) << shift - turn.cross(flange.centre), turn;
   };
   for (const OnFlange& marker : on_flange) {
+    const std::array<std::string, 6> own = MarkerNames(marker.name);
     for (int axis = 0; axis < 3; ++axis) {
       const Vector3<double> unit = Vector3<double>::Unit(axis);
       const Vector3<double> turn = inertia.solve((marker.point - flange.centre).cross(unit));
-      const std::string path = "marker/" + marker.name + "/";
-      add(path + "xyz"[axis], unit / static_cast<double>(on_flange.size()),
+      add(own[axis], unit / static_cast<double>(on_flange.size()),
           turning > 0.0 ? Vector3<double>::Zero().eval() : turn);
-      if (marker.turns) add(path + "r" + "xyz"[axis], Vector3<double>::Zero(), unit / turning);
+      if (marker.turns) add(own[3 + axis], Vector3<double>::Zero(), unit / turning);
     }
   }
   return flange;

@@ -12,6 +12,7 @@
 #include "estimator/diagnosis/diagnosed_model.h"
 #include "estimator/diagnosis/gap.h"
 #include "estimator/diagnosis/noise_check.h"
+#include "estimator/diagnosis/outlier_rules.h"
 #include "estimator/diagnosis/stated_effects.h"
 #include "estimator/diagnosis/unstated_rows.h"
 #include "estimator/explanations/drivers.h"
@@ -29,12 +30,12 @@
 namespace sagitta {
 namespace {
 
-constexpr double kStill = 5.0 * kDegree;  // rad: a joint that moves less is assumed to stand
-constexpr double kStillLength = 0.05;     // m, prismatic
-constexpr int kFewConfigurations = 15;    // with three markers 135 equations, for some fifty parameters
-constexpr double kInOrder = 0.9;          // rank correlation: of 15 values in random order one in 80 000 has more
-constexpr double kProbable = 0.9;         // as where the next poses count as decisive (next_poses.h)
-constexpr double kFarBelowFloor = 3.1;    // standard deviations, one in a thousand
+constexpr double kStandingJoint = 5.0 * kDegree;  // rad: a joint that moves less is assumed to stand
+constexpr double kStandingSlide = 0.05;           // m, prismatic
+constexpr int kFewConfigurations = 15;            // with three markers 135 equations, for some fifty parameters
+constexpr double kInOrder = 0.9;        // rank correlation: of 15 values in random order one in 80 000 has more
+constexpr double kProbable = 0.9;       // as where the next poses count as decisive (next_poses.h)
+constexpr double kFarBelowFloor = 3.1;  // standard deviations, one in a thousand
 
 // Configurations with equal joint values count once.
 struct Counts {
@@ -65,7 +66,7 @@ std::vector<std::string> StandingJoints(const CalibrationProblem& problem) {
       low = std::min(low, configuration.q[j]);
       high = std::max(high, configuration.q[j]);
     }
-    const double least = IsRevolute(problem, j) ? kStill : kStillLength;
+    const double least = IsRevolute(problem, j) ? kStandingJoint : kStandingSlide;
     if (high - low < least) standing.push_back(problem.robot().chain.joints[j].name);
   }
   return standing;
@@ -198,10 +199,10 @@ std::string OfPriors(const CalibrationProblem& problem, const Estimate& estimate
   return priors.empty() ? "" : PriorsFirst(RowsContradictPrior(estimate.parameters, priors[0], priors.size()));
 }
 
-void CautionOfAFew(const DiagnosedModel& final, std::vector<std::string>* cautions) {
+void CautionOfAFew(const DiagnosedModel& final, double significance, std::vector<std::string>* cautions) {
   const Measurements& data = final.problem->data();
   std::vector<std::string> names;
-  for (const int i : RowsOfTheWorst(*final.problem, final.estimate.parameters)) {
+  for (const int i : RowsOfTheWorst(*final.problem, final.estimate.parameters, significance)) {
     const std::string& name = data.ConfigurationOf(data.observations[i]).id;
     if (names.empty() || names.back() != name) names.push_back(name);
   }
@@ -222,7 +223,7 @@ void CautionOfTemperature(const CalibrationProblem& problem, const std::vector<F
   const auto is_known = [](const ShotInput& shot) { return shot.conditions.has_temperature; };
   if (std::any_of(shots.begin(), shots.end(), is_known)) return;
   for (const FoundEffect& effect : effects) {
-    if (effect.candidate.spec.effect != StationScale().name || effect.parameters.empty()) continue;
+    if (!IsUseOf(StationScale(), effect.candidate.spec) || effect.parameters.empty()) continue;
     cautions->push_back(ScaleMayBeWarmth(effect.candidate.spec, effect.parameters[0].value / kSteelPerKelvin));
   }
 }
@@ -318,7 +319,7 @@ void CautionOfNotNamed(const std::vector<std::pair<EffectSpec, double>>& unconfi
 
 void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, bool is_sigma_stated, double significance,
                       std::vector<std::string>* cautions) {
-  if (has_unexplained) CautionOfAFew(final, cautions);
+  if (has_unexplained) CautionOfAFew(final, significance, cautions);
   const double rms = final.estimate.validation.rms, floor = final.estimate.noise_floor;
   const int held_out = CountHeldOut(final);
   if (held_out < kFewHeldOut) return;

@@ -15,8 +15,6 @@
 #include "estimator/diagnosis/unstated_rows.h"
 #include "estimator/evidence/revisits.h"
 #include "estimator/report/diagnosis_caution_words.h"
-#include "estimator/report/explanations_words.h"
-#include "estimator/statistics/distributions.h"
 #include "problems/input_error.h"
 #include "problems/range.h"
 

@@ -98,11 +98,6 @@ QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& s
   return refit;
 }
 
-bool IsParameterOf(const EffectSpec& spec, const std::string& name) {
-  const std::string home = IsGravityCompensator(spec) ? "compensator" : spec.Path();
-  return name.rfind(home + "/", 0) == 0;
-}
-
 std::vector<ParameterEstimate> ParameterRowsOf(const EffectSpec& spec, const Estimate& estimate) {
   std::vector<ParameterEstimate> rows;
   for (const ParameterEstimate& row : estimate.table) {

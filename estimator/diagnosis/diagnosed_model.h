@@ -34,9 +34,6 @@ struct QuickRefit {
 // Estimates what `start` estimates, beginning there.
 QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& start);
 
-// Whether a coordinate of this name is a parameter of the effect.
-bool IsParameterOf(const EffectSpec& spec, const std::string& name);
-
 // Its estimated parameters in the table of an estimate. Their intervals allow for what is held, as those that people
 // read of a calibration do: the believed model holds what its data do not determine, whatever the effect makes of it.
 std::vector<ParameterEstimate> ParameterRowsOf(const EffectSpec& spec, const Estimate& estimate);

@@ -163,7 +163,7 @@ std::string DrivingJoint(const EffectDefinition& definition, const EffectSpec& s
 
 Driver DriverOf(const CalibrationProblem& problem, const EffectSpec& spec) {
   const EffectDefinition* definition = FindEffect(problem.robot(), spec.effect);  // none of the compensator
-  const EffectDriver by = definition == nullptr ? EffectDriver::kJoint : definition->driven_by;
+  const EffectDriver by = definition == nullptr ? EffectDriver::kJoint : definition->DrivenBy(spec);
   if (by == EffectDriver::kTemperature) return TemperatureOf(problem);
   if (by == EffectDriver::kTime) return TimeOf(problem);
   const std::string name = definition == nullptr ? spec.target : DrivingJoint(*definition, spec);
@@ -181,7 +181,7 @@ Eigen::VectorXd Contribution(const DiagnosedModel& with, const EffectSpec& spec,
     if (!IsParameterOf(spec, coordinate.name)) continue;
     if (spring && coordinate.compensator_part != CompensatorPart::kKc) continue;
     const double neutral = is_correction ? coordinate.prior_value : 0.0;
-    if (is_correction && !(coordinate.prior_sigma > 0.0)) continue;  // believed
+    if (is_correction && !coordinate.has_prior()) continue;  // believed
     contribution += here.jacobian.col(c) * (with.estimate.parameters.Value(here.columns[c]) - neutral);
   }
   return contribution;

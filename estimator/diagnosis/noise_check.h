@@ -22,23 +22,6 @@ NoiseScale ScaleOf(double sum, int dof, const CalibrationProblem& stated);
 bool IsSigmaStated(const CalibrationProblem& problem);
 std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem, const ParameterSet& parameters);
 
-// Those of `observations` far outside the robust scatter (median) and alone so among the markers of their shot and
-// body, or all of a shot that is off by far more than the others, the worst first: indices into
-// Measurements::observations. None where so many points are off, those `removed`
-// before counted, that it is something to explain. held_out: the model has not seen these rows; what neither a rigid
-// body nor all the other rows give away could as well be the model's error, and is no outlier.
-std::vector<int> FindOutliers(const CalibrationProblem& problem, const ParameterSet& parameters,
-                              const std::vector<int>& observations, double significance, bool held_out, size_t removed);
-
-// Fitted rows of the fewest configurations that have more than half of what all are off by beyond their scatter; none
-// where these are more than outliers may be. Such a few pull the fit so far that nothing is far off any more.
-std::vector<int> RowsOfTheWorst(const CalibrationProblem& problem, const ParameterSet& parameters);
-
-// Those of `outliers` (excluded from the fit) that this model predicts within the
-// noise: they were none.
-std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                   const std::vector<int>& outliers, double significance);
-
 // Rotations that state no noise are weighed by the spread of their own residuals; points too, where nothing states
 // theirs, as the estimate has them. baseline: of the problem, refitted.
 void WeighPointsAndRotations(const CalibrationProblem& problem, const JointOptions& joint, DiagnosedModel* baseline);

@@ -21,7 +21,7 @@ constexpr double kSameSetting = 1e-6;  // relative
 constexpr const char* kLagSetting = "lag_s";
 constexpr double kLongestLag = 1800.0, kBetweenShots = 60.0;  // s; the latter where no time is stated
 constexpr double kBeyondOwn = 2.0;  // times the lag that the effect states, where that is more
-constexpr int kLags = 30;
+constexpr int kScannedLags = 30;
 constexpr int kDigits = 3;  // of a setting that is found: no rows determine a time constant or a width to 0.5 %
 
 const SettingDefinition* ScannedDefinition(const Robot& robot, const EffectSpec& spec) {
@@ -205,7 +205,7 @@ DiagnosedModel WithClock(DiagnosedModel model) {
 std::vector<double> LagsFor(double own) {
   const double longest = std::max(kLongestLag, kBeyondOwn * own);
   std::vector<double> lags;
-  for (int k = 0; k <= kLags; ++k) lags.push_back(longest * k / kLags);
+  for (int k = 0; k <= kScannedLags; ++k) lags.push_back(longest * k / kScannedLags);
   return lags;
 }
 
@@ -219,6 +219,13 @@ ThermalLag LagOf(const std::vector<FitAt>& fits, double noise, bool is_timed) {
     lag.longest = std::max(lag.longest, fit.at);
   }
   return lag;
+}
+
+// Whether this use goes with a temperature that it may lag behind.
+bool MayLag(const EffectDefinition& definition, const EffectSpec& spec) {
+  const bool has_lag = std::any_of(definition.settings.begin(), definition.settings.end(),
+                                   [](const SettingDefinition& setting) { return setting.name == kLagSetting; });
+  return has_lag && definition.DrivenBy(spec) == EffectDriver::kTemperature;
 }
 
 }  // namespace
@@ -251,7 +258,7 @@ std::optional<ThermalLag> AllowForSetting(const DiagnosedModel& final, const Eff
                                           std::vector<ParameterEstimate>* rows) {
   const Robot& robot = final.problem->robot();
   const EffectDefinition* definition = FindEffect(robot, spec.effect);
-  const bool is_lag = definition != nullptr && definition->driven_by == EffectDriver::kTemperature;
+  const bool is_lag = definition != nullptr && MayLag(*definition, spec);
   const SettingDefinition* scanned = is_lag ? nullptr : ScannedDefinition(robot, spec);
   if (rows->empty() || (!is_lag && scanned == nullptr)) return std::nullopt;
   const std::string setting = is_lag ? kLagSetting : scanned->name;

@@ -169,9 +169,9 @@ double SquareOfPriors(const RefittedSet& refitted) {
     const Coordinate& coordinate = parameters.coordinates()[i];
     const int believed = refitted.lacking.estimate.parameters.FindCoordinate(coordinate.name);
     const bool is_new = believed < 0 || !refitted.lacking.estimate.parameters.coordinates()[believed].estimated();
-    const bool has_prior = coordinate.prior_sigma > 0.0 && coordinate.estimated() && is_new;
-    if (has_prior && IsOfAny(refitted.effects, coordinate))
-      sum += std::pow((parameters.Value(i) - coordinate.prior_value) / coordinate.prior_sigma, 2);
+    const bool has_own = coordinate.has_prior() && coordinate.estimated() && is_new;
+    if (has_own && IsOfAny(refitted.effects, coordinate))
+      sum += std::pow(PriorResidual(coordinate, parameters.Value(i)), 2);
   }
   return sum;
 }

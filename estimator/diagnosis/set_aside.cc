@@ -6,10 +6,10 @@
 #include <map>
 #include <string>
 
-#include "estimator/diagnosis/noise_check.h"
-#include "estimator/explanations/moments.h"
+#include "estimator/diagnosis/outlier_rules.h"
 #include "estimator/report/diagnosis_caution_words.h"
 #include "estimator/statistics/distributions.h"
+#include "models/effects/catalogue.h"
 
 namespace sagitta {
 namespace {
@@ -187,7 +187,7 @@ void SetAside::FromFitted(DiagnosedModel* model) {
 }
 
 bool SetAside::FollowWithoutWorst(DiagnosedModel* model) {
-  const std::vector<int> rows = RowsOfTheWorst(*model->problem, model->estimate.parameters);
+  const std::vector<int> rows = RowsOfTheWorst(*model->problem, model->estimate.parameters, significance_);
   if (rows.empty()) return false;
   DiagnosedModel judge = *model;
   ExcludeFrom(&judge, rows);

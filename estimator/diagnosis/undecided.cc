@@ -14,7 +14,7 @@ namespace {
 
 // Of the probability of all: in doubles shares add up to 1 without one below this, and a rival would have to be
 // 1 / sqrt(2.2e-16) = 7e7 standard deviations away for it to double a variance.
-constexpr double kNoShare = std::numeric_limits<double>::epsilon();
+constexpr double kNoShareOfSets = std::numeric_limits<double>::epsilon();
 
 double OfAll(double probability, const std::vector<RivalSet>& rivals) {
   return std::accumulate(rivals.begin(), rivals.end(), probability,
@@ -26,7 +26,7 @@ double OfAll(double probability, const std::vector<RivalSet>& rivals) {
 BetweenParts ErrorOfChoice(const Estimate& estimate, double probability, const std::vector<RivalSet>& rivals) {
   BetweenParts found;
   const double all = OfAll(probability, rivals);
-  const auto counts = [all](const RivalSet& rival) { return rival.probability > kNoShare * all; };
+  const auto counts = [all](const RivalSet& rival) { return rival.probability > kNoShareOfSets * all; };
   if (!(all > 0.0) || std::none_of(rivals.begin(), rivals.end(), counts)) return found;
   const auto coordinates = static_cast<Eigen::Index>(estimate.estimated.size());
   found.covariance = Eigen::MatrixXd::Zero(coordinates, coordinates);

@@ -30,6 +30,8 @@ struct NoiseGroup {
   double sigma = 0.0;  // m, spread of its residuals
   int rows = 0;
   double freedom = 0.0;  // of these rows, what the fit leaves
+  std::string of = {};   // "C7"; "" where all share one
+  int axis = -1;         // 0 to 2; -1: of all three
 };
 
 // A reading that its neighbours and the model do not explain.

@@ -17,8 +17,8 @@ namespace {
 
 // Repeatability of arms, from small ones to worn ones: 2 to 500 urad.
 constexpr double kLeastRepeatability = 2e-6, kMostRepeatability = 5e-4;
-constexpr double kSettled = 0.03;  // of the logarithm of a size, which is found by octaves, then refined
-constexpr int kSettledBits = 5;    // 2^-5
+constexpr double kSettled = 0.03;        // of the logarithm of a size, which is found by octaves, then refined
+constexpr int kBitsOfRepeatability = 5;  // 2^-5
 // Rows beyond what is estimated that settle it: of n degrees of freedom a standard deviation is good to 1 / sqrt(2 n),
 // 2 % here.
 constexpr int kRowsThatSettle = 1000;
@@ -266,7 +266,7 @@ Evidence::Trial Evidence::BestView(const NoiseView& base, const NoisePart& part,
   // Counted from the nearest of them: the precision is relative.
   const auto offset = boost::math::tools::brent_find_minima([&](double at) { return -among_some(near + at); },
                                                             std::max(low - near, -spacing),
-                                                            std::min(high - near, spacing), kSettledBits)
+                                                            std::min(high - near, spacing), kBitsOfRepeatability)
                           .first;
   const auto [base_known, is_new] = weights_.try_emplace({SizesOf(base), set.members, set.scales});
   if (is_new) base_known->second = weight_of(base, 1);

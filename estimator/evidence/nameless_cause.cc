@@ -14,8 +14,8 @@ bool Holds(const std::vector<std::string>& list, const std::string& name) {
 }
 
 // What needs loads or compliances bends the arm by torques, which turn with gravity.
-bool HasSameDriver(const EffectDefinition& effect, const UnnamedFunction& function) {
-  switch (effect.driven_by) {
+bool HasSameDriver(const EffectDefinition& effect, const EffectSpec& spec, const UnnamedFunction& function) {
+  switch (effect.DrivenBy(spec)) {
     case EffectDriver::kTime:
       return Holds(function.depends_on, "time");
     case EffectDriver::kTemperature:
@@ -32,7 +32,7 @@ bool HasSameDriver(const EffectDefinition& effect, const UnnamedFunction& functi
 bool IsLike(const Robot& robot, const UnnamedFunction& function, const EffectSpec& spec) {
   if (function.acts_on == spec.target || Holds(function.depends_on, spec.target)) return true;
   const EffectDefinition* effect = FindEffect(robot, spec.effect);
-  return effect != nullptr && HasSameDriver(*effect, function);
+  return effect != nullptr && HasSameDriver(*effect, spec, function);
 }
 
 }  // namespace

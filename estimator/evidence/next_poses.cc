@@ -16,7 +16,6 @@
 #include "estimator/planning/pose_space.h"
 #include "models/effects/catalogue.h"
 #include "models/random_bits.h"
-#include "problems/loads.h"
 
 namespace sagitta {
 namespace {
@@ -25,12 +24,12 @@ constexpr int kPosesDrawn = 800;       // six joints have 64 corners: a dozen ne
 constexpr size_t kPosesWeighed = 400;  // of those drawn, at most: half of them are out of sight or reach
 constexpr unsigned long long kSeedOfPoses = 1;
 constexpr double kLeastPivot = 1e-300;
-constexpr double kDecided = 0.95;        // of the leading answer: nothing is left to decide
-constexpr double kWorthDeciding = 0.02;  // of an answer
-constexpr double kSeen = 0.0005;         // of a model: of what is said in percent, the third digit
-constexpr size_t kMostAnswers = 5;       // beyond kDecided and these little is left
-constexpr size_t kFirstAnswers = 2;      // the most probable ones, which are named to people
-constexpr size_t kMostShapes = 3;        // of an answer, such as those of a compensator
+constexpr double kDecided = 0.95;          // of the leading answer: nothing is left to decide
+constexpr double kWorthDeciding = 0.02;    // of an answer
+constexpr double kSeenInPercent = 0.0005;  // of a model: of what is said in percent, the third digit
+constexpr size_t kMostAnswers = 5;         // beyond kDecided and these little is left
+constexpr size_t kFirstAnswers = 2;        // the most probable ones, which are named to people
+constexpr size_t kMostShapes = 3;          // of an answer, such as those of a compensator
 
 // The least and the largest value of each joint: its limits, or the range of the data where none are stated.
 Eigen::Matrix2Xd LimitsOf(const CalibrationProblem& problem) {
@@ -184,7 +183,7 @@ class FewColumns {
     }
     const int all = AnyUnnamed(sets) ? static_cast<int>(given_.candidates.size()) : 0;
     for (int c = 0; c < all; ++c) {  // functions without a name move load points too
-      if (given_.candidates[c].spec.effect == LoadCom().name) used.insert(c);
+      if (IsUseOf(LoadCom(), given_.candidates[c].spec)) used.insert(c);
     }
     CandidateList few;
     for (const int candidate : used) {
@@ -237,8 +236,9 @@ bool DependsOnWhen(const Evidence& evidence, int member) {
     const DriverKind kind = list.functions[list.unnamed[member]].driver.kind;
     return kind == DriverKind::kTime || kind == DriverKind::kTemperature;
   }
-  const EffectDefinition* effect = FindEffect(evidence.robot(), list.start[member].effect);
-  return effect != nullptr && effect->driven_by != EffectDriver::kJoint;
+  const EffectSpec& spec = list.start[member];
+  const EffectDefinition* effect = FindEffect(evidence.robot(), spec.effect);
+  return effect != nullptr && effect->DrivenBy(spec) != EffectDriver::kJoint;
 }
 
 // What a member is called at new poses. After a way longer than its width a play operator stands where a backlash does:
@@ -268,7 +268,7 @@ std::vector<Rival> RivalsOf(const Evidence& evidence, NextPoses* next) {
     for (const int member : model.set.members) names.insert(NameAtNewPoses(evidence, member));
     Answer& answer = answers[names];
     answer.probability += model.probability;
-    next->counts_pieces |= !model.pieces.empty() && model.probability >= kSeen;
+    next->counts_pieces |= !model.pieces.empty() && model.probability >= kSeenInPercent;
     const bool is_met = std::any_of(answer.models.begin(), answer.models.end(), [&](int other) {
       return evidence.models()[other].set.members == model.set.members;
     });

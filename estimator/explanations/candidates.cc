@@ -72,7 +72,7 @@ bool Stands(const CalibrationProblem& problem, const EffectSpec& spec) {
   for (const EffectSpec& own : problem.robot().effects) {
     if (own.Path() == spec.Path()) return true;
   }
-  if (spec.effect != JointComplianceEffect().name) return false;
+  if (!IsUseOf(JointComplianceEffect(), spec)) return false;
   for (const int i : ComplianceCoordinates(problem.parameters, spec.target)) {
     if (problem.parameters.coordinates()[i].estimated()) return true;
   }
@@ -91,11 +91,12 @@ bool Varies(const CalibrationProblem& problem, const Value& value) {
 // statement at all.
 std::string StandingColumn(const CalibrationProblem& problem, const EffectDefinition& definition,
                            const EffectSpec& spec) {
-  if (definition.driven_by == EffectDriver::kTime) {
+  const EffectDriver by = definition.DrivenBy(spec);
+  if (by == EffectDriver::kTime) {
     const bool varies = Varies(problem, [](const ShotConditions& shot) { return shot.time; });
     return varies ? "" : "time_s that varies";
   }
-  if (definition.driven_by == EffectDriver::kTemperature) {
+  if (by == EffectDriver::kTemperature) {
     const bool varies = Varies(problem, [](const ShotConditions& shot) { return shot.temperature; });
     return varies ? "" : "temperature_degC that varies";
   }
@@ -211,8 +212,9 @@ std::vector<EffectSpec> Variants(const CalibrationProblem& problem, const Effect
 
 // What a column is of that an effect lacks.
 Lack LackOf(const EffectDefinition& definition, const EffectSpec& spec) {
-  if (definition.driven_by == EffectDriver::kTime) return Lack::kTime;
-  if (definition.driven_by == EffectDriver::kTemperature) return Lack::kTemperature;
+  const EffectDriver by = definition.DrivenBy(spec);
+  if (by == EffectDriver::kTime) return Lack::kTime;
+  if (by == EffectDriver::kTemperature) return Lack::kTemperature;
   return definition.PressedByOf(spec) == PressedBy::kApproach ? Lack::kApproach : Lack::kOther;
 }
 

@@ -87,7 +87,7 @@ std::vector<int> ComplianceCoordinates(const ParameterSet& parameters, const std
   for (int i = 0; i < parameters.num_coordinates(); ++i) {
     const Coordinate& coordinate = parameters.coordinates()[i];
     if (coordinate.kind != CoordinateKind::kCompliance) continue;
-    const std::string name = coordinate.name.substr(coordinate.name.find('/') + 1);  // A2, or A2@-90 of a table
+    const std::string name = NameWithinKind(coordinate.name);  // A2, or A2@-90 of a table
     if (name == joint || name.rfind(joint + '@', 0) == 0) nodes.push_back(i);
   }
   return nodes;

@@ -13,7 +13,6 @@
 #include "models/effects/catalogue.h"
 #include "models/effects/learnt_deviation.h"
 #include "models/sight.h"
-#include "problems/loads.h"
 #include "problems/split.h"
 
 namespace sagitta {
@@ -311,7 +310,7 @@ std::vector<std::pair<int, double>> EvidenceColumns::LengthsOf(int joint) const 
   const std::vector<std::vector<int>> links = LengthsByLink(extended_.robot().chain);
   for (const int transform : links[static_cast<size_t>(joint) + 1]) {
     const ElementaryTransform& length = extended_.robot().chain.transforms[transform];
-    const int coordinate = length.error.empty() ? -1 : extended_.parameters.FindCoordinate("geometry/" + length.error);
+    const int coordinate = length.error.empty() ? -1 : extended_.parameters.FindCoordinate(GeometryName(length.error));
     if (coordinate >= 0) lengths.emplace_back(coordinate, length.nominal);
   }
   return lengths;

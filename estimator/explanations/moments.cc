@@ -9,7 +9,7 @@
 #include "estimator/explanations/scan.h"
 #include "estimator/random_effects/sweep.h"
 #include "models/effects/catalogue.h"
-#include "problems/io/files.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -63,19 +63,6 @@ std::vector<Candidate> BestMoments(const CalibrationProblem& problem, const Para
 }
 
 }  // namespace
-
-bool GoesWithTime(const Robot& robot, const EffectSpec& spec) {
-  return FindEffect(robot, spec.effect)->DrivenBy(spec) == EffectDriver::kTime;
-}
-
-std::string MomentOf(const Robot& robot, const EffectSpec& spec) {
-  const EffectDefinition* definition = FindEffect(robot, spec.effect);
-  if (definition == nullptr) return "";
-  for (const SettingDefinition& setting : definition->settings) {
-    if (setting.kind == SettingDefinition::Kind::kMoment && spec.settings.count(setting.name) > 0) return setting.name;
-  }
-  return "";
-}
 
 std::vector<std::string> ChangePoints(const CalibrationProblem& problem) {
   const std::vector<double> times = FittedTimes(problem);

@@ -8,12 +8,6 @@
 
 namespace sagitta {
 
-// Whether times of the campaign's clock drive it.
-bool GoesWithTime(const Robot& robot, const EffectSpec& spec);
-
-// Name of the setting that is a moment, "" where there is none.
-std::string MomentOf(const Robot& robot, const EffectSpec& spec);
-
 // Middles between the times of consecutive fitted visits, s of the campaign's clock, thinned; settings of kMoment.
 std::vector<std::string> ChangePoints(const CalibrationProblem& problem);
 

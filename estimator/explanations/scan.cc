@@ -53,7 +53,7 @@ std::vector<TriedJump> TryJumps(const AlongSources& along, const std::vector<int
 namespace {
 
 // Sums over the shots before each place where a jump may lie, the first and the last included.
-struct Sums {
+struct JumpSums {
   std::vector<Gap> gaps;
   Eigen::MatrixXd products, residuals;  // a row for each place
 
@@ -69,10 +69,10 @@ struct Sums {
   }
 };
 
-Sums SumBefore(const AlongSources& along, const std::vector<int>& fitted, const Eigen::VectorXd& x, int most_gaps) {
+JumpSums SumBefore(const AlongSources& along, const std::vector<int>& fitted, const Eigen::VectorXd& x, int most_gaps) {
   std::vector<int> order = fitted;
   std::sort(order.begin(), order.end(), [&x](int a, int b) { return x[a] < x[b]; });
-  Sums sums{Gaps(x(order), most_gaps), {}, {}};
+  JumpSums sums{Gaps(x(order), most_gaps), {}, {}};
   const long places = static_cast<long>(sums.gaps.size()) + 2;
   sums.products = Eigen::MatrixXd::Zero(places, along.products.cols());
   sums.residuals = Eigen::MatrixXd::Zero(places, along.residual.cols());
@@ -94,7 +94,7 @@ Sums SumBefore(const AlongSources& along, const std::vector<int>& fitted, const 
 // most(k, p) = max over i < p of most(k - 1, i) + explained(i, p): the most that k jumps before the place p explain.
 std::vector<std::vector<Gap>> BestJumps(const AlongSources& along, const std::vector<int>& fitted,
                                         const Eigen::VectorXd& x, int most_gaps, size_t most_jumps) {
-  const Sums sums = SumBefore(along, fitted, x, most_gaps);
+  const JumpSums sums = SumBefore(along, fitted, x, most_gaps);
   const long places = sums.residuals.rows();
   const long jumps = std::min<long>(static_cast<long>(most_jumps), places - 2);
   Eigen::MatrixXd explained(places, places);

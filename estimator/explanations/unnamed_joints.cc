@@ -23,7 +23,7 @@ constexpr int kNeighbours = 2;       // joints that a hose or a table of correct
 
 // s, a factor of four apart: no lag between them is off by more than two. What follows faster is there before it is
 // measured, what follows slower creeps evenly through a campaign.
-constexpr const char* kLags[] = {"300", "1200", "4800"};
+constexpr const char* kLagsOfJoints[] = {"300", "1200", "4800"};
 
 class JointFunctions : public UnnamedList {
  public:
@@ -155,7 +155,7 @@ class JointFunctions : public UnnamedList {
     const Settings down = VectorSettings("down_", DownInBase(problem_, parameters_));
     const bool loaded = std::any_of(problem_.shot_inputs().begin(), problem_.shot_inputs().end(),
                                     [](const ShotInput& shot) { return !shot.conditions.load_wrenches.empty(); });
-    for (const char* lag : kLags) {
+    for (const char* lag : kLagsOfJoints) {
       Settings settings = down;
       settings["lag_s"] = lag;
       AddLag(loaded ? "load" : "weight", TorqueOnIt(), settings);

@@ -18,7 +18,7 @@ constexpr int kMarkerRamps = 16;  // in time, along three axes: jumps are marker
 constexpr int kSeats = 25;        // stretches of visits in which a loose part stays in its seat
 
 constexpr int kPlateAxes = 6;
-constexpr double kStill = 1e-3;  // of gravity's component along an axis: 1 mrad of turn
+constexpr double kStandingGravity = 1e-3;  // of gravity's component along an axis: 1 mrad of turn
 // Of the seats of a loose part: directions 10 degrees apart, and gaps between shots.
 constexpr int kDirections = 200;
 constexpr int kMostGaps = 50;
@@ -336,7 +336,7 @@ class PlaceFunctions : public UnnamedList {
     for (const Source& axis : Axes(Source::Kind::kLoad, owner)) {
       const Eigen::VectorXd along = Component(Vector3<double>::Unit(axis.axis));
       const auto [low, high] = RangeOf(along);
-      if (!(high - low > kStill)) continue;
+      if (!(high - low > kStandingGravity)) continue;
       const std::string name(1, "xyz"[axis.axis]);
       EffectSpec slide{"learnt_load_slide", load, down_settings_, {}};
       slide.settings["along"] = name;

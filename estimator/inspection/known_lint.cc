@@ -9,7 +9,7 @@
 #include "estimator/calibration/unit_guess.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/report/inspection_known_words.h"
-#include "estimator/statistics/median.h"
+#include "models/quantiles.h"
 
 namespace sagitta {
 namespace {

@@ -7,16 +7,16 @@
 #include <tuple>
 
 #include "estimator/inspection/load_direction.h"
-#include "estimator/statistics/median.h"
+#include "models/quantiles.h"
 #include "problems/loads.h"
 
 namespace sagitta {
 namespace {
 
-constexpr double kSoftest = 1e-3;   // m/N at the flange: 1 N/mm; the lightest arms have ten times more
-constexpr double kStiffest = 1e-8;  // m/N: 100 kN/mm, a machine tool
-constexpr double kSeen = 5.0;       // deflections above the noise, where one is stated
-constexpr double kAgainst = -0.5;   // cosine between force and motion, mean over the pairs
+constexpr double kSoftest = 1e-3;        // m/N at the flange: 1 N/mm; the lightest arms have ten times more
+constexpr double kStiffest = 1e-8;       // m/N: 100 kN/mm, a machine tool
+constexpr double kSeenDeflection = 5.0;  // deflections above the noise, where one is stated
+constexpr double kAgainst = -0.5;        // cosine between force and motion, mean over the pairs
 
 // Loaded minus unloaded of equal configuration, visit, station and marker, for the loads of one id.
 struct Deflections {
@@ -74,7 +74,7 @@ std::vector<Finding> LintDeflections(const CalibrationProblem& problem) {
   for (const auto& [load, deflections] : CollectDeflections(problem)) {
     if (deflections.sizes.empty()) continue;
     const double size = Median(deflections.sizes), flexibility = Median(deflections.per_force);
-    if (size <= kSeen * deflections.noise) continue;
+    if (size <= kSeenDeflection * deflections.noise) continue;
     const std::vector<std::string> first_row = {
         problem.data().SourceOf(problem.data().observations[deflections.first_row])};
     if (flexibility > kSoftest || flexibility < kStiffest) {

@@ -14,7 +14,7 @@
 #include "estimator/inspection/moved_rows.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/least_squares/linearization.h"
-#include "estimator/statistics/median.h"
+#include "models/quantiles.h"
 
 namespace sagitta {
 namespace {

@@ -17,7 +17,6 @@
 #include "estimator/inspection/wild_rows.h"
 #include "estimator/inspection/wrong_part.h"
 #include "estimator/report/inspection_label_words.h"
-#include "models/constants.h"
 
 namespace sagitta {
 namespace {

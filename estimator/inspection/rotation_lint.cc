@@ -20,7 +20,7 @@ namespace {
 // Where no reading fits it may be the arm: six joints, each off by the 4 deg that no arm exceeds (kLargestError in
 // reading_lint.cc).
 constexpr double kBeyondAnArm = 24.0 * kDegree;
-constexpr double kBetter = 3.0;  // a reading that fits as well as the best is named with it
+constexpr double kBetterRotation = 3.0;  // a reading that fits as well as the best is named with it
 constexpr size_t kNamed = 3;
 
 // Columns that state the rotation of one row.
@@ -133,7 +133,8 @@ std::optional<Finding> DescribeRotations(const RotationColumns& columns, Rotatio
   std::sort(misfits.begin(), misfits.end());
   std::vector<std::string> fitting;
   for (const auto& [misfit, k] : misfits) {
-    const bool fits = misfit < kRotationFits && misfit * kBetter < as_stated.misfit && misfit <= kBetter * best;
+    const bool fits =
+        misfit < kRotationFits && misfit * kBetterRotation < as_stated.misfit && misfit <= kBetterRotation * best;
     if (fits && fitting.size() < kNamed) fitting.push_back(readings[k].Words());
   }
   if (fitting.empty() && !(as_stated.misfit > kBeyondAnArm)) return std::nullopt;

@@ -10,7 +10,7 @@
 #include <set>
 
 #include "estimator/least_squares/row_sums.h"
-#include "estimator/statistics/median.h"
+#include "models/quantiles.h"
 
 namespace sagitta {
 namespace {
@@ -21,11 +21,11 @@ constexpr double kHalfWeight = 1.5;  // median distances: where a row's weight h
 constexpr double kGross = 10.0;      // median distances; 15 sigma of normal noise
 // Rows that stand alone are wild from half of that: of 20 to 1000 rows of normal noise none in 8000 draws is twice as
 // far off as all others; where rows have Student's distribution with five degrees, in 3 % of the draws.
-constexpr double kAlone = 5.0;       // median distances
-constexpr double kAloneBy = 2.0;     // times the farthest of the others
-constexpr double kMostAlone = 0.02;  // of the rows: all markers of a visit, or one
-constexpr size_t kFewRows = 20;      // of fewer the median says little
-constexpr double kSwapGain = 25.0;   // of the squared residual when two markers are exchanged
+constexpr double kAloneAmongRows = 5.0;  // median distances
+constexpr double kAloneBy = 2.0;         // times the farthest of the others
+constexpr double kMostRowsAlone = 0.02;  // of the rows: all markers of a visit, or one
+constexpr size_t kFewRows = 20;          // of fewer the median says little
+constexpr double kSwapGain = 25.0;       // of the squared residual when two markers are exchanged
 
 std::vector<double> ResidualLengths(const Eigen::Matrix3Xd& residuals) {
   std::vector<double> distances(residuals.cols());
@@ -121,12 +121,12 @@ namespace {
 // The distance of the nearest of those that stand alone; infinite where none does.
 double NearestAlone(std::vector<double> distances, double median) {
   if (distances.size() < kFewRows) return std::numeric_limits<double>::infinity();
-  const size_t most = std::max<size_t>(1, static_cast<size_t>(kMostAlone * static_cast<double>(distances.size())));
+  const size_t most = std::max<size_t>(1, static_cast<size_t>(kMostRowsAlone * static_cast<double>(distances.size())));
   const auto sorted = distances.begin() + static_cast<std::ptrdiff_t>(most) + 1;
   std::partial_sort(distances.begin(), sorted, distances.end(), std::greater<>());
   for (size_t alone = most; alone > 0; --alone) {
     const double nearest = distances[alone - 1];
-    if (nearest >= kAlone * median && nearest >= kAloneBy * distances[alone]) return nearest;
+    if (nearest >= kAloneAmongRows * median && nearest >= kAloneBy * distances[alone]) return nearest;
   }
   return std::numeric_limits<double>::infinity();
 }

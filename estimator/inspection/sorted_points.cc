@@ -12,7 +12,6 @@
 #include "estimator/alignment/starting_values.h"
 #include "estimator/inspection/affine_in_marker.h"
 #include "estimator/inspection/reading_lint.h"
-#include "estimator/inspection/tried_readings.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/report/inspection_part_words.h"
 #include "models/geometry.h"

@@ -9,7 +9,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kAsGood = 1.1;  // readings that fit alike: the simplest is named
+constexpr double kAsGoodAReading = 1.1;  // readings that fit alike: the simplest is named
 constexpr size_t kMostAlike = 2;
 
 // Some readings leave rows out. Where those were what did not fit, the others fit as stated as well.
@@ -56,7 +56,7 @@ TriedReadings TryReadings(const CalibrationProblem& problem, const std::vector<i
     reading.misfit = MisfitUnder(reading, problem, rows, tried.as_stated);
     least = std::min(least, reading.misfit);
   }
-  tried.best = std::max(kPerfect * Reach(problem), kAsGood * least);
+  tried.best = std::max(kPerfect * Reach(problem), kAsGoodAReading * least);
   for (size_t k = 0; k < tried.all.size(); ++k) {
     const Reading& reading = tried.all[k];
     const bool explains = reading.misfit <= tried.best && reading.misfit * kReadingImprovement < tried.as_stated;

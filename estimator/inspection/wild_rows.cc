@@ -5,11 +5,10 @@
 #include <random>
 #include <utility>
 
-#include "estimator/alignment/aligned_misfit.h"
 #include "estimator/alignment/starting_values.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/least_squares/linearization.h"
-#include "estimator/statistics/median.h"
+#include "models/quantiles.h"
 
 namespace sagitta {
 namespace {

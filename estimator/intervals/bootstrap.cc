@@ -17,7 +17,7 @@
 #include "estimator/least_squares/sandwich.h"
 #include "estimator/report/intervals_words.h"
 #include "estimator/statistics/distributions.h"
-#include "estimator/statistics/median.h"
+#include "models/quantiles.h"
 #include "problems/input_error.h"
 #include "problems/range.h"
 

@@ -19,7 +19,7 @@ void DrawPriors(const ParameterSet& truth, std::uint64_t seed, ParameterSet* par
   NormalNumbers normal(seed);
   for (int i = 0; i < parameters->num_coordinates(); ++i) {
     Coordinate& coordinate = parameters->coordinate(i);
-    if (coordinate.prior_sigma > 0.0) coordinate.prior_value = truth.Value(i) + coordinate.prior_sigma * normal();
+    if (coordinate.has_prior()) coordinate.prior_value = truth.Value(i) + coordinate.prior_sigma * normal();
   }
 }
 

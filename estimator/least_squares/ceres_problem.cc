@@ -84,7 +84,7 @@ void AddShot(const CalibrationProblem& problem, const ResidualSelection& selecti
 // One residual (value - prior) / sigma per estimated coordinate that has one.
 void AddPriors(const ParameterSet* parameters, ceres::Problem* ceres_problem) {
   for (const Coordinate& coordinate : parameters->coordinates()) {
-    if (coordinate.prior_sigma <= 0.0 || !coordinate.estimated()) continue;
+    if (!coordinate.has_prior() || !coordinate.estimated()) continue;
     const ParameterBlock& block = parameters->blocks()[coordinate.block];
     double* values = const_cast<double*>(block.values.data());
     if (!ceres_problem->HasParameterBlock(values)) continue;

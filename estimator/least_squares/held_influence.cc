@@ -20,7 +20,7 @@ std::vector<int> HeldCoordinates(const ParameterSet& parameters) {
 }
 
 double PhysicalRange(const Coordinate& coordinate) {
-  if (coordinate.prior_sigma > 0.0) return coordinate.prior_sigma;
+  if (coordinate.has_prior()) return coordinate.prior_sigma;
   const bool is_placed = coordinate.kind == CoordinateKind::kBase || coordinate.kind == CoordinateKind::kMarker;
   return is_placed ? kAboutTheArm : coordinate.hold_limit;
 }

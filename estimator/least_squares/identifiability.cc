@@ -17,7 +17,7 @@ constexpr double kNumericallyZero = 1e-13;
 constexpr double kWellDetermined = 1e6;
 constexpr double kPeeled = 0.03;           // of the largest singular value, those found at once
 constexpr double kLeastSigma = 1e-9;       // of an exact fit, stated sigmas
-constexpr double kAsGood = 0.9;            // of the largest: another column in its place costs no digit
+constexpr double kAsGoodAColumn = 0.9;     // of the largest: another column in its place costs no digit
 constexpr double kWeakPerHoldLimit = 0.2;  // 1 mm of 5 mm, 1 mrad of 5 mrad
 
 // Which member of a direction is held first: a geometric error has a nominal
@@ -96,7 +96,7 @@ std::vector<int> PivotColumns(Eigen::MatrixXd rows) {
   std::vector<int> chosen;
   for (long k = 0; k < rows.rows(); ++k) {
     const Eigen::VectorXd norms = rows.colwise().norm();
-    const double good = kAsGood * norms.maxCoeff();
+    const double good = kAsGoodAColumn * norms.maxCoeff();
     long first = 0;
     while (norms[first] < good) ++first;
     chosen.push_back(static_cast<int>(first));

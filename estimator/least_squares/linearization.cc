@@ -284,7 +284,7 @@ Linearization Linearize(const RowBatches& batches, const ParameterSet& parameter
 void AppendPriors(const ParameterSet& parameters, Linearization* linearization) {
   std::vector<int> held_softly;  // columns
   for (int c = 0; c < linearization->num_columns(); ++c) {
-    if (parameters.coordinates()[linearization->columns[c]].prior_sigma > 0.0) held_softly.push_back(c);
+    if (parameters.coordinates()[linearization->columns[c]].has_prior()) held_softly.push_back(c);
   }
   const int rows = linearization->num_rows();
   const int priors = static_cast<int>(held_softly.size());
@@ -296,8 +296,7 @@ void AppendPriors(const ParameterSet& parameters, Linearization* linearization) 
     const int c = held_softly[k];
     const Coordinate& coordinate = parameters.coordinates()[linearization->columns[c]];
     linearization->jacobian(rows + k, c) = 1.0 / coordinate.prior_sigma;
-    linearization->residual[rows + k] =
-        (parameters.Value(linearization->columns[c]) - coordinate.prior_value) / coordinate.prior_sigma;
+    linearization->residual[rows + k] = PriorResidual(coordinate, parameters.Value(linearization->columns[c]));
   }
   AppendSpringTie(parameters, linearization);
 }

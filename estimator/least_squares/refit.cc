@@ -34,9 +34,8 @@ FittedRows WeighedRows(const NormalEquations& equations, const ParameterSet& par
 
 // Of the coordinate that is kept: no column, but part of the fit.
 double PriorPenalty(const ParameterSet& parameters, int kept) {
-  if (kept < 0 || parameters.coordinates()[kept].prior_sigma <= 0.0) return 0.0;
-  const Coordinate& coordinate = parameters.coordinates()[kept];
-  const double off = (parameters.Value(kept) - coordinate.prior_value) / coordinate.prior_sigma;
+  if (kept < 0 || !parameters.coordinates()[kept].has_prior()) return 0.0;
+  const double off = PriorResidual(parameters.coordinates()[kept], parameters.Value(kept));
   return off * off;
 }
 

@@ -13,7 +13,7 @@ namespace sagitta {
 namespace {
 
 // Beyond, clusters come eight side by side (cluster_sandwich.h), and degrees of freedom are of a sample.
-constexpr size_t kMostAlone = 2000;
+constexpr size_t kMostClustersAlone = 2000;
 constexpr size_t kScoreRowsAtOnce = 512;
 
 std::vector<std::vector<int>> RowsOfClusters(const std::vector<int>& cluster_of) {
@@ -65,7 +65,7 @@ RobustCovariance SandwichCovariance(const Linearization& linearization, const st
   result.covariance = solution.covariance;
   result.dof = Eigen::VectorXd::Constant(n, std::max(1, linearization.num_rows() - n));
   if (n == 0 || !solution.full_rank) return result;
-  if (clusters.size() > kMostAlone) return OfMany(linearization, solution, cluster_of);
+  if (clusters.size() > kMostClustersAlone) return OfMany(linearization, solution, cluster_of);
   const Eigen::MatrixXd& root = solution.covariance_root;
   Satterthwaite satterthwaite(n);
   Eigen::MatrixXd scores(n, clusters.size());

@@ -13,7 +13,7 @@ namespace {
 // 1 - h below this: the cluster alone determines a direction, its residual there
 // is zero and says nothing (generalised inverse).
 constexpr double kNoResidualLeft = 1e-9;
-constexpr double kSmallLeverage = 0.02, kRoundOff = 1e-17;
+constexpr double kSmallLeverage = 0.02, kRoundOffOfSeries = 1e-17;
 constexpr int kBlockColumns = 16, kFewTimes = 4;
 
 // |w' w|^2, by the smaller of both products.
@@ -35,7 +35,7 @@ Eigen::MatrixXd Unshrinking(const Eigen::MatrixXd& h) {
   if (size < kSmallLeverage) {    // 1/2 H + 1/2 3/4 H^2 + 1/2 3/4 5/6 H^3 + ..
     Eigen::MatrixXd power = 0.5 * h, sum = power;
     double left = size;
-    for (int k = 2; left > kRoundOff; ++k, left *= size) {
+    for (int k = 2; left > kRoundOffOfSeries; ++k, left *= size) {
       power = ((2.0 * k - 1.0) / (2.0 * k) * (power * h)).eval();
       sum += power;
     }

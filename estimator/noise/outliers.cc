@@ -104,7 +104,7 @@ Outlier& OutlierOfRow(const Measurements& data, int observation, std::vector<Out
 
 std::vector<Outlier> FlagOutliers(const CalibrationProblem& problem, const PointCheck& check,
                                   const ParameterSet& parameters, double significance) {
-  const double limit = ChiSquareQuantile(1.0 - significance / std::max<size_t>(1, check.observations.size()), 3.0);
+  const double limit = ChiSquareLimitOfMany(static_cast<double>(check.observations.size()), significance, 3.0);
   std::vector<Outlier> outliers;
   for (size_t k = 0; k < check.observations.size(); ++k) {
     if (check.leave_one_out[k] <= limit) continue;

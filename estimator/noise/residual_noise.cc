@@ -6,7 +6,6 @@
 
 #include "estimator/estimate/parameter_table.h"
 #include "estimator/least_squares/linearization.h"
-#include "estimator/statistics/distributions.h"
 
 namespace sagitta {
 namespace {
@@ -39,18 +38,21 @@ RowGroups GroupRows(const Measurements& data, ResidualGroup by) {
   for (const Observation& observation : data.observations) {
     const Shot& shot = data.shots[observation.shot];
     std::string name;
-    if (by == ResidualGroup::kConfigAxis) name = data.configurations[shot.configuration].id + "/";
-    if (by == ResidualGroup::kMarkerAxis) name = data.markers[observation.marker] + "/";
-    if (by == ResidualGroup::kStationAxis) name = data.stations[shot.station] + "/";
-    if (by == ResidualGroup::kResidual) name = data.SourceOf(observation) + "/";
+    if (by == ResidualGroup::kConfigAxis) name = data.configurations[shot.configuration].id;
+    if (by == ResidualGroup::kMarkerAxis) name = data.markers[observation.marker];
+    if (by == ResidualGroup::kStationAxis) name = data.stations[shot.station];
+    if (by == ResidualGroup::kResidual) name = data.SourceOf(observation);
     if (by == ResidualGroup::kResidual && observation.file < 0) {  // words may fit several rows
-      name += std::to_string(groups.group.size() / 3 + 1) + "/";
+      name += "/" + std::to_string(groups.group.size() / 3 + 1);
     }
     for (int axis = 0; axis < 3; ++axis) {
-      const std::string full = name + "xyz"[axis];
+      const std::string full = (by == ResidualGroup::kAxis ? "" : name + "/") + "xyz"[axis];
       const auto [entry, is_new] = index.emplace(full, static_cast<int>(index.size()));
-      if (is_new) groups.names.push_back(full);
       groups.group.push_back(entry->second);
+      if (!is_new) continue;
+      groups.names.push_back(full);
+      groups.of.push_back(name);
+      groups.axes.push_back(axis);
     }
   }
   return groups;
@@ -100,7 +102,9 @@ NoiseRoots SpreadOfResiduals(const CalibrationProblem& problem, const Estimate& 
   }
   report->clear();
   for (size_t g = 0; g < groups.names.size(); ++g) {
-    if (counts[g] > 0) report->push_back({groups.names[g], of_group[g], counts[g], left[g]});
+    if (counts[g] == 0) continue;
+    report->push_back({groups.names[g], of_group[g], counts[g], left[g]});
+    if (!groups.axes.empty()) report->back().of = groups.of[g], report->back().axis = groups.axes[g];
   }
   return roots;
 }

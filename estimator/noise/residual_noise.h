@@ -23,7 +23,10 @@ Eigen::VectorXd GroupSigmas(const std::vector<int>& groups, const Eigen::VectorX
 // Groups of rows by the word of the experiment file: axis, config-axis, marker-axis, station-axis or residual.
 struct RowGroups {
   std::vector<int> group;          // 3 per observation of the data
-  std::vector<std::string> names;  // of each group
+  std::vector<std::string> names;  // of each group, "C7/x"
+  // Of each group, where it is of one axis: what else it is of ("C7", or "" where that is all), and the axis.
+  std::vector<std::string> of = {};
+  std::vector<int> axes = {};
 };
 RowGroups GroupRows(const Measurements& data, ResidualGroup by);
 

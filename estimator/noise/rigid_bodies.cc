@@ -13,11 +13,11 @@
 namespace sagitta {
 namespace {
 
-constexpr double kWidest = 64.0;   // factors are tried by octaves, then refined
-constexpr double kNoShare = 1e-9;  // rounding
+constexpr double kWidest = 64.0;          // factors are tried by octaves, then refined
+constexpr double kNoShareOfShape = 1e-9;  // rounding
 // log f to a quarter of 2^-8 near 0: n coordinates leave a standard deviation of 1 / sqrt(2 n) open, as much of half a
 // million, and a factor that is off by that has lost a half of the gain.
-constexpr int kSettledBits = 8;
+constexpr int kBitsOfFactor = 8;
 
 // What rigid bodies say of the factor f of a group. With N orthonormal over what no rigid motion does, y = N'r of a
 // shot has the covariance v (I + (f^2 - 1) N'W W'N), of which these are the eigenvalues l and the squares z^2 along
@@ -48,7 +48,7 @@ struct LeftOfGroup {
       if (cost(at) < cost(near)) near = at;
     // Counted from the octave: the precision is relative.
     const auto from_near = [&](double offset) { return cost(near + offset); };
-    return std::exp(near + boost::math::tools::brent_find_minima(from_near, -octave, octave, kSettledBits).first);
+    return std::exp(near + boost::math::tools::brent_find_minima(from_near, -octave, octave, kBitsOfFactor).first);
   }
 };
 
@@ -144,10 +144,10 @@ std::vector<GroupOfOwnNoise> GroupsOfOwnNoise(const CalibrationProblem& problem,
         const Eigen::MatrixXd seen = along.transpose() * free.middleRows<3>(static_cast<long>(3 * i));
         own += seen.transpose() * seen;
       }
-      if (own.isZero(kNoShare)) continue;
+      if (own.isZero(kNoShareOfShape)) continue;
       const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(own);
       for (long k = 0; k < left.size(); ++k) {
-        if (eigen.eigenvalues()[k] < kNoShare) continue;
+        if (eigen.eigenvalues()[k] < kNoShareOfShape) continue;
         of_group[g].shares.push_back(eigen.eigenvalues()[k]);
         of_group[g].squares.push_back(std::pow(eigen.eigenvectors().col(k).dot(left), 2));
       }

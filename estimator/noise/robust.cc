@@ -6,8 +6,8 @@
 
 #include "estimator/alignment/starting_values.h"
 #include "estimator/statistics/distributions.h"
-#include "estimator/statistics/median.h"
 #include "models/matrix_functions.h"
+#include "models/quantiles.h"
 #include "models/row_block.h"
 
 namespace sagitta {

@@ -8,8 +8,8 @@
 #include "estimator/noise/robot_scatter.h"
 #include "estimator/noise/variance_components.h"
 #include "estimator/statistics/distributions.h"
-#include "estimator/statistics/median.h"
 #include "models/matrix_functions.h"
+#include "models/quantiles.h"
 
 namespace sagitta {
 namespace {

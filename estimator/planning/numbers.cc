@@ -193,7 +193,7 @@ Criterion CriterionFor(const CalibrationProblem& problem, const PlanNumbers& num
       continue;
     }
     for (size_t k = 0; k < request.discriminate.size(); ++k) {
-      if (coordinate.name.rfind(request.discriminate[k].Path() + "/", 0) != 0) continue;
+      if (!IsParameterOf(request.discriminate[k], coordinate.name)) continue;
       criterion.interest.push_back(static_cast<int>(i));
       criterion.rival_of.push_back(static_cast<int>(k));
       const double stated = std::abs(problem.parameters.Value(numbers.columns[i]));

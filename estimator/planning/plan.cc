@@ -56,7 +56,7 @@ void FillPlannedParameters(const CalibrationProblem& problem, const PlanNumbers&
 bool DriftIsFree(const CalibrationProblem& problem) {
   const std::vector<EffectSpec>& effects = problem.robot().effects;
   return std::any_of(effects.begin(), effects.end(), [&](const EffectSpec& effect) {
-    if (FindEffect(problem.robot(), effect.effect)->driven_by == EffectDriver::kJoint) return false;
+    if (FindEffect(problem.robot(), effect.effect)->DrivenBy(effect) == EffectDriver::kJoint) return false;
     const std::vector<int> own = problem.parameters.Match(effect.Path());
     return std::any_of(own.begin(), own.end(), [&](int i) { return problem.parameters.coordinates()[i].estimated(); });
   });

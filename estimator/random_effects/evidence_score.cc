@@ -11,7 +11,7 @@ namespace sagitta {
 namespace {
 
 constexpr int kFew = 16;  // columns of most groups: their root stays on the stack
-using FewColumns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kFew, kFew>;
+using MatrixOfFew = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kFew, kFew>;
 
 template <typename Matrix>
 GroupGain GainBy(const Eigen::Ref<const Eigen::MatrixXd>& information,
@@ -36,7 +36,7 @@ GroupGain GainOf(const Eigen::Ref<const Eigen::MatrixXd>& information,
     const double t = 1.0 + variance * std::max(0.0, information(0, 0));
     return {variance * gradient[0] * gradient[0] / t, std::log(t)};
   }
-  if (gradient.size() <= kFew) return GainBy<FewColumns>(information, gradient, variance);
+  if (gradient.size() <= kFew) return GainBy<MatrixOfFew>(information, gradient, variance);
   return GainBy<Eigen::MatrixXd>(information, gradient, variance);
 }
 

@@ -22,7 +22,7 @@ constexpr double kUnsettled = 1e-3;      // of the probability: a tenth of what 
 constexpr size_t kMostSwaps = 1000;   // of one set: where a thousand sets share the probability they differ in details
 constexpr int kSeveralColumns = 3;    // of a member: with fewer it stands for no two others
 constexpr size_t kMostBrokenUp = 6;   // members: a set of more is of what the catalogue does not hold (kMostMembers)
-constexpr int kMostCauses = 5;        // in the place of a general one: the prior has 0.3^4 = 1 % for more
+constexpr int kMostInPlace = 5;       // in the place of a general one: the prior has 0.3^4 = 1 % for more
 constexpr size_t kMostSettled = 100;  // where a hundred sets share it, each has about a hundredth
 
 }  // namespace
@@ -371,7 +371,7 @@ bool SetSearch::BreakUp(const WeightedSet& set) {
     if (columns < kSeveralColumns) continue;
     const WeightedSet others = Settled(Less(set, m));
     WeightedSet causes = others;
-    for (int left = kMostCauses - 1; left >= 0; --left) {
+    for (int left = kMostInPlace - 1; left >= 0; --left) {
       const double before = SweepOf(causes).residual();
       WeightedSet more = WithBestCause(causes, columns);
       const double after = SweepOf(more).residual();

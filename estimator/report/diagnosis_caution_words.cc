@@ -6,7 +6,6 @@
 #include "estimator/diagnosis/diagnose.h"
 #include "estimator/report/diagnosis_words.h"
 #include "models/effects/catalogue.h"
-#include "problems/io/units.h"
 #include "problems/text.h"
 
 namespace sagitta {

@@ -23,12 +23,12 @@ namespace {
 
 constexpr double kWorthSaying = 0.1;  // of the probability, where nothing is named
 constexpr size_t kMostLikely = 3;
-constexpr double kLeastSaid = 0.01;    // of the probability of a set
-constexpr double kDoTheSame = 0.9999;  // overlap: of what the one moves, the other leaves a hundredth
-constexpr size_t kMostNames = 3;       // of what another prior would name
-constexpr size_t kMostCauses = 4;      // of a verdict: with its first line five
-constexpr size_t kMostTargets = 6;     // named of one cause
-constexpr size_t kMostEffects = 5;     // listed one by one on a terminal
+constexpr double kLeastSaid = 0.01;       // of the probability of a set
+constexpr double kDoTheSame = 0.9999;     // overlap: of what the one moves, the other leaves a hundredth
+constexpr size_t kMostNames = 3;          // of what another prior would name
+constexpr size_t kMostCausesInWords = 4;  // of a verdict: with its first line five
+constexpr size_t kMostTargets = 6;        // named of one cause
+constexpr size_t kMostEffects = 5;        // listed one by one on a terminal
 
 // definition: null for the compensator, which has no settings.
 std::string SettingsInWords(const EffectDefinition* definition, const EffectSpec& spec) {
@@ -107,10 +107,10 @@ std::vector<EffectGroup> EffectGroupsOf(const Diagnosis& d) {
   return groups;
 }
 
-// At most kMostCauses; the last has what is left.
+// At most kMostCausesInWords; the last has what is left.
 std::vector<std::string> CausesInWords(const Diagnosis& d) {
   std::vector<EffectGroup> groups = EffectGroupsOf(d);
-  while (groups.size() > kMostCauses) {
+  while (groups.size() > kMostCausesInWords) {
     const EffectGroup last = groups.back();
     groups.pop_back();
     EffectGroup& rest = groups.back();

@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "estimator/least_squares/identifiability.h"
+#include "models/effects/catalogue.h"
+#include "problems/parameter_set.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -15,8 +17,6 @@ constexpr const char* kHoldTheMarker =
     "state a marker's point and hold the coordinate of it that is named here (--fixed=NAME, or priors: in the "
     "experiment file)";
 
-bool IsOf(const std::string& name, const std::string& family) { return name.rfind(family + "/", 0) == 0; }
-
 std::string MarkersOfTie(const std::string& lever, const std::string& anchor) {
   return "markers '" + lever + "' and '" + anchor + "' ";
 }
@@ -26,14 +26,15 @@ std::string MarkersOfTie(const std::string& lever, const std::string& anchor) {
 std::string RemedyFor(const std::vector<std::pair<std::string, double>>& components) {
   bool base = false, marker = false, geometry = false;
   for (const auto& [name, value] : components) {
-    base |= IsOf(name, "base");
-    marker |= IsOf(name, "marker");
-    geometry |= IsOf(name, "geometry");
+    const std::optional<CoordinateKind> kind = CoordinateKindOf(name);
+    base |= kind == CoordinateKind::kBase;
+    marker |= kind == CoordinateKind::kMarker;
+    geometry |= kind == CoordinateKind::kGeometry;
   }
-  if (!components.empty() && IsOf(components[0].first, "compliance")) {
+  if (!components.empty() && CoordinateKindOf(components[0].first) == CoordinateKind::kCompliance) {
     return "load the arm more heavily in configurations in which the load turns this joint, or state a prior";
   }
-  if (!components.empty() && IsOf(components[0].first, "effect/payload")) {
+  if (!components.empty() && EffectOfName(components[0].first) == &Payload()) {
     return "measure with this load where it turns the joints as much as a load of known mass does (where torques: "
            "measured is stated, loads drive nothing, and torques: model is what can determine it), or weigh it";
   }

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <iterator>
 
-#include "estimator/report/inspection_known_words.h"
 #include "models/constants.h"
 #include "problems/text.h"
 

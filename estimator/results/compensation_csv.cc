@@ -4,15 +4,12 @@
 #include <cmath>
 #include <optional>
 
-#include "estimator/explanations/moments.h"
 #include "estimator/results/known_loads.h"
 #include "estimator/results/remembering_effects.h"
 #include "estimator/results/residuals_csv.h"
 #include "models/constants.h"
 #include "models/effects/catalogue.h"
 #include "problems/input_error.h"
-#include "problems/io/files.h"
-#include "problems/loads.h"
 #include "problems/problem_checks.h"
 #include "problems/structure_checks.h"
 #include "problems/text.h"

@@ -10,10 +10,8 @@
 #include "estimator/report/diagnosis_noise_words.h"
 #include "estimator/report/diagnosis_words.h"
 #include "estimator/results/json_numbers.h"
-#include "models/constants.h"
 #include "models/effects/catalogue.h"
 #include "problems/io/effect_entries.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -249,7 +247,7 @@ Robot RobotOf(const DiagnosedModel& model) {
   Robot robot = model.problem->RobotWith(model.estimate.parameters);
   std::vector<EffectSpec> others;
   for (const EffectSpec& spec : robot.effects) {
-    if (spec.effect != JointComplianceEffect().name || !MoveHome(spec, &robot)) others.push_back(spec);
+    if (!IsUseOf(JointComplianceEffect(), spec) || !MoveHome(spec, &robot)) others.push_back(spec);
   }
   robot.effects = others;
   return robot;

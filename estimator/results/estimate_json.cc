@@ -12,7 +12,6 @@
 #include "estimator/results/prediction_noise.h"
 #include "estimator/results/torques_json.h"
 #include "problems/io/robot_file.h"
-#include "problems/io/units.h"
 
 namespace sagitta {
 namespace {
@@ -339,7 +338,7 @@ Json IdentifiabilityToJson(const CalibrationProblem& problem, const Identifiabil
   json["unidentifiable"] = DirectionsToJson(identifiability.unidentifiable);
   json["weak"] = DirectionsToJson(identifiability.weak);
   json["redundant"] = Json::array();
-  for (const std::string& error : problem.redundant_errors) json["redundant"].push_back("geometry/" + error);
+  for (const std::string& error : problem.redundant_errors) json["redundant"].push_back(GeometryName(error));
   return json;
 }
 

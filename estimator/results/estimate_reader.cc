@@ -339,25 +339,23 @@ ParameterSet NominalParameters(const KnownRobot& known, const CalibrationProblem
   }
   for (int s = 0; s < parameters.num_stations(); ++s) {
     Pose<double> pose = parameters.BaseInStation(s);
-    const std::string base = "base/" + problem.data().stations[s] + "/";
+    const std::array<std::string, 6> names = BaseNames(problem.data().stations[s]);
     Vector3<double> turn = RotationVector(Eigen::Quaterniond(pose.rotation));
     for (int axis = 0; axis < 3; ++axis) {
-      const std::string letter(1, "xyz"[axis]);
-      pose.translation[axis] = nominal(base + letter, pose.translation[axis]);
-      turn[axis] = nominal(base + "r" + letter, turn[axis]);
+      pose.translation[axis] = nominal(names[axis], pose.translation[axis]);
+      turn[axis] = nominal(names[3 + axis], turn[axis]);
     }
     pose.rotation = RotationFromVector(turn);
     parameters.SetBaseInStation(s, pose);
   }
   for (int m = 0; m < parameters.num_markers(); ++m) {
+    const std::array<std::string, 6> names = MarkerNames(problem.data().markers[m]);
     Vector3<double> point = parameters.MarkerPoint(m);
-    for (int axis = 0; axis < 3; ++axis)
-      point[axis] = nominal("marker/" + problem.data().markers[m] + "/" + "xyz"[axis], point[axis]);
+    for (int axis = 0; axis < 3; ++axis) point[axis] = nominal(names[axis], point[axis]);
     parameters.SetMarkerPoint(m, point);
     if (!parameters.is_oriented(m)) continue;
     Vector3<double> turn = RotationVector(parameters.MarkerRotation(m));
-    for (int axis = 0; axis < 3; ++axis)
-      turn[axis] = nominal("marker/" + problem.data().markers[m] + "/r" + "xyz"[axis], turn[axis]);
+    for (int axis = 0; axis < 3; ++axis) turn[axis] = nominal(names[3 + axis], turn[axis]);
     parameters.SetMarkerRotation(m, RotationFromVector(turn));
   }
   return parameters;

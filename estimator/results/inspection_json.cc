@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "estimator/results/torques_json.h"
-#include "models/constants.h"
 #include "problems/io/units.h"
 
 namespace sagitta {

@@ -2,7 +2,6 @@
 
 #include "estimator/results/estimate_json.h"
 #include "problems/input_error.h"
-#include "problems/io/files.h"
 #include "problems/loads.h"
 
 namespace sagitta {

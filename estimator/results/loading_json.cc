@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "estimator/results/json_numbers.h"
-#include "problems/io/units.h"
 #include "problems/loads.h"
 #include "problems/text.h"
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "estimator/explanations/moments.h"
 #include "estimator/report/diagnosis_words.h"
 #include "estimator/report/results_words.h"
 #include "estimator/results/measured_joints.h"

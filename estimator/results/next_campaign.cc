@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "estimator/explanations/moments.h"
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
@@ -32,7 +31,7 @@ std::optional<Robot> RobotOfTheNextCampaign(const Robot& extended) {
   next.effects.clear();
   for (const EffectSpec& spec : extended.effects) {
     if (!goes(spec)) next.effects.push_back(spec);
-    if (spec.effect == JointSlip().name && !spec.values.empty())
+    if (IsUseOf(JointSlip(), spec) && !spec.values.empty())
       MoveZero(next.chain.FindJoint(spec.target), spec.values.front(), &next);
   }
   return next;

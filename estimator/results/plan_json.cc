@@ -8,11 +8,11 @@
 
 #include "estimator/results/json_numbers.h"
 #include "estimator/statistics/distributions.h"
-#include "problems/io/files.h"
 #include "problems/io/json_reader.h"
 #include "problems/io/text_checks.h"
 #include "problems/io/units.h"
 #include "problems/loads.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {

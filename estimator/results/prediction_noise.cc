@@ -29,20 +29,18 @@ double SigmaOfAllCoordinates(const CalibrationProblem& problem, const Estimate& 
 std::optional<Vector3<double>> SpreadPerAxis(const NoiseReport& report) {
   Vector3<double> squares = Vector3<double>::Zero(), rows = Vector3<double>::Zero();
   for (const NoiseGroup& group : report.groups) {
-    const int axis = group.name.back() - 'x';
-    squares[axis] += group.rows * group.sigma * group.sigma;
-    rows[axis] += group.rows;
+    if (group.axis < 0) return std::nullopt;
+    squares[group.axis] += group.rows * group.sigma * group.sigma;
+    rows[group.axis] += group.rows;
   }
   if (!(rows.minCoeff() > 0.0)) return std::nullopt;
   return squares.cwiseQuotient(rows).cwiseSqrt();
 }
 
-// "S2/x": the group of an axis.
 Json SpreadToJson(const NoiseSpec& spec, const NoiseReport& report) {
   std::map<std::string, Vector3<double>> spread;
   for (const NoiseGroup& group : report.groups) {
-    const std::string name = group.name.substr(0, group.name.size() - 2);
-    spread.try_emplace(name, Vector3<double>::Zero()).first->second[group.name.back() - 'x'] = group.sigma;
+    spread.try_emplace(group.of, Vector3<double>::Zero()).first->second[group.axis] = group.sigma;
   }
   Json json = {{"by", WordOf(spec.group)}, {"sigma_axis_mm", Json::object()}};
   for (const auto& [name, sigma] : spread) {

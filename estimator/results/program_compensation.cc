@@ -14,7 +14,6 @@
 #include "estimator/results/program_names.h"
 #include "models/constants.h"
 #include "problems/input_error.h"
-#include "problems/io/files.h"
 #include "problems/io/trimmed.h"
 #include "problems/io/units.h"
 #include "problems/text.h"

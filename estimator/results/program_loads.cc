@@ -5,7 +5,6 @@
 #include "estimator/report/results_words.h"
 #include "models/constants.h"
 #include "problems/input_error.h"
-#include "problems/io/files.h"
 #include "problems/io/trimmed.h"
 #include "problems/io/units.h"
 #include "problems/range.h"

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "estimator/diagnosis/diagnosed_model.h"
 #include "estimator/results/estimate_json.h"
 #include "models/effects/catalogue.h"
+#include "problems/calibration_problem.h"
 
 namespace sagitta {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 // Heat follows a thermometer at once where no lag is stated.
 bool CarriesOn(const EffectDefinition& definition, const EffectSpec& spec) {
   if (definition.remember == nullptr) return false;
-  return definition.driven_by != EffectDriver::kTemperature || spec.NumberSetting("lag_s", 0.0) > 0.0;
+  return definition.DrivenBy(spec) != EffectDriver::kTemperature || spec.NumberSetting("lag_s", 0.0) > 0.0;
 }
 
 template <typename IsAsked>

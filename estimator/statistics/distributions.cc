@@ -40,6 +40,10 @@ double ChiSquareSurvival(double x, double dof) {
 
 double ChiSquareQuantile(double p, double dof) { return quantile(ChiSquare(dof), p); }
 
+double ChiSquareLimitOfMany(double n, double significance, double dof) {
+  return ChiSquareQuantile(1.0 - significance / std::max(1.0, n), dof);
+}
+
 double FSurvival(double f, double m, double n) {
   if (f <= 0.0) return 1.0;
   if (!std::isfinite(n)) return ChiSquareSurvival(m * f, m);

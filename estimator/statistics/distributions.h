@@ -8,6 +8,9 @@ namespace sagitta {
 double ChiSquareSurvival(double x, double dof);
 // x with P(chi2_dof <= x) = p.
 double ChiSquareQuantile(double p, double dof);
+// What one of n numbers of that distribution exceeds by chance in no more than that share of the experiments
+// (Bonferroni): x with P(chi2_dof > x) = significance / n; n below 1 is 1.
+double ChiSquareLimitOfMany(double n, double significance, double dof);
 // P(F_{m,n} > f); infinite n: of chi2_m / m.
 double FSurvival(double f, double m, double n);
 // f with P(F_{m,n} <= f) = p; infinite n as above.

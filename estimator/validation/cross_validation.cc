@@ -80,7 +80,7 @@ bool AddRest(const CalibrationProblem& problem, const Estimate& estimate, const 
   for (const int c : lost) {
     const int i = columns[static_cast<size_t>(c)];
     const Coordinate& coordinate = whole.parameters.coordinates()[i];
-    if (coordinate.prior_sigma > 0.0) continue;
+    if (coordinate.has_prior()) continue;
     const double weight = std::max(noise / PhysicalRange(coordinate), kLeastWeight * std::sqrt((*left)(c, c)));
     (*left)(c, c) += weight * weight;
     // Single axes of a rotation have no value of their own: they stay where the whole has them.

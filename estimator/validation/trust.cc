@@ -20,13 +20,13 @@
 #include "estimator/noise/repeat_spread.h"
 #include "estimator/report/validation_words.h"
 #include "estimator/statistics/distributions.h"
-#include "estimator/statistics/median.h"
+#include "models/quantiles.h"
 
 namespace sagitta {
 namespace {
 
 // Share by which errors differ before one is called better: of a hundred points an RMS is known to some 5 %.
-constexpr double kBetter = 0.05;
+constexpr double kBetterRobot = 0.05;
 // Times that points fit worse than by equal weights before these are wrong: weights that are right hardly lose.
 constexpr double kWrongWeights = 2.0;
 constexpr double kSamePose = 1e-3;  // rad or m, of every joint: what points show there they show at the other too
@@ -340,14 +340,15 @@ Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, 
   if (!problem.latent.empty()) trust.noise.beyond_noise = 0.0;  // what joints deviate by at an arrival is part of it
   trust.repeatability = MeasurePoseRepeatability(problem);
   trust.nominal = trust.holdout.points > 0 ? NominalOnHoldout(problem, *estimate) : trust.cross_validation.nominal;
-  trust.gain = CompareRms(trust.nominal, trust.Quoted(), problem.experiment().significance, kBetter);
+  trust.gain = CompareRms(trust.nominal, trust.Quoted(), problem.experiment().significance, kBetterRobot);
   AddModelError(problem.experiment().significance, &trust, estimate);
   trust.across = FindLoadDirection(problem);
   trust.torques = CompareTorques(problem, estimate->parameters);
   trust.verdict.reasons = ReasonsAgainst(problem, *estimate, trust);
   trust.verdict.trusted = trust.verdict.reasons.empty();
   trust.limits = LimitsOf(problem, *estimate);
-  trust.verdict.words = VerdictInWords(trust, problem.experiment().significance, kBetter, LeftOpen(*estimate).size());
+  trust.verdict.words =
+      VerdictInWords(trust, problem.experiment().significance, kBetterRobot, LeftOpen(*estimate).size());
   const double too_large = StatedTooLarge(*estimate);
   if (too_large > 1.0) {
     trust.verdict.words = StatedNoiseIsTooLarge(too_large, estimate->fit.rms) + " " + trust.verdict.words;

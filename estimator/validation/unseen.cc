@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "estimator/statistics/distributions.h"
-#include "estimator/statistics/median.h"
+#include "models/quantiles.h"
 
 namespace sagitta {
 namespace {

@@ -3,8 +3,9 @@
 namespace sagitta {
 
 std::string MissingColumn(const EffectDefinition& definition, const EffectContext& context) {
-  if (definition.driven_by == EffectDriver::kTime && !context.shot->has_time) return "time_s";
-  if (definition.driven_by == EffectDriver::kTemperature && !context.shot->has_temperature) return "temperature_degC";
+  const EffectDriver by = definition.DrivenBy(*context.spec);
+  if (by == EffectDriver::kTime && !context.shot->has_time) return "time_s";
+  if (by == EffectDriver::kTemperature && !context.shot->has_temperature) return "temperature_degC";
   return definition.missing == nullptr ? "" : definition.missing(context);
 }
 
@@ -93,5 +94,24 @@ const EffectDefinition* FindEffect(const Robot& robot, const std::string& name) 
 }
 
 std::vector<std::string> EffectNames(const Robot& robot) { return NamesOf(EffectsOf(robot)); }
+
+const EffectDefinition* EffectOfName(const std::string& name) {
+  const std::string family = "effect/";
+  if (name.compare(0, family.size(), family) != 0) return nullptr;
+  return FindEffect(name.substr(family.size(), name.find_first_of("[/", family.size()) - family.size()));
+}
+
+bool GoesWithTime(const Robot& robot, const EffectSpec& spec) {
+  return FindEffect(robot, spec.effect)->DrivenBy(spec) == EffectDriver::kTime;
+}
+
+std::string MomentOf(const Robot& robot, const EffectSpec& spec) {
+  const EffectDefinition* definition = FindEffect(robot, spec.effect);
+  if (definition == nullptr) return "";
+  for (const SettingDefinition& setting : definition->settings) {
+    if (setting.kind == SettingDefinition::Kind::kMoment && spec.settings.count(setting.name) > 0) return setting.name;
+  }
+  return "";
+}
 
 }  // namespace sagitta

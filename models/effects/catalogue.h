@@ -80,4 +80,17 @@ std::vector<const EffectDefinition*> EffectsOf(const Robot& robot);
 const EffectDefinition* FindEffect(const Robot& robot, const std::string& name);
 std::vector<std::string> EffectNames(const Robot& robot);
 
+// The effect of the catalogue that a name of its parameter (effect/payload/L1/dmass) or of its use begins with; null:
+// it is of none.
+const EffectDefinition* EffectOfName(const std::string& name);
+// Whether it is a use of that effect of the catalogue.
+inline bool IsUseOf(const EffectDefinition& definition, const EffectSpec& spec) {
+  return spec.effect == definition.name;
+}
+
+// Whether times of the campaign's clock drive this use.
+bool GoesWithTime(const Robot& robot, const EffectSpec& spec);
+// Name of its setting that is a moment, "" where there is none (of the compensator too).
+std::string MomentOf(const Robot& robot, const EffectSpec& spec);
+
 }  // namespace sagitta

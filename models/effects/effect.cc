@@ -58,7 +58,7 @@ EffectDriver EffectDefinition::DrivenBy(const EffectSpec& spec) const {
   const std::string by = spec.TextSetting("by", "");
   if (by == "time_s") return EffectDriver::kTime;
   if (by == "temperature_K") return EffectDriver::kTemperature;
-  return driven_by;
+  return driven_by.driver_;
 }
 
 bool EffectDefinition::IsOfAMoment() const {

@@ -231,6 +231,20 @@ enum class OnSlide {
 // latter two must be among the columns.
 enum class EffectDriver { kJoint, kTime, kTemperature };
 
+// What a definition states of all its uses. What drives one use only EffectDefinition::DrivenBy says: a setting of it
+// may say otherwise.
+class StatedDriver {
+ public:
+  StatedDriver& operator=(EffectDriver driver) {
+    driver_ = driver;
+    return *this;
+  }
+
+ private:
+  friend struct EffectDefinition;
+  EffectDriver driver_ = EffectDriver::kJoint;
+};
+
 // What says which way an effect's joint is pressed: the rows' column approach, or the torque on it.
 enum class PressedBy { kNothing, kApproach, kTorque };
 
@@ -267,7 +281,7 @@ struct EffectDefinition {
   // Sizes that are stated as a motion are those of the target that moves most: what a link weighs does not grow where
   // its weight turns its joint little, about a nearly vertical axis.
   bool one_size = false;
-  EffectDriver driven_by = EffectDriver::kJoint;
+  StatedDriver driven_by = {};
   // "" or the column that this shot lacks, e.g. "approach3"; null: none but what drives it.
   std::string (*missing)(const EffectContext& context) = nullptr;
   PressedBy (*pressed_by)(const EffectSpec& spec) = nullptr;  // null: it asks for no such thing
@@ -284,7 +298,7 @@ struct EffectDefinition {
   double largest = 5.0;  // that machines show, in hold limits (QuantityTraits) of its parameters
 
   PressedBy PressedByOf(const EffectSpec& spec) const { return pressed_by ? pressed_by(spec) : PressedBy::kNothing; }
-  // driven_by, or what the setting `by` of a learnt one says.
+  // What the setting `by` of a learnt one says, or else driven_by.
   EffectDriver DrivenBy(const EffectSpec& spec) const;
   // Something that happens at a moment: as it is from there on, whatever comes.
   bool IsOfAMoment() const;

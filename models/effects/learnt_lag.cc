@@ -2,7 +2,6 @@
 // or the heat that its own motion makes in its drive. It has no name.
 #include <cmath>
 
-#include "models/constants.h"
 #include "models/effects/catalogue.h"
 #include "models/effects/first_order_lag.h"
 #include "models/effects/learnt_deviation.h"

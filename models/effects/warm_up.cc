@@ -4,8 +4,10 @@
 // go_on`) is one that none interrupted.
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "models/effects/catalogue.h"
+#include "models/quantiles.h"
 
 namespace sagitta {
 namespace warm_up {
@@ -26,10 +28,7 @@ double MedianGap(const std::vector<const ShotConditions*>& shots) {
   for (size_t i = 1; i < shots.size(); ++i) {
     if (shots[i]->q != shots[i - 1]->q) gaps.push_back(shots[i]->station_time - shots[i - 1]->station_time);
   }
-  if (gaps.empty()) return 0.0;
-  const auto middle = gaps.begin() + static_cast<long>(gaps.size() / 2);
-  std::nth_element(gaps.begin(), middle, gaps.end());
-  return *middle;
+  return Median(std::move(gaps));
 }
 
 // Time since the station was last begun with, s.

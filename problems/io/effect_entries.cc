@@ -7,8 +7,8 @@
 #include "models/effects/catalogue.h"
 #include "models/gravity_compensator.h"
 #include "problems/input_error.h"
-#include "problems/io/files.h"
 #include "problems/robot_structure.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {

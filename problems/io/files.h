@@ -49,7 +49,4 @@ std::string Sha256(const std::string& bytes);
 // Its first sixteen letters as a number: in the order of the texts.
 std::uint64_t StartOfSha256(const std::string& bytes);
 
-// The shortest decimal text that reads back to the same double.
-std::string FormatNumber(double value);
-
 }  // namespace sagitta

@@ -10,11 +10,11 @@
 #include "models/effects/effect.h"
 #include "problems/input_error.h"
 #include "problems/interruption.h"
-#include "problems/io/files.h"
 #include "problems/io/ids_by_text.h"
 #include "problems/io/measurement_row.h"
 #include "problems/io/measurement_warnings.h"
 #include "problems/io/units.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "models/effects/effect.h"
 #include "problems/input_error.h"
-#include "problems/io/files.h"
 #include "problems/io/load_names.h"
 #include "problems/limits.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {

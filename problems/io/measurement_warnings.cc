@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "problems/io/files.h"
+#include "models/quantiles.h"
 #include "problems/split.h"
 #include "problems/text.h"
 
@@ -153,10 +153,9 @@ void WarnOfLongPauses(Measurements* data) {
   if (times.size() < kMany) return;
   std::vector<double> pauses;
   for (size_t k = 1; k < times.size(); ++k) pauses.push_back(times[k] - times[k - 1]);
-  const auto middle = pauses.begin() + static_cast<std::ptrdiff_t>(pauses.size() / 2);
-  std::nth_element(pauses.begin(), middle, pauses.end());
-  if (*middle < kLongPause) return;
-  data->warnings.push_back("half of the shots follow the one before after " + Fixed(*middle / 3600.0, 1) +
+  const double usual = Median(std::move(pauses));
+  if (usual < kLongPause) return;
+  data->warnings.push_back("half of the shots follow the one before after " + Fixed(usual / 3600.0, 1) +
                            " hours or more: is time_s in seconds, not in milliseconds?");
 }
 

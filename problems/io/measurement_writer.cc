@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "problems/io/files.h"
 #include "problems/io/text_checks.h"
 #include "problems/io/units.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {

@@ -3,8 +3,7 @@
 #include <cmath>
 
 #include "models/kinematics.h"
-#include "problems/io/files.h"
-#include "problems/limits.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {

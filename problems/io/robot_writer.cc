@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "problems/io/effect_entries.h"
-#include "problems/io/files.h"
 #include "problems/io/robot_file.h"
 #include "problems/io/units.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "problems/io/files.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {

@@ -9,7 +9,6 @@
 #include "models/geometry.h"
 #include "problems/input_error.h"
 #include "problems/io/csv_table.h"
-#include "problems/io/files.h"
 #include "problems/io/import/target_table.h"
 #include "problems/io/load_names.h"
 #include "problems/io/measurement_row.h"

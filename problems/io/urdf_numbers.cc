@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "problems/input_error.h"
-#include "problems/io/files.h"
 #include "problems/io/text_checks.h"
 #include "problems/io/units.h"
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "problems/input_error.h"
-#include "problems/io/files.h"
 #include "problems/io/pattern.h"
 #include "problems/limits.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {

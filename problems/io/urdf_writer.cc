@@ -6,9 +6,9 @@
 #include "models/constants.h"
 #include "models/kinematics.h"
 #include "problems/input_error.h"
-#include "problems/io/files.h"
 #include "problems/io/urdf_robot.h"
 #include "problems/io/urdf_text.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {

@@ -16,8 +16,8 @@
 #include "estimator/least_squares/parallel.h"
 #include "estimator/least_squares/refit.h"
 #include "estimator/least_squares/sandwich.h"
-#include "problems/io/files.h"
 #include "problems/io/measurement_file.h"
+#include "problems/text.h"
 #include "tests/benchmarks/loaded_arm.h"
 #include "tools/heap.h"
 

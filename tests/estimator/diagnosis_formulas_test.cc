@@ -11,13 +11,13 @@
 
 #include "estimator/diagnosis/diagnose.h"
 #include "estimator/diagnosis/gap.h"
-#include "estimator/diagnosis/noise_check.h"
+#include "estimator/diagnosis/outlier_rules.h"
 #include "estimator/diagnosis/selected_effects.h"
 #include "estimator/evidence/posterior.h"
 #include "estimator/explanations/candidates.h"
 #include "estimator/explanations/moments.h"
-#include "problems/io/files.h"
 #include "problems/simulation.h"
+#include "problems/text.h"
 #include "tests/support/moved_kr270.h"
 
 namespace sagitta::diagnosis_formulas_test {

@@ -7,6 +7,7 @@
 
 #include "estimator/diagnosis/diagnosed_model.h"
 #include "estimator/diagnosis/noise_check.h"
+#include "estimator/diagnosis/outlier_rules.h"
 #include "estimator/diagnosis/selected_effects.h"
 #include "estimator/explanations/candidates.h"
 #include "estimator/least_squares/linearization.h"

@@ -62,6 +62,14 @@ TEST(Distributions, EndsOfTheRange) {
   EXPECT_EQ(ChiSquareQuantile(1.0, 5.0), infinity);
 }
 
+// Of one number its own quantile; of n of them what (1 - a / n)^n says: none beyond it in 1 - a of the experiments.
+TEST(Distributions, LimitOfMany) {
+  EXPECT_NEAR(ChiSquareLimitOfMany(1.0, 0.05, 3.0), 7.814728, 1e-6);
+  EXPECT_EQ(ChiSquareLimitOfMany(0.0, 0.05, 3.0), ChiSquareLimitOfMany(1.0, 0.05, 3.0));
+  EXPECT_NEAR(ChiSquareLimitOfMany(50.0, 0.05, 1.0), 10.827566, 1e-6);  // 1e-3 of one
+  EXPECT_NEAR(1e4 * ChiSquareSurvival(ChiSquareLimitOfMany(1e4, 0.01, 3.0), 3.0), 0.01, 1e-9);
+}
+
 // By adding up binomial terms; at its ends an interval has that much probability on the other side.
 TEST(Distributions, Binomial) {
   const auto at_least = [](int k, int n, double p) {

@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -11,6 +12,8 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/planning/plan.h"
 #include "estimator/planning/pose_space.h"
+#include "estimator/report/planning_words.h"
+#include "models/effects/catalogue.h"
 #include "problems/input_error.h"
 #include "tests/support/moved_kr270.h"
 
@@ -401,6 +404,29 @@ TEST(PlanningTest, RivalsAreToldApartByWhatTheReadingsTell) {
   request.discriminate[0].values = {1e-2, 1e-2};
   request.discriminate[1].values = {1e-2};
   EXPECT_GT(MakePlan(Arm(), data, Experiment(), request).decides, 0.999);
+}
+
+// What goes with time is not mistaken for what goes with the place: by the definition of an effect, or by its setting.
+TEST(PlanningTest, PosesAreMixedWhereWhatGoesWithTimeIsFree) {
+  Measurements data = Measured(18, 3);
+  for (size_t s = 0; s < data.shots.size(); ++s) data.shots[s].has_time = true, data.shots[s].time = 60.0 * s;
+  const std::string station = data.stations[0];
+  Experiment experiment;
+  experiment.estimate.effects.kind = Selection::Kind::kAll;
+  PlanRequest request = Request(18);
+  request.move = false;
+  const auto order_with = [&](const EffectSpec& spec) {
+    Robot robot = Arm();
+    robot.effects = {spec};
+    robot.effects[0].values.assign(FindEffect(spec.effect)->parameters(robot, spec).size(), 0.0);
+    return MakePlan(robot, data, experiment, request).order;
+  };
+  const std::map<std::string, std::string> by_time = {{"by", "time_s"}, {"from", "0"}, {"to", "1020"}, {"knots", "2"}};
+  const std::map<std::string, std::string> by_joint = {
+      {"by", "q"}, {"driver", "A2"}, {"from", "-140"}, {"to", "0"}, {"knots", "2"}};
+  EXPECT_EQ(order_with({"station_drift", station, {}, {}}), OrderIsMixed());
+  EXPECT_EQ(order_with({"learnt_deviation", "A3", by_time, {}}), OrderIsMixed());
+  EXPECT_NE(order_with({"learnt_deviation", "A3", by_joint, {}}), OrderIsMixed());
 }
 
 TEST(PlanningTest, FewestPosesReachTheAccuracy) {

@@ -1,4 +1,5 @@
 // Which joint solution a program means, and what becomes of it where a correction would leave it.
+#include "problems/text.h"
 #include "tests/estimator/program_test_support.h"
 
 namespace sagitta::program_branches_test {

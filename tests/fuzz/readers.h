@@ -12,7 +12,6 @@
 #include "problems/input_error.h"
 #include "problems/io/csv_table.h"
 #include "problems/io/experiment_file.h"
-#include "problems/io/files.h"
 #include "problems/io/import/column_meaning.h"
 #include "problems/io/import/expressions.h"
 #include "problems/io/import/import_plan.h"
@@ -26,6 +25,7 @@
 #include "problems/io/text_checks.h"
 #include "problems/io/units.h"
 #include "problems/io/urdf_robot.h"
+#include "problems/text.h"
 
 namespace sagitta::fuzz {
 

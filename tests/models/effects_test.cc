@@ -97,6 +97,34 @@ TEST(EffectCatalogue, SaysWhichColumnIsMissing) {
             "temperature_degC");
 }
 
+// One definition, driven by what a use of it says.
+TEST(EffectCatalogue, AsksTheUseWhatDrivesIt) {
+  const Robot robot = test::ContractArm();
+  ShotConditions nothing;
+  nothing.q = Eigen::VectorXd::Zero(6);
+  EffectSpec spec{"learnt_deviation", "A3", {{"by", "time_s"}, {"from", "0"}, {"to", "100"}, {"knots", "2"}}, {}};
+  const EffectDefinition& definition = *FindEffect(robot, spec.effect);
+  EXPECT_TRUE(GoesWithTime(robot, spec));
+  EXPECT_EQ(MissingColumn(definition, {&robot, &spec, &nothing, &test::ContractMarkers(), 0}), "time_s");
+  spec.settings["by"] = "temperature_K";
+  EXPECT_EQ(definition.DrivenBy(spec), EffectDriver::kTemperature);
+  EXPECT_EQ(MissingColumn(definition, {&robot, &spec, &nothing, &test::ContractMarkers(), 0}), "temperature_degC");
+  spec.settings["by"] = "q";
+  EXPECT_EQ(definition.DrivenBy(spec), EffectDriver::kJoint);
+  EXPECT_EQ(MissingColumn(definition, {&robot, &spec, &nothing, &test::ContractMarkers(), 0}), "");
+}
+
+TEST(EffectCatalogue, FindsTheEffectOfAName) {
+  EXPECT_EQ(EffectOfName("effect/payload/L1/dmass"), &Payload());
+  EXPECT_EQ(EffectOfName("effect/joint_harmonic[order=2]/A3/cos"), &JointHarmonic());
+  EXPECT_EQ(EffectOfName("effect/payload"), &Payload());
+  EXPECT_EQ(EffectOfName("payload/L1/dmass"), nullptr);
+  EXPECT_EQ(EffectOfName("effect/of_nobody/A3/x"), nullptr);
+  EXPECT_EQ(EffectOfName("geometry/A2.theta"), nullptr);
+  EXPECT_TRUE(IsUseOf(LoadCom(), {"load_com", "L1", {}, {}}));
+  EXPECT_FALSE(IsUseOf(LoadCom(), {"payload", "L1", {}, {}}));
+}
+
 // A monument on the floor and a point on the foot stand still while the arm grows by 100 ppm.
 TEST(ThermalGrowth, IsThatOfTheArmAlone) {
   Robot robot = test::ContractArm();

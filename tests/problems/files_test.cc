@@ -9,6 +9,7 @@
 
 #include "problems/io/output_files.h"
 #include "problems/io/units.h"
+#include "problems/text.h"
 #include "tests/problems/file_test_support.h"
 
 namespace sagitta::files_test {

@@ -9,6 +9,7 @@
 
 #include "models/effects/effect.h"
 #include "problems/io/files.h"
+#include "problems/text.h"
 #include "tests/problems/file_test_support.h"
 #include "tests/support/paths.h"
 

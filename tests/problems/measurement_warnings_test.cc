@@ -6,7 +6,6 @@
 #include <cmath>
 #include <random>
 
-#include "problems/io/files.h"
 #include "problems/io/measurement_file.h"
 #include "problems/text.h"
 #include "tests/problems/file_test_support.h"

@@ -5,7 +5,7 @@
 
 #include "models/constants.h"
 #include "models/effects/effect.h"
-#include "problems/io/files.h"
+#include "problems/text.h"
 #include "tests/problems/file_test_support.h"
 #include "tests/support/kr270.h"
 

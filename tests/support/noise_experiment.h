@@ -8,7 +8,7 @@
 #include <set>
 
 #include "estimator/calibration/noise_loop.h"
-#include "estimator/statistics/median.h"
+#include "models/quantiles.h"
 #include "tests/support/kr270_experiment.h"
 #include "tests/support/random_vector.h"
 

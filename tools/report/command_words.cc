@@ -9,7 +9,6 @@
 #include "estimator/report/diagnosis_words.h"
 #include "estimator/report/planning_words.h"
 #include "estimator/statistics/distributions.h"
-#include "problems/io/files.h"
 #include "problems/text.h"
 #include "tools/report/summary.h"
 

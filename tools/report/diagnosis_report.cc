@@ -10,7 +10,7 @@
 #include "estimator/report/diagnosis_noise_words.h"
 #include "estimator/report/diagnosis_words.h"
 #include "estimator/report/inspection_words.h"
-#include "estimator/statistics/median.h"
+#include "models/quantiles.h"
 #include "tools/report/calibration_report.h"
 #include "tools/report/charts.h"
 #include "tools/report/report_html.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/report/inspection_known_words.h"
 #include "estimator/report/validation_words.h"
 #include "models/constants.h"
 #include "problems/text.h"

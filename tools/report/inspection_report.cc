@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "estimator/report/inspection_words.h"
-#include "models/constants.h"
 #include "problems/io/units.h"
 #include "tools/report/charts.h"
 #include "tools/report/remedies.h"

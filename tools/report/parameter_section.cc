@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "estimator/estimate/parameter_table.h"
-#include "estimator/statistics/median.h"
+#include "models/quantiles.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -41,9 +41,8 @@ std::string Arms(const ParameterEstimate& row, double unit, int decimals) {
 // SI: what the correction is added to. A geometric error's is the robot file's value of the length or angle that it is
 // an error of; base and markers have none but where the alignment of the nominal robot puts them.
 double NominalOf(const CalibrationProblem& problem, const ParameterEstimate& row) {
-  constexpr std::string_view kGeometry = "geometry/";
-  if (row.name.rfind(kGeometry, 0) != 0) return row.nominal;
-  const int transform = problem.robot().chain.FindError(row.name.substr(kGeometry.size()));
+  if (CoordinateKindOf(row.name) != CoordinateKind::kGeometry) return row.nominal;
+  const int transform = problem.robot().chain.FindError(NameWithinKind(row.name));
   return transform < 0 ? row.nominal : problem.robot().chain.transforms[transform].nominal;
 }
 

@@ -8,10 +8,9 @@
 
 #include "estimator/noise/robot_scatter.h"
 #include "estimator/noise/rotation_noise.h"
-#include "estimator/report/inspection_known_words.h"
 #include "estimator/report/inspection_words.h"
 #include "estimator/report/noise_words.h"
-#include "estimator/statistics/median.h"
+#include "models/quantiles.h"
 #include "tools/report/parameter_section.h"
 #include "tools/report/remedies.h"
 

@@ -2,7 +2,6 @@
 
 #include <numeric>
 
-#include "estimator/report/inspection_known_words.h"
 #include "estimator/report/inspection_words.h"
 #include "estimator/validation/unseen.h"
 #include "problems/text.h"

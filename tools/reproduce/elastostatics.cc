@@ -4,7 +4,6 @@
 
 #include "problems/simulation.h"
 #include "tools/reproduce/data.h"
-#include "tools/reproduce/statistics.h"
 
 namespace sagitta {
 namespace {

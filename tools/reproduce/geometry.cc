@@ -54,14 +54,14 @@ ReproducedTable GeometryTableI(Reproduction* reproduction) {
   ReproducedTable table{"002-I", "Base transformations", {}, {}, {}};
   std::vector<double> ratios;
   for (const auto& [station, pose] : reproduction->published().kr270_truth.at("stations").items()) {
+    const std::array<std::string, 6> names = BaseNames(station);
     for (int axis = 0; axis < 3; ++axis) {
-      ratios.push_back(AddParameter(reproduction->geometric(), "base/" + station + "/" + std::string(1, "xyz"[axis]),
-                                    pose["xyz_mm"][axis], pose["published_ci_mm"][axis], kMillimetre, "mm", 3, &table));
+      ratios.push_back(AddParameter(reproduction->geometric(), names[axis], pose["xyz_mm"][axis],
+                                    pose["published_ci_mm"][axis], kMillimetre, "mm", 3, &table));
     }
     for (int axis = 0; axis < 3; ++axis) {
-      ratios.push_back(AddParameter(reproduction->geometric(), "base/" + station + "/r" + std::string(1, "xyz"[axis]),
-                                    pose["rotvec_deg"][axis], pose["published_ci_deg"][axis], kDegree, "deg", 4,
-                                    &table));
+      ratios.push_back(AddParameter(reproduction->geometric(), names[3 + axis], pose["rotvec_deg"][axis],
+                                    pose["published_ci_deg"][axis], kDegree, "deg", 4, &table));
     }
   }
   AddMeanRatio(ratios, &table);
@@ -72,10 +72,10 @@ ReproducedTable GeometryTableII(Reproduction* reproduction) {
   ReproducedTable table{"002-II", "Tool transformations (reference points)", {}, {}, {}};
   std::vector<double> ratios;
   for (const auto& [marker, point] : reproduction->published().kr270_truth.at("markers").items()) {
+    const std::array<std::string, 6> names = MarkerNames(marker);
     for (int axis = 0; axis < 3; ++axis) {
-      ratios.push_back(AddParameter(reproduction->geometric(), "marker/" + marker + "/" + std::string(1, "xyz"[axis]),
-                                    point["xyz_mm"][axis], point["published_ci_mm"][axis], kMillimetre, "mm", 3,
-                                    &table));
+      ratios.push_back(AddParameter(reproduction->geometric(), names[axis], point["xyz_mm"][axis],
+                                    point["published_ci_mm"][axis], kMillimetre, "mm", 3, &table));
     }
   }
   AddMeanRatio(ratios, &table);
@@ -91,7 +91,7 @@ ReproducedTable GeometryTableIII(Reproduction* reproduction) {
     const double value = entry[length ? "value_mm" : "value_deg"];
     const double interval = entry[length ? "published_ci_mm" : "published_ci_deg"];
     if (std::abs(value) < interval) ++hidden;
-    ratios.push_back(AddParameter(reproduction->geometric(), "geometry/" + name, value, interval,
+    ratios.push_back(AddParameter(reproduction->geometric(), GeometryName(name), value, interval,
                                   length ? kMillimetre : kDegree, length ? "mm" : "deg", 3, &table));
   }
   AddMeanRatio(ratios, &table);

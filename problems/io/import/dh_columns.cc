@@ -8,7 +8,6 @@
 #include "problems/io/import/expressions.h"
 #include "problems/io/import/header_words.h"
 #include "problems/io/pattern.h"
-#include "problems/io/units.h"
 #include "problems/text.h"
 
 namespace sagitta {

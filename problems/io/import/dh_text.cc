@@ -6,11 +6,9 @@
 #include <sstream>
 
 #include "problems/input_error.h"
-#include "problems/io/files.h"
 #include "problems/io/import/dh_columns.h"
 #include "problems/io/import/dh_units.h"
 #include "problems/io/import/expressions.h"
-#include "problems/io/import/header_words.h"
 #include "problems/io/import/robot_reading.h"
 #include "problems/io/import/text_table.h"
 #include "problems/io/pattern.h"

@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "problems/input_error.h"
-#include "problems/io/files.h"
 #include "problems/io/import/header_words.h"
 #include "problems/io/import/mapped_columns.h"
 #include "problems/io/pattern.h"
 #include "problems/io/robot_units.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {

@@ -5,7 +5,6 @@
 #include <map>
 
 #include "problems/input_error.h"
-#include "problems/io/files.h"
 #include "problems/io/import/expressions.h"
 #include "problems/io/pattern.h"
 #include "problems/io/robot_units.h"

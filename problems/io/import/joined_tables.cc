@@ -11,7 +11,6 @@
 
 #include "problems/input_error.h"
 #include "problems/interruption.h"
-#include "problems/io/files.h"
 #include "problems/io/import/column_meaning.h"
 #include "problems/io/import/pose_names.h"
 #include "problems/text.h"

@@ -9,6 +9,7 @@
 #include <set>
 #include <string_view>
 
+#include "models/quantiles.h"
 #include "problems/interruption.h"
 #include "problems/io/import/column_meaning.h"
 #include "problems/io/import/header_words.h"
@@ -45,13 +46,6 @@ class Box {
   Point low_{}, high_{};
   bool empty_ = true;
 };
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Joint values as the row states them.
 std::string JointsOf(const ImportPlan& plan, const TextTable::Row& row) {

@@ -13,10 +13,8 @@
 #include <sstream>
 
 #include "problems/input_error.h"
-#include "problems/io/files.h"
 #include "problems/io/import/elementary_transforms.h"
 #include "problems/io/import/expressions.h"
-#include "problems/io/import/header_words.h"
 #include "problems/io/import/robot_reading.h"
 #include "problems/io/pattern.h"
 #include "problems/io/robot_units.h"

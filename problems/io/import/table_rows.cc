@@ -6,13 +6,12 @@
 
 #include "problems/input_error.h"
 #include "problems/interruption.h"
-#include "problems/io/files.h"
 #include "problems/io/import/header_words.h"
 #include "problems/io/import/marker_column.h"
-#include "problems/io/text_checks.h"
 #include "problems/io/units.h"
 #include "problems/limits.h"
 #include "problems/measurements.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {

@@ -11,7 +11,6 @@
 #include "problems/io/import/column_meaning.h"
 #include "problems/io/import/header_words.h"
 #include "problems/io/import/text_table.h"
-#include "problems/io/text_checks.h"
 #include "problems/io/units.h"
 #include "problems/text.h"
 

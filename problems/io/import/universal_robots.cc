@@ -13,16 +13,15 @@
 
 #include "models/dh_from_chain.h"
 #include "problems/input_error.h"
-#include "problems/io/files.h"
 #include "problems/io/import/robot_reading.h"
 #include "problems/io/pattern.h"
-#include "problems/io/robot_file.h"
 #include "problems/io/robot_units.h"
 #include "problems/io/trimmed.h"
 #include "problems/io/units.h"
 #include "problems/io/urdf_robot.h"
 #include "problems/io/yaml_reader.h"
 #include "problems/limits.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {

@@ -5,7 +5,6 @@
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/pattern.h"
-#include "problems/io/text_checks.h"
 #include "problems/io/units.h"
 
 namespace sagitta {

@@ -1,6 +1,5 @@
 #include "problems/io/programs/ur_flow.h"
 
-#include "problems/io/pattern.h"
 #include "problems/io/programs/program_text.h"
 
 namespace sagitta {

@@ -1,3 +1,4 @@
+// The median and other quantiles of values.
 #pragma once
 
 #include <algorithm>
