@@ -52,5 +52,23 @@ TEST_F(ProgramNumbersTest, AnglesStayNearThoseOfTheFile) {
             "LIN {X 0.0000,Y 0.0000,Z 0.0000,A 180.000000,B 89.990000,C -180.000000}\n");
 }
 
+// At a pitch of 90 deg only the difference of the other two angles is determined, at -90 deg their sum.
+TEST_F(ProgramNumbersTest, AnglesStayThoseOfTheFileWhereTwoTurnAboutOneAxis) {
+  for (const std::string pitch : {"90.000000", "-90.000000"}) {
+    const std::string krl = "LIN {X 0.0000,Y 0.0000,Z 0.0000,A 30.000000,B " + pitch + ",C 200.000000}\n";
+    const RobotProgram kuka = ReadAs("a.src", krl);
+    const Pose<double> pose = PoseFrom(kuka.traits().notation, ValuesOf(kuka.points[0]));
+    EXPECT_EQ(WithOne(kuka, 0, {}, &pose), krl);
+    // The same rotation in FANUC's order: roll first.
+    const std::string ls =
+        "/PROG A\n/POS\nP[1]{\n GP1:\n UF : 0, UT : 1, CONFIG : 'N U T, 0, 0, 0',\n X = 0.0000 mm, "
+        "Y = 0.0000 mm, Z = 0.0000 mm,\n W = 200.000000 deg, P = " +
+        pitch + " deg, R = 30.000000 deg\n};\n/END\n";
+    const RobotProgram fanuc = ReadAs("a.ls", ls);
+    EXPECT_LT((PoseFrom(fanuc.traits().notation, ValuesOf(fanuc.points[0])).rotation - pose.rotation).norm(), 1e-12);
+    EXPECT_EQ(WithOne(fanuc, 0, {}, &pose), ls);
+  }
+}
+
 }  // namespace
 }  // namespace sagitta::program_numbers_test

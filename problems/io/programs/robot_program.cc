@@ -10,18 +10,6 @@
 #include "problems/text.h"
 
 namespace sagitta {
-namespace {
-
-// R = Rz(z) Ry(y) Rx(x); z in (-pi, pi], y in [-pi/2, pi/2].
-Vector3<double> RollPitchYaw(const Matrix3<double>& r) {
-  const double pitch = std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0)));
-  if (std::hypot(r(0, 0), r(1, 0)) < 1e-9) {  // only yaw -+ roll is determined: all of it as yaw
-    return {0.0, pitch, std::atan2(-r(0, 1), r(1, 1))};
-  }
-  return {std::atan2(r(2, 1), r(2, 2)), pitch, std::atan2(r(1, 0), r(0, 0))};
-}
-
-}  // namespace
 
 void UseLoad(const std::string& load, bool is_first, ProgramPoint* point) {
   if (is_first) {
@@ -63,7 +51,7 @@ Pose<double> PoseFrom(PoseNotation notation, const std::vector<double>& n) {
 }
 
 std::vector<double> NumbersOf(PoseNotation notation, const Pose<double>& pose) {
-  const Vector3<double> m = pose.translation, mm = 1e3 * m, rpy = RollPitchYaw(pose.rotation) / kDegree;
+  const Vector3<double> m = pose.translation, mm = 1e3 * m, rpy = RpyFromRotation(pose.rotation) / kDegree;
   switch (notation) {
     case PoseNotation::kAbcDegrees:
       return {mm.x(), mm.y(), mm.z(), rpy.z(), rpy.y(), rpy.x()};
@@ -137,6 +125,14 @@ void TurnToWrittenAngles(size_t yaw, const std::vector<TextNumber>& written, std
   const auto to_nearest_turns = [&written](std::vector<double>* of) {
     for (size_t i = 3; i < 6; ++i) (*of)[i] = NearestTurn((*of)[i], written[i].value, 360.0);
   };
+  // Roll and yaw turn about one axis: only their sum (difference) is determined, and the file says what is of either.
+  if (std::abs(std::cos(angles[pitch] * kDegree)) < 1e-9) {
+    const double turn = written[yaw].value - angles[yaw];
+    angles[yaw] += turn;
+    angles[roll] += angles[pitch] > 0.0 ? turn : -turn;
+    to_nearest_turns(values);
+    return;
+  }
   // The other set of angles, (x + 180, 180 - y, z + 180), where the file has that one.
   const auto distance = [&written](const std::vector<double>& from) {
     double sum = 0.0;
