@@ -9,6 +9,16 @@ ElementaryTransform Fixed(Motion motion, Axis axis, double nominal, std::string 
 
 }  // namespace
 
+std::string WordOf(DhConvention convention) {
+  switch (convention) {
+    case DhConvention::kStandard:
+      return "standard";
+    case DhConvention::kModified:
+      return "modified";
+  }
+  return "";
+}
+
 void AppendDhLink(DhConvention convention, const DhLink& link, Chain* chain) {
   const Joint& joint = chain->joints[link.joint];
   const std::string prefix = joint.name + ".";
@@ -18,9 +28,15 @@ void AppendDhLink(DhConvention convention, const DhLink& link, Chain* chain) {
   const ElementaryTransform alpha = Fixed(Motion::kRotation, Axis::kX, link.alpha, prefix + "alpha");
   const ElementaryTransform beta = Fixed(Motion::kRotation, Axis::kY, link.beta, prefix + "beta");
   (joint.type == JointType::kRevolute ? theta : d).joint = link.joint;
-  const std::vector<ElementaryTransform> standard = {theta, d, a, alpha, beta};
-  const std::vector<ElementaryTransform> modified = {alpha, a, beta, theta, d};
-  const auto& order = convention == DhConvention::kStandard ? standard : modified;
+  std::vector<ElementaryTransform> order;
+  switch (convention) {
+    case DhConvention::kStandard:
+      order = {theta, d, a, alpha, beta};
+      break;
+    case DhConvention::kModified:
+      order = {alpha, a, beta, theta, d};
+      break;
+  }
   chain->transforms.insert(chain->transforms.end(), order.begin(), order.end());
 }
 

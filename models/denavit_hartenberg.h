@@ -17,6 +17,9 @@ namespace sagitta {
 
 enum class DhConvention { kStandard, kModified };
 
+// "standard", "modified": the word of files, flags and pages (problems/choices.h finds the convention of a word).
+std::string WordOf(DhConvention convention);
+
 // One row of a DH table, m and rad.
 struct DhLink {
   int joint = -1;      // index into the joints

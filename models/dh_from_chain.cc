@@ -272,10 +272,17 @@ std::optional<DhTable> DhTableFromChain(const Chain& chain, DhConvention convent
     for (Pose<double>& frame : frames) frame = Product(over, frame);
   }
   const std::optional<DhTable> standard = StandardTable(chain, frames, kParallel, why_not);
-  if (!standard || convention == DhConvention::kStandard) return standard;
-  DhTable modified = ModifiedFromStandard(*standard);
-  if (turned) modified.links.front().alpha = kPi;
-  return modified;
+  if (!standard) return std::nullopt;
+  switch (convention) {
+    case DhConvention::kStandard:
+      return standard;
+    case DhConvention::kModified: {
+      DhTable modified = ModifiedFromStandard(*standard);
+      if (turned) modified.links.front().alpha = kPi;
+      return modified;
+    }
+  }
+  return std::nullopt;
 }
 
 std::optional<DhTable> ExactPlainTable(const Chain& chain, std::string* why_not) {
@@ -284,7 +291,13 @@ std::optional<DhTable> ExactPlainTable(const Chain& chain, std::string* why_not)
 
 std::optional<DhTable> InConvention(const DhTable& table, DhConvention convention, std::string* why_not) {
   if (table.convention == convention) return table;
-  return convention == DhConvention::kModified ? ModifiedFromStandard(table) : StandardFromModified(table, why_not);
+  switch (convention) {
+    case DhConvention::kStandard:
+      return StandardFromModified(table, why_not);
+    case DhConvention::kModified:
+      return ModifiedFromStandard(table);
+  }
+  return std::nullopt;
 }
 
 PlainDhFit FitPlainDh(const Chain& chain, const DhTable& with_beta) {

@@ -29,8 +29,19 @@ constexpr CompensatorPart kCompensatorParts[] = {CompensatorPart::kL, Compensato
 
 // L, a_x, a_y, s0, Kc.
 inline const char* WordOf(CompensatorPart part) {
-  constexpr const char* kWords[] = {"L", "a_x", "a_y", "s0", "Kc"};
-  return kWords[static_cast<int>(part)];
+  switch (part) {
+    case CompensatorPart::kL:
+      return "L";
+    case CompensatorPart::kAx:
+      return "a_x";
+    case CompensatorPart::kAy:
+      return "a_y";
+    case CompensatorPart::kS0:
+      return "s0";
+    case CompensatorPart::kKc:
+      return "Kc";
+  }
+  return "";
 }
 
 // Of the parameter in results: compensator/L.

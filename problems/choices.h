@@ -2,7 +2,6 @@
 // the word once (FindChoice); everything behind them asks the enum.
 #pragma once
 
-#include <iterator>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,52 +26,36 @@ enum class ResidualGroup { kAxis, kConfigAxis, kMarkerAxis, kStationAxis, kResid
 // Which end of the compensator's spring a marker sits on.
 enum class SpringEnd { kLever, kAnchor, kNone };
 
-// The words of a choice, in the order of its enum.
+// The word of each, "" of no enumerator. A switch over all of them: where one is forgotten the build fails. Choices
+// that stand elsewhere have a WordOf next to them, and what is below.
+std::string WordOf(Weights weights);
+std::string WordOf(CovarianceKind kind);
+std::string WordOf(BootstrapKind kind);
+std::string WordOf(LossKind kind);
+std::string WordOf(ResidualGroup group);
+std::string WordOf(SpringEnd end);
+
+// All that can be chosen, in the order of the enum, which counts from 0.
 template <typename Choice>
-struct ChoiceWords;
-template <>
-struct ChoiceWords<Weights> {
-  static constexpr const char* kWords[] = {"sigma", "equal", "eq14"};
-};
-template <>
-struct ChoiceWords<CovarianceKind> {
-  static constexpr const char* kWords[] = {"model", "sandwich", "bootstrap", "profile"};
-};
-template <>
-struct ChoiceWords<BootstrapKind> {
-  static constexpr const char* kWords[] = {"automatic", "parametric", "configurations"};
-};
-template <>
-struct ChoiceWords<LossKind> {
-  static constexpr const char* kWords[] = {"none", "huber", "cauchy"};
-};
-template <>
-struct ChoiceWords<ResidualGroup> {
-  static constexpr const char* kWords[] = {"axis", "config-axis", "marker-axis", "station-axis", "residual"};
-};
-template <>
-struct ChoiceWords<SpringEnd> {
-  static constexpr const char* kWords[] = {"lever", "anchor", "none"};
-};
+std::vector<Choice> ChoicesOf() {
+  std::vector<Choice> choices;
+  for (int i = 0; !WordOf(static_cast<Choice>(i)).empty(); ++i) choices.push_back(static_cast<Choice>(i));
+  return choices;
+}
 
 // All words of a choice, for messages.
 template <typename Choice>
 std::vector<std::string> WordsOf() {
-  return {std::begin(ChoiceWords<Choice>::kWords), std::end(ChoiceWords<Choice>::kWords)};
-}
-
-// The word of one choice.
-template <typename Choice>
-std::string WordOf(Choice choice) {
-  return ChoiceWords<Choice>::kWords[static_cast<size_t>(choice)];
+  std::vector<std::string> words;
+  for (const Choice choice : ChoicesOf<Choice>()) words.push_back(WordOf(choice));
+  return words;
 }
 
 // The choice that a word names; empty where it names none.
 template <typename Choice>
 std::optional<Choice> FindChoice(const std::string& word) {
-  const std::vector<std::string> words = WordsOf<Choice>();
-  for (size_t i = 0; i < words.size(); ++i) {
-    if (words[i] == word) return static_cast<Choice>(i);
+  for (const Choice choice : ChoicesOf<Choice>()) {
+    if (WordOf(choice) == word) return choice;
   }
   return std::nullopt;
 }

@@ -1,8 +1,5 @@
 #include "problems/experiment.h"
 
-#include <algorithm>
-#include <iterator>
-
 namespace sagitta {
 
 Experiment::Experiment() = default;
@@ -12,20 +9,27 @@ Experiment& Experiment::operator=(const Experiment&) = default;
 Experiment& Experiment::operator=(Experiment&&) noexcept = default;
 Experiment::~Experiment() = default;
 
-namespace {
-
-constexpr const char* kPlaces[] = {"flange", "base", "world"};  // in the order of MarkerPlace::Kind
-
-}  // namespace
-
-MarkerPlace MarkerPlace::Named(const std::string& word) {
-  const auto found = std::find(std::begin(kPlaces), std::end(kPlaces), word);
-  if (found == std::end(kPlaces)) return {Kind::kJoint, word};
-  return {static_cast<Kind>(found - std::begin(kPlaces)), ""};
+std::string WordOf(MarkerPlace::Kind kind) {
+  switch (kind) {
+    case MarkerPlace::Kind::kFlange:
+      return "flange";
+    case MarkerPlace::Kind::kBase:
+      return "base";
+    case MarkerPlace::Kind::kWorld:
+      return "world";
+    case MarkerPlace::Kind::kJoint:
+      break;
+  }
+  return "";
 }
 
-std::string MarkerPlace::Word() const { return kind == Kind::kJoint ? joint : kPlaces[static_cast<int>(kind)]; }
+MarkerPlace MarkerPlace::Named(const std::string& word) {
+  const std::optional<Kind> place = FindChoice<Kind>(word);
+  return place ? MarkerPlace{*place, ""} : MarkerPlace{Kind::kJoint, word};
+}
 
-std::vector<std::string> MarkerPlace::Words() { return {std::begin(kPlaces), std::end(kPlaces)}; }
+std::string MarkerPlace::Word() const { return kind == Kind::kJoint ? joint : WordOf(kind); }
+
+std::vector<std::string> MarkerPlace::Words() { return WordsOf<Kind>(); }
 
 }  // namespace sagitta

@@ -23,7 +23,7 @@ struct LoadSpec {
 
 // What a marker rides on.
 struct MarkerPlace {
-  enum class Kind { kFlange, kBase, kWorld, kJoint };
+  enum class Kind { kFlange, kBase, kWorld, kJoint };  // kJoint, which has no word of its own, is the last
   Kind kind = Kind::kFlange;
   std::string joint;  // of kJoint: on the link that it moves
 
@@ -33,6 +33,8 @@ struct MarkerPlace {
   static std::vector<std::string> Words();  // of all but joints
   bool operator==(const MarkerPlace& other) const { return kind == other.kind && joint == other.joint; }
 };
+// "flange", "base", "world"; "": a joint has its own name.
+std::string WordOf(MarkerPlace::Kind kind);
 
 // A marker as stated: where it sits and on what.
 struct MarkerSpec {

@@ -108,7 +108,10 @@ void CheckEffects(const CalibrationProblem& problem) {
       case EffectTarget::kLoad:
         known.assign(loads.begin(), loads.end());
         break;
-      default:
+      case EffectTarget::kJoint:
+      case EffectTarget::kError:
+      case EffectTarget::kBase:
+      case EffectTarget::kRobot:
         continue;
     }
     if (std::find(known.begin(), known.end(), spec.target) != known.end()) continue;

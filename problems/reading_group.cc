@@ -1,10 +1,10 @@
 #include "problems/reading_group.h"
 
 #include <algorithm>
-#include <array>
 
 #include "models/matrix_functions.h"
 #include "problems/calibration_problem.h"
+#include "problems/choices.h"
 #include "problems/noise_model.h"
 
 namespace sagitta {
@@ -13,7 +13,6 @@ namespace {
 using Kind = ReadingGroup::Kind;
 
 constexpr int kFewestCoordinates = 20;
-constexpr std::array<const char*, 5> kKinds = {"station", "marker", "rotations", "axis", "sight"};
 const std::vector<std::string> kAxesOfGroups = {"x", "y", "z"};
 
 std::vector<ReadingGroup> AllGroups(const Measurements& data) {
@@ -66,20 +65,33 @@ Vector3<double> DirectionOf(const ReadingGroup& group, const ReadingWithRoot& re
 
 }  // namespace
 
-std::string WordOf(Kind kind) { return kKinds[static_cast<size_t>(kind)]; }
+std::string WordOf(Kind kind) {
+  switch (kind) {
+    case Kind::kStation:
+      return "station";
+    case Kind::kMarker:
+      return "marker";
+    case Kind::kRotations:
+      return "rotations";
+    case Kind::kAxis:
+      return "axis";
+    case Kind::kSight:
+      return "sight";
+  }
+  return "";
+}
 
 std::string NameOf(const ReadingGroup& group, const Measurements& data) {
   return NamesOf(group.kind, data)[static_cast<size_t>(group.index)];
 }
 
 std::optional<ReadingGroup> FindGroup(const std::string& kind, const std::string& name, const Measurements& data) {
-  const auto known = std::find(kKinds.begin(), kKinds.end(), kind);
-  if (known == kKinds.end()) return std::nullopt;
-  const auto of = static_cast<Kind>(known - kKinds.begin());
-  const std::vector<std::string> names = NamesOf(of, data);
+  const std::optional<Kind> of = FindChoice<Kind>(kind);
+  if (!of) return std::nullopt;
+  const std::vector<std::string> names = NamesOf(*of, data);
   const auto own = std::find(names.begin(), names.end(), name);
   if (own == names.end()) return std::nullopt;
-  return ReadingGroup{of, static_cast<int>(own - names.begin())};
+  return ReadingGroup{*of, static_cast<int>(own - names.begin())};
 }
 
 std::vector<ReadingGroup> GroupsOfReadings(const CalibrationProblem& problem) {

@@ -8,6 +8,7 @@
 #include "models/dh_from_chain.h"
 #include "models/effects/catalogue.h"
 #include "models/effects/effect.h"
+#include "problems/choices.h"
 #include "problems/failure.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
@@ -43,10 +44,11 @@ namespace sagitta {
 RobotReadOptions RobotOptionsFromFlags() {
   RobotReadOptions options;
   if (!FLAGS_convention.empty()) {
-    if (FLAGS_convention != "standard" && FLAGS_convention != "modified") {
-      throw InputError({"", 0, "--convention"}, "'" + FLAGS_convention + "' is no convention", "standard or modified");
+    options.convention = FindChoice<DhConvention>(FLAGS_convention);
+    if (!options.convention) {
+      throw InputError({"", 0, "--convention"}, "'" + FLAGS_convention + "' is no convention",
+                       Joined(WordsOf<DhConvention>(), " or "));
     }
-    options.convention = FLAGS_convention == "standard" ? DhConvention::kStandard : DhConvention::kModified;
   }
   options.ends = {FLAGS_base_link, FLAGS_tip_link};
   options.nominal_file = FLAGS_nominal;
@@ -72,10 +74,26 @@ struct Written {
   bool is_exact = true;
 };
 
-std::string OwnDescription(const Robot& robot) {
-  if (!robot.dh) return "chain";
-  return robot.dh->convention == DhConvention::kModified ? "mdh" : "dh";
+// The word of --as for such a table.
+std::string TableDescription(DhConvention convention) {
+  switch (convention) {
+    case DhConvention::kStandard:
+      return "dh";
+    case DhConvention::kModified:
+      return "mdh";
+  }
+  return "";
 }
+
+// The convention of the table that `as` says; nothing where it says no table.
+std::optional<DhConvention> ConventionOf(const std::string& as) {
+  for (const DhConvention convention : ChoicesOf<DhConvention>()) {
+    if (as == TableDescription(convention)) return convention;
+  }
+  return std::nullopt;
+}
+
+std::string OwnDescription(const Robot& robot) { return robot.dh ? TableDescription(robot.dh->convention) : "chain"; }
 
 DhTable TableOf(const Robot& robot, DhConvention convention) {
   std::string why_not;
@@ -131,14 +149,8 @@ Robot WithTable(const Robot& robot, const DhTable& table) {
 
 std::string Wanted(const WriteOptions& options, const std::string& fallback) {
   if (options.as.empty()) return fallback;
-  for (const char* known : {"chain", "dh", "mdh", "ur"}) {
-    if (options.as == known) return options.as;
-  }
+  if (options.as == "chain" || options.as == "ur" || ConventionOf(options.as)) return options.as;
   throw InputError({"", 0, "--as"}, "'" + options.as + "' is no description", "chain, dh, mdh or ur");
-}
-
-DhConvention ConventionOf(const std::string& as) {
-  return as == "mdh" ? DhConvention::kModified : DhConvention::kStandard;
 }
 
 Written ToUrCalibration(const Robot& robot, const WriteOptions& options) {
@@ -154,13 +166,13 @@ Written ToYaml(const Robot& robot, const WriteOptions& options) {
   const std::string as = Wanted(options, options.plain && !robot.dh ? "dh" : OwnDescription(robot));
   if (as == "ur") return ToUrCalibration(robot, options);
   Robot result = robot;
-  if (as == "chain") {
-    result.dh.reset();
-  } else {
+  if (const std::optional<DhConvention> convention = ConventionOf(as)) {
     if (as != OwnDescription(robot)) CheckErrorsAreKept(robot);
-    DhTable table = TableOf(robot, ConventionOf(as));
+    DhTable table = TableOf(robot, *convention);
     if (options.plain) table = PlainTable(robot, table, &written);
     result = WithTable(robot, table);
+  } else {  // a chain
+    result.dh.reset();
   }
   written.text = RobotToYaml(result);
   return written;
@@ -169,8 +181,9 @@ Written ToYaml(const Robot& robot, const WriteOptions& options) {
 Written ToCsv(const Robot& robot, const WriteOptions& options) {
   Written written;
   const std::string as = Wanted(options, robot.dh ? OwnDescription(robot) : "dh");
-  if (as != "dh" && as != "mdh") throw InputError({"", 0, "--as"}, "a CSV holds a DH table", "--as=dh or --as=mdh");
-  DhTable table = TableOf(robot, ConventionOf(as));
+  const std::optional<DhConvention> convention = ConventionOf(as);
+  if (!convention) throw InputError({"", 0, "--as"}, "a CSV holds a DH table", "--as=dh or --as=mdh");
+  DhTable table = TableOf(robot, *convention);
   if (options.plain) table = PlainTable(robot, table, &written);
   written.text = DhTableToCsv(robot, table);
   return written;

@@ -11,6 +11,7 @@
 #include "estimator/inspection/rotation_lint.h"
 #include "models/constants.h"
 #include "problems/calibration_problem.h"
+#include "problems/choices.h"
 #include "problems/input_error.h"
 #include "problems/io/import/imported_rows.h"
 #include "problems/io/import/marker_column.h"
@@ -340,7 +341,7 @@ RobotReading ReadRobotWithReadings(const std::string& path, const RobotReadOptio
   RobotReading reading = ReadAnyRobot(path, open);
   if (!reading.convention_is_open) return reading;
   std::vector<std::pair<double, DhConvention>> fits;
-  for (const DhConvention convention : {DhConvention::kStandard, DhConvention::kModified}) {
+  for (const DhConvention convention : ChoicesOf<DhConvention>()) {
     RobotReadOptions as = options;
     as.convention = convention;
     const Robot robot = ReadAnyRobot(path, as).robot;
@@ -357,13 +358,11 @@ RobotReading ReadRobotWithReadings(const std::string& path, const RobotReadOptio
   RobotReadOptions as = options;
   as.convention = fits[0].second;
   reading = ReadAnyRobot(path, as);
-  const bool is_modified = fits[0].second == DhConvention::kModified;
   const std::string other =
       std::isinf(fits[1].first) ? "cannot have made the readings" : "misses them by " + InMillimetres(fits[1].first);
   reading.guesses.push_back(
       fmt::format("convention: {}, whose nominal geometry misses the readings by {}; the {} one {}",
-                  is_modified ? "modified" : "standard", InMillimetres(fits[0].first),
-                  is_modified ? "standard" : "modified", other));
+                  WordOf(fits[0].second), InMillimetres(fits[0].first), WordOf(fits[1].second), other));
   return reading;
 }
 

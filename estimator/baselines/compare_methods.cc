@@ -70,6 +70,24 @@ double PredictedRate(const CalibrationProblem& problem, const Estimate& joint) {
 
 }  // namespace
 
+std::string WordOf(Method method) {
+  switch (method) {
+    case Method::kJoint:
+      return "joint";
+    case Method::kTwoStep:
+      return "two-step";
+    case Method::kTwoStepLiteral:
+      return "two-step-literal";
+    case Method::kTwoStepRelinearised:
+      return "two-step-relinearised";
+    case Method::kFullPose:
+      return "full-pose";
+    case Method::kDifferencing:
+      return "differencing";
+  }
+  return "";
+}
+
 Method MethodNamed(const std::string& word, const std::string& key) {
   if (const auto method = FindChoice<Method>(word)) return *method;
   throw InputError({"", 0, key}, "there is no method '" + word + "'", SpellingHint(word, WordsOf<Method>()));

@@ -15,11 +15,8 @@ namespace sagitta {
 // The joint estimate, the papers' two halves (exact; as published; linearised anew), poses fitted to the markers of
 // each shot, differences of loaded rows.
 enum class Method { kJoint, kTwoStep, kTwoStepLiteral, kTwoStepRelinearised, kFullPose, kDifferencing };
-template <>
-struct ChoiceWords<Method> {
-  static constexpr const char* kWords[] = {"joint",     "two-step",    "two-step-literal", "two-step-relinearised",
-                                           "full-pose", "differencing"};
-};
+// "joint", "two-step", ...
+std::string WordOf(Method method);
 
 // What one method made of the data.
 struct MethodResult {

@@ -125,6 +125,32 @@ void AddDesignParameters(const CalibrationProblem& problem, bool with_effects, s
 
 }  // namespace
 
+std::string WordOf(ChangeKind kind) {
+  switch (kind) {
+    case ChangeKind::kJointZero:
+      return "joint_zero";
+    case ChangeKind::kTool:
+      return "tool";
+    case ChangeKind::kMarker:
+      return "marker";
+    case ChangeKind::kMarkers:
+      return "markers";
+    case ChangeKind::kBase:
+      return "base";
+    case ChangeKind::kScale:
+      return "scale";
+    case ChangeKind::kGeometry:
+      return "geometry";
+    case ChangeKind::kCompliance:
+      return "compliance";
+    case ChangeKind::kCompensator:
+      return "compensator";
+    case ChangeKind::kEffect:
+      return "effect";
+  }
+  return "";
+}
+
 std::vector<ChangeGroup> ListChangeGroups(const CalibrationProblem& problem, const KnownRobot& old_estimate,
                                           const KnownRobot& new_estimate, const CampaignsOwn& own) {
   std::vector<ChangeGroup> groups;

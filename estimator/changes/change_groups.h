@@ -24,11 +24,8 @@ enum class ChangeKind {
   kCompensator,
   kEffect
 };
-template <>
-struct ChoiceWords<ChangeKind> {
-  static constexpr const char* kWords[] = {"joint_zero", "tool",     "marker",     "markers",     "base",
-                                           "scale",      "geometry", "compliance", "compensator", "effect"};
-};
+// "joint_zero", ...
+std::string WordOf(ChangeKind kind);
 
 // One explanation: what moves, per typical size of each of its parameters.
 struct ChangeGroup {

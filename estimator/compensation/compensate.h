@@ -24,7 +24,7 @@ struct CompensationInput {
   ParameterUncertainty uncertainty;  // of the estimate, with its model error
   double rest = 0.0;                 // m, RMS distance: what is left on points that were not fitted (AddedByRest)
   double noise_dof = 0.0;            // where the residuals gave the noise, or scaled it; 0: it is stated
-  FlangeOfMarkers flange;            // by the names of `uncertainty`
+  FlangeOfMarkers flange = {};       // by the names of `uncertainty`
 };
 
 // A target with the joint values that reach it, and what is left.

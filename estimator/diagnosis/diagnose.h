@@ -17,9 +17,9 @@
 #include "estimator/diagnosis/noise_finding.h"
 #include "estimator/diagnosis/physical_bounds.h"
 #include "estimator/diagnosis/reported_posterior.h"
+#include "estimator/diagnosis/verdict.h"
 #include "estimator/evidence/next_poses.h"
 #include "models/constants.h"
-#include "problems/choices.h"
 
 namespace sagitta {
 
@@ -69,14 +69,6 @@ struct EffectGroup {
 };
 
 struct LearntModel;  // learnt_model.h
-
-// What a diagnosis comes to: nothing is missing; only the noise is not as stated; what is missing has a name; some of
-// it has; none of it has.
-enum class DiagnosisVerdict { kConsistent, kNoise, kExplained, kPartly, kUnknown };
-template <>
-struct ChoiceWords<DiagnosisVerdict> {
-  static constexpr const char* kWords[] = {"consistent", "noise", "explained", "partly", "unknown"};
-};
 
 // All that a diagnosis found; the verdict is pessimistic until it is done.
 struct Diagnosis {

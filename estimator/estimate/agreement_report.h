@@ -10,10 +10,8 @@ namespace sagitta {
 
 // What the data are divided by into two parts.
 enum class SplitBy { kRandom, kRegion, kStation, kTime, kMarker, kLoad };
-template <>
-struct ChoiceWords<SplitBy> {
-  static constexpr const char* kWords[] = {"random", "region", "station", "time", "marker", "load"};
-};
+// "random", ...
+std::string WordOf(SplitBy by);
 
 // Differences of parameters between two parts of the configurations, each over its joint 95 % interval.
 struct PartComparison {

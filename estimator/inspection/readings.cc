@@ -6,6 +6,7 @@
 
 #include "estimator/report/inspection_reading_words.h"
 #include "models/constants.h"
+#include "problems/choices.h"
 
 namespace sagitta {
 namespace {
@@ -77,6 +78,17 @@ void AddOffsets(const Chain& chain, Readings* readings) {
   }
 }
 
+// Of a table whose rows have alpha and a of the other convention: the row that row i of n has them from.
+int RowOffBy(DhConvention convention, int i, int n) {
+  switch (convention) {
+    case DhConvention::kStandard:
+      return (i + 1) % n;
+    case DhConvention::kModified:
+      return (i + n - 1) % n;
+  }
+  return i;
+}
+
 void AddTables(const CalibrationProblem& problem, Readings* readings) {
   if (!problem.robot().dh) return;
   const auto add = [&](const Advice& advice, const DhTable& table) {
@@ -85,15 +97,18 @@ void AddTables(const CalibrationProblem& problem, Readings* readings) {
     robot.dh = table;
     Add("dh_convention", advice, robot, readings);
   };
-  const bool standard = problem.robot().dh->convention == DhConvention::kStandard;
-  DhTable other = *problem.robot().dh;
-  other.convention = standard ? DhConvention::kModified : DhConvention::kStandard;
-  add(TableIn(other.convention), other);
+  const DhConvention own = problem.robot().dh->convention;
+  for (const DhConvention convention : ChoicesOf<DhConvention>()) {
+    if (convention == own) continue;
+    DhTable other = *problem.robot().dh;
+    other.convention = convention;
+    add(TableIn(convention), other);
+  }
   // alpha and a of the link before: a modified table typed into rows of a standard one, and the reverse
   DhTable shifted = *problem.robot().dh;
   const int n = static_cast<int>(shifted.links.size());
   for (int i = 0; i < n; ++i) {
-    const int from = standard ? (i + 1) % n : (i + n - 1) % n;
+    const int from = RowOffBy(own, i, n);
     shifted.links[i].a = problem.robot().dh->links[from].a;
     shifted.links[i].alpha = problem.robot().dh->links[from].alpha;
   }

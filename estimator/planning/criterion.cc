@@ -7,21 +7,13 @@
 #include <numeric>
 
 #include "estimator/statistics/mutual_information.h"
+#include "models/constants.h"
 #include "models/matrix_functions.h"
+#include "problems/choices.h"
 #include "problems/input_error.h"
 
 namespace sagitta {
 namespace {
-
-const std::vector<std::pair<std::string, CriterionKind>>& Names() {
-  static const std::vector<std::pair<std::string, CriterionKind>> names = {
-      {"I", CriterionKind::kI},   {"D", CriterionKind::kD},
-      {"A", CriterionKind::kA},   {"E", CriterionKind::kE},
-      {"O1", CriterionKind::kO1}, {"O2", CriterionKind::kO2},
-      {"O3", CriterionKind::kO3}, {"O4", CriterionKind::kO4},
-      {"O5", CriterionKind::kO5}, {"discriminate", CriterionKind::kDiscriminate}};
-  return names;
-}
 
 Eigen::VectorXd EigenvaluesOf(const Eigen::MatrixXd& block) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(block, Eigen::EigenvaluesOnly);
@@ -68,20 +60,19 @@ double Criterion::CostOfBlock(const Eigen::MatrixXd& block) const {
       for (const double d : apart) information += InformationOfTwo(d).information / static_cast<double>(apart.size());
       return -information;
     }
-    default:
-      break;
-  }
-  const Eigen::Array<double, 5, 1> indices = ObservabilityIndices(block).array();
-  switch (kind) {
     case CriterionKind::kO2:
-      return -indices[1];
+      return -ObservabilityIndices(block)[1];
     case CriterionKind::kO4:
-      return -indices[3];
+      return -ObservabilityIndices(block)[3];
     case CriterionKind::kO5:
-      return 1.0 / indices[4];
-    default:  // E and O3 agree
-      return 1.0 / (indices[2] * indices[2]);
+      return 1.0 / ObservabilityIndices(block)[4];
+    case CriterionKind::kE:
+    case CriterionKind::kO3: {  // these agree
+      const double least = ObservabilityIndices(block)[2];
+      return 1.0 / (least * least);
+    }
   }
+  return kNotKnown;
 }
 
 std::vector<double> Criterion::Apart(const Eigen::MatrixXd& block) const {
@@ -103,30 +94,17 @@ bool Criterion::HasCertificate() const {
     case CriterionKind::kO5:
     case CriterionKind::kDiscriminate:
       return true;
-    default:
-      return false;
+    case CriterionKind::kE:
+    case CriterionKind::kO2:
+    case CriterionKind::kO3:
+    case CriterionKind::kO4:
+      break;
   }
+  return false;
 }
 
-// With S = C_SS^-1 (the Schur complement of M) dS = V' dM V, V = C_:S S; hence -d f(S) = tr(V (-f') V' dM).
-Eigen::MatrixXd Criterion::Slope(const Eigen::MatrixXd& covariance) const {
-  if (kind == CriterionKind::kI) {
-    const Eigen::MatrixXd half = covariance * weight;
-    return half * covariance;
-  }
-  const Eigen::MatrixXd tall = covariance(Eigen::all, interest);
-  const Eigen::MatrixXd block = covariance(interest, interest);
-  if (kind == CriterionKind::kA) return tall * tall.transpose();
-  if (kind == CriterionKind::kO5) {  // -f' = 1/2 S^-3/2
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(block);
-    const Eigen::MatrixXd half = tall * solver.operatorInverseSqrt();
-    return half * (0.5 * tall.transpose());
-  }
-  if (kind != CriterionKind::kDiscriminate) {
-    const Eigen::MatrixXd across = tall.transpose(), solved = block.llt().solve(across);
-    return tall * solved;
-  }
-  Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols());
+Eigen::MatrixXd Criterion::SlopeOfRivals(const Eigen::MatrixXd& tall, const Eigen::MatrixXd& block) const {
+  Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(tall.rows(), tall.rows());
   const std::vector<std::vector<int>> rivals = PlacesOfRivals(rival_of);
   const std::vector<double> apart = Apart(block);
   for (size_t k = 0; k < rivals.size(); ++k) {
@@ -139,6 +117,39 @@ Eigen::MatrixXd Criterion::Slope(const Eigen::MatrixXd& covariance) const {
   return slope;
 }
 
+// With S = C_SS^-1 (the Schur complement of M) dS = V' dM V, V = C_:S S; hence -d f(S) = tr(V (-f') V' dM).
+Eigen::MatrixXd Criterion::Slope(const Eigen::MatrixXd& covariance) const {
+  if (kind == CriterionKind::kI) {
+    const Eigen::MatrixXd half = covariance * weight;
+    return half * covariance;
+  }
+  const Eigen::MatrixXd tall = covariance(Eigen::all, interest);
+  const Eigen::MatrixXd block = covariance(interest, interest);
+  switch (kind) {
+    case CriterionKind::kA:
+      return tall * tall.transpose();
+    case CriterionKind::kO5: {  // -f' = 1/2 S^-3/2
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(block);
+      const Eigen::MatrixXd half = tall * solver.operatorInverseSqrt();
+      return half * (0.5 * tall.transpose());
+    }
+    case CriterionKind::kD:
+    case CriterionKind::kO1: {
+      const Eigen::MatrixXd across = tall.transpose(), solved = block.llt().solve(across);
+      return tall * solved;
+    }
+    case CriterionKind::kDiscriminate:
+      return SlopeOfRivals(tall, block);
+    case CriterionKind::kI:  // above, of the whole of C
+    case CriterionKind::kE:  // the others have no certificate
+    case CriterionKind::kO2:
+    case CriterionKind::kO3:
+    case CriterionKind::kO4:
+      break;
+  }
+  return Eigen::MatrixXd::Constant(covariance.rows(), covariance.cols(), kNotKnown);
+}
+
 double Criterion::Efficiency(double cost, double best) const {
   switch (kind) {
     case CriterionKind::kD:
@@ -148,9 +159,14 @@ double Criterion::Efficiency(double cost, double best) const {
     case CriterionKind::kO2:
     case CriterionKind::kO4:
       return best < 0.0 ? std::max(0.0, cost / best) : 0.0;
-    default:
+    case CriterionKind::kI:
+    case CriterionKind::kA:
+    case CriterionKind::kE:
+    case CriterionKind::kO3:
+    case CriterionKind::kO5:
       return std::max(0.0, best / cost);
   }
+  return 0.0;
 }
 
 Eigen::Matrix<double, 5, 1> ObservabilityIndices(const Eigen::MatrixXd& block) {
@@ -164,17 +180,36 @@ Eigen::Matrix<double, 5, 1> ObservabilityIndices(const Eigen::MatrixXd& block) {
 
 CriterionKind CriterionNamed(const std::string& name, const std::string& key) {
   std::vector<std::string> known;
-  for (const auto& [own, kind] : Names()) {
+  for (const CriterionKind kind : ChoicesOf<CriterionKind>()) {
     if (kind == CriterionKind::kDiscriminate) continue;  // asked for with --discriminate
-    if (own == name) return kind;
-    known.push_back(own);
+    if (WordOf(kind) == name) return kind;
+    known.push_back(WordOf(kind));
   }
   throw InputError({"", 0, key}, "there is no criterion '" + name + "'", SpellingHint(name, known));
 }
 
-const char* NameOf(CriterionKind kind) {
-  for (const auto& [name, own] : Names()) {
-    if (own == kind) return name.c_str();
+std::string WordOf(CriterionKind kind) {
+  switch (kind) {
+    case CriterionKind::kI:
+      return "I";
+    case CriterionKind::kD:
+      return "D";
+    case CriterionKind::kA:
+      return "A";
+    case CriterionKind::kE:
+      return "E";
+    case CriterionKind::kO1:
+      return "O1";
+    case CriterionKind::kO2:
+      return "O2";
+    case CriterionKind::kO3:
+      return "O3";
+    case CriterionKind::kO4:
+      return "O4";
+    case CriterionKind::kO5:
+      return "O5";
+    case CriterionKind::kDiscriminate:
+      return "discriminate";
   }
   return "";
 }

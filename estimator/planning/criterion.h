@@ -48,11 +48,15 @@ struct Criterion {
   std::vector<double> Apart(const Eigen::MatrixXd& block) const;
   // Columns of C that the cost depends on.
   std::vector<int> Columns(int all) const;
+
+ private:
+  // Of T, from C_:S and C_SS.
+  Eigen::MatrixXd SlopeOfRivals(const Eigen::MatrixXd& tall, const Eigen::MatrixXd& block) const;
 };
 
 // "I", "D", ... ; throws InputError at `key` for another name.
 CriterionKind CriterionNamed(const std::string& name, const std::string& key = "--criterion");
-const char* NameOf(CriterionKind kind);
+std::string WordOf(CriterionKind kind);
 
 // O1 .. O5 of C_SS.
 Eigen::Matrix<double, 5, 1> ObservabilityIndices(const Eigen::MatrixXd& block);

@@ -49,9 +49,13 @@ std::string ChangeInWords(const Change& change) {
       return "all lengths changed by one share, " + size + ": by the instrument's scale or by the arm's temperature (" +
              Significant(kelvin, 2) + " K " + (change.value > 0.0 ? "warmer" : "colder") + ", of steel)";
     }
-    default:
+    case ChangeKind::kGeometry:
+    case ChangeKind::kCompliance:
+    case ChangeKind::kCompensator:
+    case ChangeKind::kEffect:
       return WordOf(change.kind) + " " + change.target + " changed by " + size + FromInWords(change) + same;
   }
+  return "";
 }
 
 std::string TurnedInWords(double angle_mrad) { return ", turned by " + Significant(angle_mrad, 3) + " mrad"; }

@@ -28,8 +28,7 @@ Advice ZeroTurned(const std::string& joint, int quarters, bool is_flipped) {
 }
 
 Advice TableIn(DhConvention convention) {
-  const std::string name = convention == DhConvention::kStandard ? "standard" : "modified";
-  return {"the table as " + name + " DH", "state convention: " + name};
+  return {"the table as " + WordOf(convention) + " DH", "state convention: " + WordOf(convention)};
 }
 
 Advice TableOneRowOff() {

@@ -38,9 +38,12 @@ std::string SourceName(const CalibrationProblem& problem, const SigmaReport& sig
       return "instrument";
     case NoiseSpec::From::kVarianceComponents:
       return "variance-components";
-    default:
-      return sigma.stated && sigma.origin != NoiseOrigin::kFound ? "stated" : "estimated";
+    case NoiseSpec::From::kDefault:
+    case NoiseSpec::From::kSigma:
+    case NoiseSpec::From::kRows:
+      break;
   }
+  return sigma.stated && sigma.origin != NoiseOrigin::kFound ? "stated" : "estimated";
 }
 
 std::string OfEachAxis(const Vector3<double>& numbers) {
@@ -273,9 +276,10 @@ std::string NameOfNoise(NoiseOrigin origin) {
     case NoiseOrigin::kScaled:
     case NoiseOrigin::kFound:
       return "the noise that was found";
-    default:
-      return "the stated sigmas";
+    case NoiseOrigin::kStated:
+      break;
   }
+  return "the stated sigmas";
 }
 
 std::string SigmaInWords(const Estimate& estimate, double significance) {

@@ -19,9 +19,14 @@ std::string InWords(CriterionKind kind) {
       return "largest variance of any direction of the robot's parameters, scaled";
     case CriterionKind::kDiscriminate:
       return "information about which of the stated effects it is";
-    default:
-      return std::string("observability index ") + NameOf(kind) + " (Sun and Hollerbach 2008)";
+    case CriterionKind::kO1:
+    case CriterionKind::kO2:
+    case CriterionKind::kO3:
+    case CriterionKind::kO4:
+    case CriterionKind::kO5:
+      return "observability index " + WordOf(kind) + " (Sun and Hollerbach 2008)";
   }
+  return "";
 }
 
 std::string OrderIsMixed() {
@@ -131,7 +136,7 @@ std::string CurveInWords(const Plan& plan) {
 
 std::string CertificateInWords(const Plan& plan) {
   if (!plan.criterion.HasCertificate()) {
-    return std::string("The criterion ") + NameOf(plan.criterion.kind) +
+    return "The criterion " + WordOf(plan.criterion.kind) +
            " is not convex or has no slope: how near the plan is to the best one is not known. Use I, D, A, O1 or O5 "
            "for a certificate.";
   }

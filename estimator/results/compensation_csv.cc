@@ -131,8 +131,11 @@ CompensationInput MakeCompensationInput(const KnownRobot& known, const Targets& 
   CheckLoadsAreKnown(known, targets.shots);
   CompensationInput input{
       MakeKnownProblem(WithEffectsOfTheArm(known), targets.shots, known.loading, {known.base_in_station, {}}),
-      NominalChain(known), known.uncertainty, known.rest, known.noise.freedom};
-  input.flange = FlangeFromMarkers(known.markers, known.uncertainty.Names());
+      NominalChain(known),
+      known.uncertainty,
+      known.rest,
+      known.noise.freedom,
+      FlangeFromMarkers(known.markers, known.uncertainty.Names())};
   SetAfterMoments(&input.problem);
   CheckColumnsOfTargets(input.problem, from);
   return input;

@@ -70,7 +70,7 @@ double HalfWidth95(const Plan& plan, const PlannedParameter& parameter) {
 
 Json PlanToJson(const Plan& plan) {
   Json json = {{"schema", "sagitta/plan/1"},
-               {"criterion", {{"name", NameOf(plan.criterion.kind)}, {"words", InWords(plan.criterion.kind)}}},
+               {"criterion", {{"name", WordOf(plan.criterion.kind)}, {"words", InWords(plan.criterion.kind)}}},
                {"poses", plan.rows.configurations.size()},
                {"measured", plan.measured},
                {"candidates", plan.candidates},

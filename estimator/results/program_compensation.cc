@@ -199,7 +199,7 @@ void Prepare(const RobotProgram& program, const ProgramScene& stated, const Prog
       for (const TextNumber& number : point.numbers) numbers.push_back(number.value);
       frame = *scene.FrameInBase(point.frame);
       from_tool = Inverse(*scene.ToolInFlange(point.tool));
-      flange = Product(Product(frame, PoseFrom(program.notation, numbers)), from_tool);
+      flange = Product(Product(frame, PoseFrom(program.traits().notation, numbers)), from_tool);
       const BranchFound found =
           FindOnlyBranch(nominal, *flange, BranchOf(point, stated), PlacesBefore(point, i, stated.start, solved), last);
       result.untouched = found.why_not;
@@ -319,7 +319,7 @@ void CheckProgramIsKept(const std::string& program, const std::string& out, cons
 
 CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram program, const ProgramScene& stated,
                                      int threads, const std::function<void(size_t done)>& progress) {
-  if (!stated.turn_joints.empty() && program.dialect != ProgramDialect::kFanuc) {
+  if (!stated.turn_joints.empty() && !program.traits().turns_of_three_joints) {
     throw InputError({program.path, 0, "--turn_joints"}, "only FANUC positions count turns of three joints");
   }
   const std::string& station = StationOfTargets(known);
@@ -413,9 +413,9 @@ std::string SummaryOf(const CompensatedProgram& result) {
     if (std::isfinite(point.solution->u95_rotation))
       u95_rotation = std::max(u95_rotation, point.solution->u95_rotation);
   }
-  std::string text = PointsAreCorrected(DialectName(result.program.dialect), corrected, result.results.size(), before,
-                                        u95, u95_rotation) +
-                     "\n";
+  std::string text =
+      PointsAreCorrected(result.program.traits().name, corrected, result.results.size(), before, u95, u95_rotation) +
+      "\n";
   text += MotionsToUntouched(result, &untouched);
   if (!untouched.empty()) text += "Left as they are\n" + ListOf(untouched);
   if (!moves.empty()) text += PosesWithLargeMoves(kLargestMove) + "\n" + ListOf(moves);

@@ -12,8 +12,8 @@ namespace sagitta {
 namespace {
 
 // As the controller compares names.
-std::string Folded(const std::string& name, ProgramDialect dialect) {
-  return dialect == ProgramDialect::kUrScript ? name : UpperCase(name);
+std::string Folded(const std::string& name, const RobotProgram& program) {
+  return program.traits().names_have_case ? name : UpperCase(name);
 }
 
 template <typename Value>
@@ -30,8 +30,8 @@ InputError NameOfNothing(const RobotProgram& program, const std::string& key, co
   std::string hint = "the program has " + Enumerate(names);
   // A misspelt name in small letters is as near to one in capitals.
   for (const std::string& one : names) {
-    const std::string folded = Folded(name, program.dialect);
-    if (NearestName(folded, {Folded(one, program.dialect)}).empty()) continue;
+    const std::string folded = Folded(name, program);
+    if (NearestName(folded, {Folded(one, program)}).empty()) continue;
     hint = "did you mean " + one + "?";
     break;
   }
@@ -45,7 +45,7 @@ std::map<std::string, Value> ByNames(const RobotProgram& program, const std::map
   std::map<std::string, Value> named;
   for (const auto& [name, value] : stated) {
     const auto own = std::find_if(known.begin(), known.end(), [&, &said = name](const std::string& one) {
-      return Folded(one, program.dialect) == Folded(said, program.dialect);
+      return Folded(one, program) == Folded(said, program);
     });
     if (own == known.end() && NameStandsIn(program, name)) continue;
     if (own == known.end()) throw NameOfNothing(program, key, kind, name, known);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "problems/choices.h"
 #include "problems/input_error.h"
 #include "problems/io/effect_entries.h"
 #include "problems/io/files.h"
@@ -118,8 +119,7 @@ void CheckLinkOrder(const YamlValue& links, const DhTable& table, const std::vec
 DhTable ReadDhTable(const YamlValue& value, const std::vector<Joint>& joints) {
   YamlMap map(value);
   DhTable table;
-  const bool standard = map.Get("convention").OneOf({"standard", "modified"}) == "standard";
-  table.convention = standard ? DhConvention::kStandard : DhConvention::kModified;
+  table.convention = *FindChoice<DhConvention>(map.Get("convention").OneOf(WordsOf<DhConvention>()));
   const YamlValue links = map.Get("links");
   for (const YamlValue& link : links.Items()) table.links.push_back(ReadDhLink(link, joints));
   if (const auto flange = map.Find("flange")) {

@@ -68,7 +68,7 @@ Json DhToJson(const Chain& chain, const DhTable& table) {
     links.push_back(json);
   }
   Json json;
-  json["convention"] = table.convention == DhConvention::kStandard ? "standard" : "modified";
+  json["convention"] = WordOf(table.convention);
   json["links"] = links;
   if (!table.flange_xyz.isZero(0.0) || !table.flange_rpy.isZero(0.0)) {
     json["flange"]["xyz_mm"] = TripleToJson(table.flange_xyz, Millimetres);

@@ -179,7 +179,9 @@ TEST(ChangesTest, TheSameWavesInAnotherRegionAreNoChange) {
   for (std::uint64_t pair = 0; pair < 12; ++pair) {
     const Changes changes = FindChanges(estimated(1.0, 0.0, 100 + 2 * pair), estimated(0.35, 0.0, 101 + 2 * pair));
     alarms += !changes.changes.empty();
-    if (pair == 0) EXPECT_THAT(changes.notes, ::testing::Contains(HasSubstr("of the wider range of")));
+    if (pair == 0) {
+      EXPECT_THAT(changes.notes, ::testing::Contains(HasSubstr("of the wider range of")));
+    }
   }
   EXPECT_LE(alarms, 2);
   const Changes slipped = FindChanges(estimated(1.0, 0.0, 100), estimated(0.35, 3e-3, 101));
@@ -246,8 +248,11 @@ TEST(ChangesTest, ASlipThatAllBasesHideIsSaid) {
     const Changes changes = FindChanges(Estimated({}, 31), Estimated(after, 32));
     ASSERT_EQ(changes.changes.size(), both ? 2u : 1u) << changes.words;
     const auto said = ::testing::Contains("a slip of A1 would be a part of what the bases moved");
-    if (both) EXPECT_THAT(changes.notes, said);
-    if (!both) EXPECT_THAT(changes.notes, ::testing::IsEmpty());
+    if (both) {
+      EXPECT_THAT(changes.notes, said);
+    } else {
+      EXPECT_THAT(changes.notes, ::testing::IsEmpty());
+    }
   }
 }
 

@@ -69,10 +69,10 @@ TEST(PlanningTest, BoundHoldsFarFromTheOptimum) {
         least = std::min(least, criterion.Cost(CovarianceOf(set, kNearlyNothing, {a, a, b, b})));
       }
     }
-    EXPECT_LT(early.bound, least) << NameOf(kind);
+    EXPECT_LT(early.bound, least) << WordOf(kind);
     const ApproximateDesign late = SolveApproximate(set, kNearlyNothing, criterion, 4, 5e-4, 20000);
-    EXPECT_LE(late.cost, least + 1e-3 * std::abs(least)) << NameOf(kind);
-    EXPECT_LE(late.bound, least) << NameOf(kind);
+    EXPECT_LE(late.cost, least + 1e-3 * std::abs(least)) << WordOf(kind);
+    EXPECT_LE(late.bound, least) << WordOf(kind);
   }
 }
 
@@ -94,7 +94,7 @@ TEST(PlanningTest, SlopesAgreeWithFiniteDifferences) {
                            criterion.Cost((information - step * direction).inverse())) /
                          (2.0 * step);
     const double expected = criterion.Slope(information.inverse()).cwiseProduct(direction).sum();
-    EXPECT_NEAR(slope, expected, 1e-7 * (1.0 + std::abs(expected))) << NameOf(kind);
+    EXPECT_NEAR(slope, expected, 1e-7 * (1.0 + std::abs(expected))) << WordOf(kind);
   }
 }
 

@@ -24,6 +24,23 @@ inline const ProgramPoint& PointNamed(const RobotProgram& program, const std::st
   throw std::runtime_error("no point " + name);
 }
 
+// Its numbers as they are written.
+inline std::vector<double> ValuesOf(const ProgramPoint& point) {
+  std::vector<double> values;
+  for (const TextNumber& number : point.numbers) values.push_back(number.value);
+  return values;
+}
+
+// The program with one point replaced: by joints in rad, or by a pose.
+inline std::string WithOne(const RobotProgram& program, int index, const std::vector<double>& joints,
+                           const Pose<double>* pose) {
+  CorrectedPoint corrected;
+  corrected.point = index;
+  corrected.joints = joints;
+  if (pose != nullptr) corrected.tool_in_frame = *pose;
+  return WithCorrectedPoints(program, {corrected});
+}
+
 // "line name: reason" of every motion to what is not corrected, "line name" of the others.
 inline std::vector<std::string> MotionsOf(const RobotProgram& program) {
   std::vector<std::string> lines;

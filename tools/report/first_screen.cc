@@ -177,8 +177,7 @@ std::vector<Section> CorrectedTable(const Calibration& calibration) {
   const Robot robot = calibration.problem.RobotWith(calibration.estimate.parameters);
   if (!nominal.dh || !robot.dh) return {};
   Section section;
-  const bool standard = robot.dh->convention == DhConvention::kStandard;
-  section.title = std::string("Corrected table, ") + (standard ? "standard" : "modified") + " DH";
+  section.title = "Corrected table, " + WordOf(robot.dh->convention) + " DH";
   section.header = {"joint",     "a, mm",  "alpha, deg",  "d, mm",  "theta, deg",
                     "beta, deg", "Δa, mm", "Δalpha, deg", "Δd, mm", "Δtheta, deg"};
   for (size_t i = 0; i < robot.dh->links.size(); ++i) {

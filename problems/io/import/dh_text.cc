@@ -5,6 +5,7 @@
 #include <set>
 #include <sstream>
 
+#include "problems/choices.h"
 #include "problems/input_error.h"
 #include "problems/io/import/dh_columns.h"
 #include "problems/io/import/dh_units.h"
@@ -45,6 +46,17 @@ std::optional<std::pair<std::string, int>> CountedName(const std::string& name) 
   const std::string count = name.substr(last == std::string::npos ? 0 : last + 1);
   if (!IsCount(count)) return std::nullopt;
   return std::pair(name.substr(0, name.size() - count.size()), std::stoi(count));
+}
+
+// By which row ConventionByShape sees the convention.
+const char* PlainRowOf(DhConvention convention) {
+  switch (convention) {
+    case DhConvention::kStandard:
+      return "last row has neither a nor alpha and the first row has";
+    case DhConvention::kModified:
+      return "first row has neither a nor alpha and the last row has";
+  }
+  return "";
 }
 
 class DhReader {
@@ -320,8 +332,7 @@ class DhReader {
       dh_.convention = *options_.convention;
     } else if (modified != standard) {
       dh_.convention = modified ? DhConvention::kModified : DhConvention::kStandard;
-      reading_.notes.push_back(std::string("convention: ") + (modified ? "modified" : "standard") +
-                               ", as the file says");
+      reading_.notes.push_back("convention: " + WordOf(dh_.convention) + ", as the file says");
     } else if (has_previous_) {
       dh_.convention = DhConvention::kModified;
       reading_.notes.push_back("convention: modified, as the indices i-1 in the header say");
@@ -329,14 +340,11 @@ class DhReader {
       reading_.convention_is_open = true;
     } else if (const auto by_shape = ConventionByShape(dh_.links)) {
       dh_.convention = *by_shape;
-      const bool is_modified = *by_shape == DhConvention::kModified;
-      reading_.guesses.push_back(
-          is_modified ? "convention: modified, since the first row has neither a nor alpha and the last row has"
-                      : "convention: standard, since the last row has neither a nor alpha and the first row has");
+      reading_.guesses.push_back("convention: " + WordOf(*by_shape) + ", since the " + PlainRowOf(*by_shape));
     } else {
       throw InputError({table_.path, table_.header_line, ""},
                        "whether this is a standard or a modified DH table is not said and cannot be seen",
-                       "--convention=standard or --convention=modified");
+                       ConventionHint());
     }
   }
 
@@ -353,6 +361,17 @@ class DhReader {
   DhTable dh_;
 };
 
+// What one row of such a table does, in its order.
+std::string RowInWords(DhConvention convention, bool has_beta) {
+  switch (convention) {
+    case DhConvention::kStandard:
+      return std::string("Rz(theta + q) Tz(d) Tx(a) Rx(alpha)") + (has_beta ? " Ry(beta)" : "");
+    case DhConvention::kModified:
+      return std::string("Rx(alpha) Tx(a) ") + (has_beta ? "Ry(beta) " : "") + "Rz(theta + q) Tz(d)";
+  }
+  return "";
+}
+
 std::string InUnit(double si, const char* unit) { return FormatNumber(ToUnit(si, UnitNamed(unit))); }
 
 }  // namespace
@@ -362,6 +381,12 @@ std::optional<DhConvention> ConventionByShape(const std::vector<DhLink>& links) 
   const bool first = is_plain(links.front()), last = is_plain(links.back());
   if (first == last) return std::nullopt;
   return first ? DhConvention::kModified : DhConvention::kStandard;
+}
+
+std::string ConventionHint() {
+  std::vector<std::string> flags;
+  for (const std::string& word : WordsOf<DhConvention>()) flags.push_back("--convention=" + word);
+  return Joined(flags, " or ");
 }
 
 Robot RobotOfTable(const std::vector<Joint>& joints, const std::vector<Coupling>& couplings, const DhTable& table) {
@@ -388,12 +413,10 @@ std::string DhTableToCsv(const Robot& robot, const DhTable& table) {
   const Chain& chain = robot.chain;
   const bool has_beta =
       std::any_of(table.links.begin(), table.links.end(), [](const DhLink& l) { return l.beta != 0.0; });
-  const bool modified = table.convention == DhConvention::kModified;
   std::string text;
   if (!robot.name.empty()) text += "# name: " + robot.name + "\n";
-  text += std::string("# convention: ") + (modified ? "modified" : "standard") + "\n# one row: ";
-  text += modified ? std::string("Rx(alpha) Tx(a) ") + (has_beta ? "Ry(beta) " : "") + "Rz(theta + q) Tz(d)\n"
-                   : std::string("Rz(theta + q) Tz(d) Tx(a) Rx(alpha)") + (has_beta ? " Ry(beta)\n" : "\n");
+  text += "# convention: " + WordOf(table.convention) + "\n";
+  text += "# one row: " + RowInWords(table.convention, has_beta) + "\n";
   for (const Coupling& coupling : chain.couplings) {
     text += "# coupling: " + chain.joints[coupling.joint].name + " " + chain.joints[coupling.driver].name + " " +
             FormatNumber(coupling.ratio) + "\n";

@@ -344,9 +344,7 @@ class MatlabReader {
     if (options_.convention) {
       table_.convention = *options_.convention;
     } else if (modified || standard) {
-      if (modified && standard)
-        throw InputError({path_, 0, ""}, "the text names both conventions",
-                         "--convention=standard or --convention=modified");
+      if (modified && standard) throw InputError({path_, 0, ""}, "the text names both conventions", ConventionHint());
       table_.convention = modified ? DhConvention::kModified : DhConvention::kStandard;
     } else if (options_.leave_convention_open) {
       reading_.convention_is_open = true;

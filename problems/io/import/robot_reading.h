@@ -48,6 +48,8 @@ RobotReading ReadUrConf(const std::string& text, const std::string& path, const 
 
 // A DH robot of such links: joints called j1 … unless named; both guesses of ReadDhText for tables without words.
 std::optional<DhConvention> ConventionByShape(const std::vector<DhLink>& links);
+// What to state for a table that does not say its convention.
+std::string ConventionHint();
 Robot RobotOfTable(const std::vector<Joint>& joints, const std::vector<Coupling>& couplings, const DhTable& table);
 
 }  // namespace sagitta

@@ -58,7 +58,15 @@ std::string OurNameOf(const ColumnMeaning& meaning, const std::string& header, c
       return meaning.unit == "degC" ? "temperature_degC" : "";
     case Role::kText:
       return kTexts.count(LowerCaseOf(header)) > 0 ? LowerCaseOf(header) : "";  // not a payload, which may be kg
-    default:
+    case Role::kSigma:
+    case Role::kTarget:
+    case Role::kDifference:
+    case Role::kRotation:
+    case Role::kQuaternion:
+    case Role::kAngleSigma:
+    case Role::kTorque:
+    case Role::kApproach:
+    case Role::kOther:
       break;
   }
   return kNamesOfRows.count(LowerCaseOf(header)) > 0 ? kNameOfRow : "";

@@ -257,7 +257,6 @@ void FanucReader::ReadPosition(const std::string& name, size_t open, size_t end)
 }
 
 void FanucReader::Read() {
-  program_.notation = PoseNotation::kWprDegrees;
   static const std::regex positions = MakeCodePattern("(?:^|\\n)[ \\t]*(/POS)\\b");  // not one in a remark
   std::smatch section_match;
   if (!SearchPattern(code_, &section_match, positions)) return;

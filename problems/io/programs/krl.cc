@@ -357,7 +357,6 @@ void KrlReader::ReadLine(size_t begin, size_t end) {
 }
 
 void KrlReader::Read() {
-  program_.notation = PoseNotation::kAbcDegrees;
   for (size_t begin = 0; begin < code_.size();) {
     const size_t end = std::min(code_.find('\n', begin), code_.size());
     flow_.MoveTo(end);

@@ -124,7 +124,7 @@ constexpr char kFanucWords[] =
 
 using Words = std::set<std::string>;
 
-Words WordsOf(std::initializer_list<const char*> lists) {
+Words SplitWords(std::initializer_list<const char*> lists) {
   Words words;
   for (const char* list : lists) {
     std::istringstream stream(list);
@@ -133,25 +133,26 @@ Words WordsOf(std::initializer_list<const char*> lists) {
   return words;
 }
 
-const Words& WordsOf(ProgramDialect dialect) {
-  static const Words krl = WordsOf({kKrlWords}), fanuc = WordsOf({kFanucWords}),
-                     rapid = WordsOf({kRapidSyntax, kRapidTypes, kRapidInstructions, kRapidMotions}),
-                     ur = WordsOf({kUrSyntax, kUrMotions, kUrState, kUrMath, kUrInterfaces});
-  switch (dialect) {
-    case ProgramDialect::kKrl:
-      return krl;
-    case ProgramDialect::kRapid:
-      return rapid;
-    case ProgramDialect::kUrScript:
-      return ur;
-    case ProgramDialect::kFanuc:
-      break;
-  }
-  return fanuc;
-}
-
 }  // namespace
 
-bool IsWordOfLanguage(ProgramDialect dialect, const std::string& name) { return WordsOf(dialect).count(name) > 0; }
+const Words& KrlWords() {
+  static const Words kWords = SplitWords({kKrlWords});
+  return kWords;
+}
+
+const Words& RapidWords() {
+  static const Words kWords = SplitWords({kRapidSyntax, kRapidTypes, kRapidInstructions, kRapidMotions});
+  return kWords;
+}
+
+const Words& UrScriptWords() {
+  static const Words kWords = SplitWords({kUrSyntax, kUrMotions, kUrState, kUrMath, kUrInterfaces});
+  return kWords;
+}
+
+const Words& FanucWords() {
+  static const Words kWords = SplitWords({kFanucWords});
+  return kWords;
+}
 
 }  // namespace sagitta

@@ -1,14 +1,16 @@
 // Words of the controllers' languages: what stands where a routine could be called and calls none.
 #pragma once
 
+#include <set>
 #include <string>
-
-#include "problems/io/programs/robot_program.h"
 
 namespace sagitta {
 
-// name: as the controller compares it, in capitals but for URScript. Of FANUC the first words of a statement that has
+// As the controller compares them, in capitals but for URScript. Of FANUC the first words of a statement that has
 // neither sign nor bracket: LOCK PREG, COL DETECT ON.
-bool IsWordOfLanguage(ProgramDialect dialect, const std::string& name);
+const std::set<std::string>& KrlWords();
+const std::set<std::string>& RapidWords();
+const std::set<std::string>& UrScriptWords();
+const std::set<std::string>& FanucWords();
 
 }  // namespace sagitta

@@ -148,7 +148,7 @@ std::vector<size_t> PlacesOf(const std::string& code, const std::string& name) {
 }
 
 bool NameStandsIn(const RobotProgram& program, const std::string& name) {
-  const bool has_case = program.dialect == ProgramDialect::kUrScript;
+  const bool has_case = program.traits().names_have_case;
   const std::string whole = InUtf8(program.text), text = has_case ? whole : UpperCase(whole),
                     folded = has_case ? name : UpperCase(name);
   if (!PlacesOf(text, folded).empty()) return true;

@@ -428,7 +428,6 @@ void RapidReader::LeaveUnused() {
 }
 
 void RapidReader::Read() {
-  program_.notation = PoseNotation::kQuaternion;
   ReadRoutines();
   ReadDeclarations();
   ReadChanges();

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
 
 #include "models/constants.h"
 #include "problems/input_error.h"
@@ -12,38 +10,6 @@
 #include "problems/text.h"
 
 namespace sagitta {
-namespace {
-
-struct DialectOfEnding {
-  const char* ending;
-  ProgramDialect dialect;
-};
-constexpr DialectOfEnding kEndings[] = {
-    {".src", ProgramDialect::kKrl},   {".dat", ProgramDialect::kKrl},         {".sub", ProgramDialect::kKrl},
-    {".mod", ProgramDialect::kRapid}, {".modx", ProgramDialect::kRapid},      {".prg", ProgramDialect::kRapid},
-    {".sys", ProgramDialect::kRapid}, {".script", ProgramDialect::kUrScript}, {".urscript", ProgramDialect::kUrScript},
-    {".ls", ProgramDialect::kFanuc}};
-
-ProgramDialect DialectOf(const std::string& path) {
-  std::string ending = std::filesystem::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  for (const DialectOfEnding& known : kEndings) {
-    if (ending == known.ending) return known.dialect;
-  }
-  throw InputError({path, 0, ""}, "the ending '" + ending + "' is of no robot program that is known",
-                   ".src .dat .sub (KUKA), .mod .modx .prg .sys (ABB), .script .urscript (UR), .ls (FANUC)");
-}
-
-// R = Rz(z) Ry(y) Rx(x); z in (-pi, pi], y in [-pi/2, pi/2].
-Vector3<double> RollPitchYaw(const Matrix3<double>& r) {
-  const double pitch = std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0)));
-  if (std::hypot(r(0, 0), r(1, 0)) < 1e-9) {  // only yaw -+ roll is determined: all of it as yaw
-    return {0.0, pitch, std::atan2(-r(0, 1), r(1, 1))};
-  }
-  return {std::atan2(r(2, 1), r(2, 2)), pitch, std::atan2(r(1, 0), r(0, 0))};
-}
-
-}  // namespace
 
 void UseLoad(const std::string& load, bool is_first, ProgramPoint* point) {
   if (is_first) {
@@ -69,20 +35,6 @@ int AddPointElsewhere(const std::string& name, int line, size_t used_at, RobotPr
   return index;
 }
 
-const char* DialectName(ProgramDialect dialect) {
-  switch (dialect) {
-    case ProgramDialect::kKrl:
-      return "KUKA KRL";
-    case ProgramDialect::kRapid:
-      return "ABB RAPID";
-    case ProgramDialect::kUrScript:
-      return "URScript";
-    case ProgramDialect::kFanuc:
-      return "FANUC LS";
-  }
-  return "";
-}
-
 Pose<double> PoseFrom(PoseNotation notation, const std::vector<double>& n) {
   const Vector3<double> translation(n[0], n[1], n[2]);
   switch (notation) {
@@ -99,21 +51,19 @@ Pose<double> PoseFrom(PoseNotation notation, const std::vector<double>& n) {
 }
 
 std::vector<double> NumbersOf(PoseNotation notation, const Pose<double>& pose) {
-  const Vector3<double> p =
-      notation == PoseNotation::kRotationVectorMetres ? pose.translation : Vector3<double>(1e3 * pose.translation);
-  const Vector3<double> rpy = RollPitchYaw(pose.rotation) / kDegree;
+  const Vector3<double> m = pose.translation, mm = 1e3 * m, rpy = RpyFromRotation(pose.rotation) / kDegree;
   switch (notation) {
     case PoseNotation::kAbcDegrees:
-      return {p.x(), p.y(), p.z(), rpy.z(), rpy.y(), rpy.x()};
+      return {mm.x(), mm.y(), mm.z(), rpy.z(), rpy.y(), rpy.x()};
     case PoseNotation::kWprDegrees:
-      return {p.x(), p.y(), p.z(), rpy.x(), rpy.y(), rpy.z()};
+      return {mm.x(), mm.y(), mm.z(), rpy.x(), rpy.y(), rpy.z()};
     case PoseNotation::kQuaternion: {
       const Eigen::Quaterniond q(pose.rotation);
-      return {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()};
+      return {mm.x(), mm.y(), mm.z(), q.w(), q.x(), q.y(), q.z()};
     }
     case PoseNotation::kRotationVectorMetres: {
       const Vector3<double> v = RotationVector(pose.rotation);
-      return {p.x(), p.y(), p.z(), v.x(), v.y(), v.z()};
+      return {m.x(), m.y(), m.z(), v.x(), v.y(), v.z()};
     }
   }
   return {};
@@ -122,7 +72,7 @@ std::vector<double> NumbersOf(PoseNotation notation, const Pose<double>& pose) {
 std::vector<double> RobotProgram::JointValues(const ProgramPoint& point) const {
   std::vector<double> values;
   for (const TextNumber& n : point.numbers) {
-    values.push_back(dialect == ProgramDialect::kUrScript ? n.value : n.value * kDegree);
+    values.push_back(traits().joints_in_rad ? n.value : n.value * kDegree);
   }
   return values;
 }
@@ -130,28 +80,15 @@ std::vector<double> RobotProgram::JointValues(const ProgramPoint& point) const {
 RobotProgram ReadRobotProgram(const std::string& path, int joints) {
   RobotProgram program;
   program.path = path;
-  program.dialect = DialectOf(path);
+  program.dialect = DialectOfFile(path);
   program.text = ReadTextFile(path);
   if (program.text.find('\0') != std::string::npos) {
     throw InputError({path, 0, ""}, "this is no text of one byte per character (UTF-16?)",
                      "save it as UTF-8 or ANSI, as controllers do");
   }
-  switch (program.dialect) {
-    case ProgramDialect::kKrl:
-      ReadKrl(joints, &program);
-      break;
-    case ProgramDialect::kRapid:
-      ReadRapid(joints, &program);
-      break;
-    case ProgramDialect::kUrScript:
-      ReadUrScript(joints, &program);
-      break;
-    case ProgramDialect::kFanuc:
-      ReadFanuc(joints, &program);
-      break;
-  }
+  program.traits().read(joints, &program);
   if (std::all_of(program.points.begin(), program.points.end(), [](const auto& p) { return p.is_elsewhere; })) {
-    throw InputError({path, 0, ""}, std::string("there is no target in this ") + DialectName(program.dialect) + " file",
+    throw InputError({path, 0, ""}, std::string("there is no target in this ") + program.traits().name + " file",
                      "points that stand in another file (a .dat next to a .src) are corrected there");
   }
   return program;
@@ -161,10 +98,17 @@ namespace {
 
 // Finer than controllers resolve: 0.1 um, 0.02 urad; quaternions 0.02 urad.
 int Decimals(const RobotProgram& program, const ProgramPoint& point, size_t i) {
-  if (program.dialect == ProgramDialect::kUrScript) return 8;
-  if (point.is_joints) return 6;
-  if (i < 3) return 4;
-  return program.notation == PoseNotation::kQuaternion ? 9 : 6;
+  if (point.is_joints) return program.traits().joints_in_rad ? 8 : 6;
+  switch (program.traits().notation) {
+    case PoseNotation::kAbcDegrees:
+    case PoseNotation::kWprDegrees:
+      return i < 3 ? 4 : 6;
+    case PoseNotation::kQuaternion:
+      return i < 3 ? 4 : 9;
+    case PoseNotation::kRotationVectorMetres:
+      break;
+  }
+  return 8;
 }
 
 // Near the angles of the file: A = 180 stays 180 and does not become -179.99.
@@ -172,37 +116,73 @@ double NearestTurn(double value, double written, double turn) {
   return value + turn * std::round((written - value) / turn);
 }
 
+// Each of the following writes the rotation in values[3], ... as near as can be to how the file has it.
+
+// Three angles, deg; yaw: which of them is about z.
+void TurnToWrittenAngles(size_t yaw, const std::vector<TextNumber>& written, std::vector<double>* values) {
+  const size_t pitch = 4, roll = 8 - yaw;
+  std::vector<double>& angles = *values;
+  const auto to_nearest_turns = [&written](std::vector<double>* of) {
+    for (size_t i = 3; i < 6; ++i) (*of)[i] = NearestTurn((*of)[i], written[i].value, 360.0);
+  };
+  // Roll and yaw turn about one axis: only their sum (difference) is determined, and the file says what is of either.
+  if (std::abs(std::cos(angles[pitch] * kDegree)) < 1e-9) {
+    const double turn = written[yaw].value - angles[yaw];
+    angles[yaw] += turn;
+    angles[roll] += angles[pitch] > 0.0 ? turn : -turn;
+    to_nearest_turns(values);
+    return;
+  }
+  // The other set of angles, (x + 180, 180 - y, z + 180), where the file has that one.
+  const auto distance = [&written](const std::vector<double>& from) {
+    double sum = 0.0;
+    for (size_t i = 3; i < 6; ++i) sum += std::abs(from[i] - written[i].value);
+    return sum;
+  };
+  std::vector<double> other = angles;
+  other[roll] += 180.0, other[yaw] += 180.0, other[pitch] = 180.0 - other[pitch];
+  to_nearest_turns(values);
+  to_nearest_turns(&other);
+  if (distance(other) < distance(angles)) angles = other;
+}
+
+// q and -q are one rotation.
+void TurnToWrittenQuaternion(const std::vector<TextNumber>& written, std::vector<double>* values) {
+  double product = 0.0;
+  for (size_t i = 3; i < 7; ++i) product += (*values)[i] * written[i].value;
+  for (size_t i = 3; i < 7 && product < 0.0; ++i) (*values)[i] = -(*values)[i];
+}
+
+// A vector of the same direction, whose angle is on the other side of half a turn.
+void TurnToWrittenVector(const std::vector<TextNumber>& written, std::vector<double>* values) {
+  Vector3<double> v((*values)[3], (*values)[4], (*values)[5]);
+  const Vector3<double> before(written[3].value, written[4].value, written[5].value);
+  const Vector3<double> other = v.norm() > 0.0 ? Vector3<double>(v * (1.0 - 2.0 * kPi / v.norm())) : v;
+  if ((other - before).norm() < (v - before).norm()) v = other;
+  for (int i = 0; i < 3; ++i) (*values)[3 + i] = v[i];
+}
+
 std::vector<double> Values(const RobotProgram& program, const ProgramPoint& point, const CorrectedPoint& corrected) {
   if (point.is_joints) {
     std::vector<double> values = corrected.joints;
-    if (program.dialect == ProgramDialect::kUrScript) return values;
-    for (double& value : values) value /= kDegree;
+    for (double& value : values) value /= program.traits().joints_in_rad ? 1.0 : kDegree;
     return values;
   }
-  std::vector<double> values = NumbersOf(program.notation, corrected.tool_in_frame);
-  if (program.notation == PoseNotation::kQuaternion) {
-    double product = 0.0;  // q and -q are one rotation
-    for (size_t i = 3; i < 7; ++i) product += values[i] * point.numbers[i].value;
-    for (size_t i = 3; i < 7 && product < 0.0; ++i) values[i] = -values[i];
-  } else if (program.notation == PoseNotation::kRotationVectorMetres) {
-    Vector3<double> v(values[3], values[4], values[5]);
-    const Vector3<double> written(point.numbers[3].value, point.numbers[4].value, point.numbers[5].value);
-    const Vector3<double> other = v.norm() > 0.0 ? Vector3<double>(v * (1.0 - 2.0 * kPi / v.norm())) : v;
-    if ((other - written).norm() < (v - written).norm()) v = other;
-    for (int i = 0; i < 3; ++i) values[3 + i] = v[i];
-  } else {
-    // The other set of angles, (x + 180, 180 - y, z + 180), where the file has that one.
-    const auto distance = [&](const std::vector<double>& angles) {
-      double sum = 0.0;
-      for (size_t i = 3; i < 6; ++i) {
-        sum += std::abs(NearestTurn(angles[i], point.numbers[i].value, 360.0) - point.numbers[i].value);
-      }
-      return sum;
-    };
-    std::vector<double> other = values;
-    other[3] += 180.0, other[5] += 180.0, other[4] = 180.0 - other[4];
-    if (distance(other) < distance(values)) values = other;
-    for (size_t i = 3; i < 6; ++i) values[i] = NearestTurn(values[i], point.numbers[i].value, 360.0);
+  const PoseNotation notation = program.traits().notation;
+  std::vector<double> values = NumbersOf(notation, corrected.tool_in_frame);
+  switch (notation) {
+    case PoseNotation::kAbcDegrees:
+      TurnToWrittenAngles(3, point.numbers, &values);
+      break;
+    case PoseNotation::kWprDegrees:
+      TurnToWrittenAngles(5, point.numbers, &values);
+      break;
+    case PoseNotation::kQuaternion:
+      TurnToWrittenQuaternion(point.numbers, &values);
+      break;
+    case PoseNotation::kRotationVectorMetres:
+      TurnToWrittenVector(point.numbers, &values);
+      break;
   }
   return values;
 }

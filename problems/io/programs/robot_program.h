@@ -12,12 +12,9 @@
 #include <vector>
 
 #include "models/geometry.h"
+#include "problems/io/programs/program_dialect.h"
 
 namespace sagitta {
-
-enum class ProgramDialect { kKrl, kRapid, kUrScript, kFanuc };
-// "KUKA KRL", ...
-const char* DialectName(ProgramDialect dialect);
 
 // A number in the text.
 struct TextNumber {
@@ -25,13 +22,7 @@ struct TextNumber {
   double value = 0.0;         // as written
 };
 
-// How a pose is written: lengths, and a rotation of three angles, a vector or a quaternion.
-enum class PoseNotation {
-  kAbcDegrees,           // KRL: x y z A B C, R = Rz(A) Ry(B) Rx(C)
-  kWprDegrees,           // FANUC: x y z W P R, R = Rz(R) Ry(P) Rx(W)
-  kQuaternion,           // RAPID: x y z, scalar first
-  kRotationVectorMetres  // UR: x y z in m, vector in rad
-};
+// A pose in the file's notation, and its numbers.
 Pose<double> PoseFrom(PoseNotation notation, const std::vector<double>& numbers);
 std::vector<double> NumbersOf(PoseNotation notation, const Pose<double>& pose);
 
@@ -94,7 +85,6 @@ struct RobotProgram {
   ProgramDialect dialect = ProgramDialect::kKrl;
   std::string path;
   std::string text;
-  PoseNotation notation = PoseNotation::kAbcDegrees;
   std::vector<ProgramPoint> points;                  // in the order of the text
   std::vector<ProgramMotion> motions;                // every one that the text has
   std::map<std::string, Pose<double>> frames;        // in the world frame, stated by the file
@@ -104,12 +94,14 @@ struct RobotProgram {
   std::vector<std::string> notes;                    // what a reader of the result should know
   std::map<std::string, int> calls_elsewhere;  // routines that are called and are not in this file: line of the first
 
+  // Of its dialect.
+  const DialectTraits& traits() const { return TraitsOf(dialect); }
   // Of a joint point: rad.
   std::vector<double> JointValues(const ProgramPoint& point) const;
 };
 
-// By the ending: .src .dat .sub (KRL), .mod .modx .prg .sys (RAPID), .script .urscript (UR), .ls (FANUC). `joints`: of
-// the robot. Throws InputError: another ending, no target in the file, a point that is cut off.
+// In the dialect that the ending of its name says. `joints`: of the robot. Throws InputError: an ending of no dialect,
+// no target in the file, a point that is cut off.
 RobotProgram ReadRobotProgram(const std::string& path, int joints);
 
 // Of tools, frames and loads, by name. One that the program gives two values, or changes as it runs, has none that

@@ -368,7 +368,6 @@ void UrReader::ReadCalls() {
 }
 
 void UrReader::Read() {
-  program_.notation = PoseNotation::kRotationVectorMetres;
   ReadAssignments();
   ReadCalls();
   for (const int index : tools_) {
