@@ -28,6 +28,24 @@ std::array<std::string, 6> SixNames(const std::string& of) {
 
 }  // namespace
 
+std::string WordOf(CoordinateKind kind) {
+  switch (kind) {
+    case CoordinateKind::kBase:
+      return "base";
+    case CoordinateKind::kMarker:
+      return "marker";
+    case CoordinateKind::kGeometry:
+      return "geometry";
+    case CoordinateKind::kCompliance:
+      return "compliance";
+    case CoordinateKind::kCompensator:
+      return "compensator";
+    case CoordinateKind::kEffect:
+      return "effect";
+  }
+  return "";
+}
+
 std::optional<CoordinateKind> CoordinateKindOf(const std::string& name) {
   return FindChoice<CoordinateKind>(name.substr(0, name.find('/')));
 }

@@ -26,10 +26,7 @@ namespace sagitta {
 
 // What a coordinate is of; its name begins with it.
 enum class CoordinateKind { kBase, kMarker, kGeometry, kCompliance, kCompensator, kEffect };
-template <>
-struct ChoiceWords<CoordinateKind> {
-  static constexpr const char* kWords[] = {"base", "marker", "geometry", "compliance", "compensator", "effect"};
-};
+std::string WordOf(CoordinateKind kind);
 
 // Of a name in a file, e.g. kGeometry of geometry/A2.theta; nothing where it is none.
 std::optional<CoordinateKind> CoordinateKindOf(const std::string& name);

@@ -161,6 +161,7 @@ class DhReader {
         case DhColumn::kSign:
           CheckSign(row, c);
           break;
+        case DhColumn::kR:  // named by SetLengths
         case DhColumn::kMin:
         case DhColumn::kMax:
         case DhColumn::kOther:
