@@ -151,7 +151,8 @@ class ProgramCompensationTest : public ::testing::Test {
       } else {
         std::vector<double> numbers;
         for (const TextNumber& number : point.numbers) numbers.push_back(number.value);
-        const Pose<double> flange = Times(Times(frame, PoseFrom(corrected.notation, numbers)), Back(kToolInFlange));
+        const Pose<double> flange =
+            Times(Times(frame, PoseFrom(corrected.traits().notation, numbers)), Back(kToolInFlange));
         const FlangeSolution solution = SolveFlange(
             nominal,
             [&](const Eigen::VectorXd& at, FlangeState* state) {
