@@ -217,8 +217,7 @@ void FinishRobust(Loop* loop, CalibrationProblem* judged, Estimate* estimate) {
   std::vector<bool> kept(observations.size(), true);
   for (size_t k = 0; k < observations.size(); ++k) {
     const int i = observations[k], partner = judged->data().observations[i].partner;
-    for (const Outlier& outlier : loop->outliers)
-      kept[k] = kept[k] && outlier.observation != i && (partner < 0 || outlier.observation != partner);
+    for (const Outlier& o : loop->outliers) kept[k] = kept[k] && o.observation != i && o.observation != partner;
   }
   report.loss_inflation = report.systematic ? 1.0 : std::max(1.0, LossInflation(loop->loss, check, kept));
   if (report.systematic) return;

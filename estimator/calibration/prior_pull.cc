@@ -80,8 +80,7 @@ void SetPriorsAside(const CalibrationProblem& problem, const Linearization& fitt
                significance = problem.experiment().significance;
   if (pull.priors == 0 || !(freedom > 0.0) || !(own > 0.0)) return;
   const bool stated = problem.sigma_is_stated();
-  const bool is_known =
-      stated && (own <= freedom || ChanceOfResiduals(problem, own, freedom) >= significance);
+  const bool is_known = stated && (own <= freedom || ChanceOfResiduals(problem, own, freedom) >= significance);
   const double variance = is_known ? 1.0 : own / freedom;
   const double noise_dof = is_known ? std::numeric_limits<double>::infinity() : freedom;
   pull.is_set_aside =

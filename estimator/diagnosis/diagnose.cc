@@ -143,10 +143,13 @@ class Session {
     d_.has_unexplained |= posterior_.MoreThan(selected_.size()) > NamingGate();
     aside_.FromHeldOut(!named_, &d_.baseline, &d_.final, &lacking_, &prefixes_);
     FindRest();
-    d_.has_unexplained |= Misfits() || (selected_.empty() && (MayFollowThePose() || IsHardlyNoise()));
+    // The most probable set may be noise alone, and those that hold a cause more probable together.
+    const bool is_hardly_noise =
+        d_.noise.is_finding && !d_.noise.IsSureOfGroups(NamingGate()) && posterior_.Something() > kEvenOdds;
+    d_.has_unexplained |= Misfits() || (selected_.empty() && (d_.noise.MayFollowThePose() || is_hardly_noise));
     if (!selected_.empty()) {
       judged_ = d_.final;
-      if (d_.has_unexplained && MayFollowThePose()) FollowRepeatability();
+      if (d_.has_unexplained && d_.noise.MayFollowThePose()) FollowRepeatability();
       return AllowForRivals();
     }
     judged_ = lacking_;
@@ -155,9 +158,8 @@ class Session {
     d_.final_p = LackOfFit(problem_, d_.final, {});
   }
 
-  // The noise so far is what is left beyond all that the leading set holds. What is named is a part of that, and leaves
-  // more: intervals, predictions and what is said of the joints go by one noise, that of the final model. No figure of
-  // the hold-out closes by that, see NoiseFloor, and how well it fits is no test any more.
+  // The noise so far is what is left beyond all that the leading set holds. What is named leaves more: all that is said
+  // goes by one noise, that of the final model, by which (NoiseFloor) no figure of the hold-out closes.
   void FollowRepeatability() {
     d_.final = WithOwnRepeatability(judged_, IsSigmaStated(problem_), joint_);
     if (d_.final.problem == judged_.problem) return;
@@ -328,7 +330,7 @@ class Session {
   // What does not follow the pose only a second visit shows.
   std::optional<NextPoses> ProposeMeasuring() const {
     const ParameterSet& parameters = d_.baseline.estimate.parameters;
-    if (!MayFollowThePose()) return ProposeNext(*evidence_, *working_, parameters);
+    if (!d_.noise.MayFollowThePose()) return ProposeNext(*evidence_, *working_, parameters);
     return ProposeRevisits(WithNoiseOf(*evidence_, leading_, *working_), parameters);
   }
 
@@ -404,32 +406,17 @@ class Session {
            IsFarFromFloor(d_.final, is_stated, options_.significance);
   }
 
-  // Joints are said to deviate more than stated, and no pose was visited again: a cause that follows the pose looks the
-  // same.
-  bool MayFollowThePose() const {
-    return d_.noise.HasUndeclaredRepeatability() && !d_.noise.is_distinguished_from_pose &&
-           !d_.noise.repeatability_is_overstated;
-  }
-
-  // The most probable set may be noise alone, and those that hold a cause more probable together. Where these too have
-  // readings of a group scatter otherwise, that is sure whatever else there is; what else is not, by the gate.
-  bool IsHardlyNoise() const {
-    const bool is_of_groups = !d_.noise.HasUndeclaredRepeatability() && !d_.noise.scale_differs;
-    if (is_of_groups && d_.noise.probability > NamingGate()) return false;
-    return d_.noise.is_finding && posterior_.Something() > kEvenOdds;
-  }
-
   // m. A deviation of the joints that may be an error which follows the pose is no noise: it would close the gap by
   // being called noise.
   double NoiseFloor() const { return (IsFloorAsStated() ? d_.baseline : d_.final).estimate.noise_floor; }
   bool IsFloorAsStated() const {
-    return IsSigmaStated(problem_) && (MayFollowThePose() || evidence_->FollowsPose(leading_));
+    return IsSigmaStated(problem_) && (d_.noise.MayFollowThePose() || evidence_->FollowsPose(leading_));
   }
 
   // Where untouched rows get no better at all, what was found is at most a part of it, too. After MeasurePrefixes,
   // where anything is selected.
   bool MayLeaveARest() const {
-    return d_.has_unexplained || MayFollowThePose() ||
+    return d_.has_unexplained || d_.noise.MayFollowThePose() ||
            (!selected_.empty() && HoldoutRms(d_.final) >= HoldoutRms(prefixes_.front()));
   }
 
@@ -499,7 +486,7 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   CheckOptions(options);
   Diagnosis diagnosis;
   std::vector<std::string> left_out;
-  const std::optional<CalibrationProblem> stated = WithoutUnstatedRows(problem, &left_out);
+  const auto stated = WithoutUnstatedRows(problem, &left_out);
   Session(stated ? *stated : problem, options, &diagnosis).Run();
   const auto others = diagnosis.cautions.begin() + static_cast<long>(diagnosis.read_first);
   diagnosis.cautions.insert(others, left_out.begin(), left_out.end());

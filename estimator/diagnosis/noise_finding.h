@@ -49,6 +49,15 @@ struct NoiseFinding {
   bool is_finding = false;
 
   int SingleOutliers() const { return static_cast<int>(outliers.size()) - outliers_of_arrivals; }
+  // Joints are said to deviate more than stated, and no pose was visited again: a cause that follows the pose looks the
+  // same.
+  bool MayFollowThePose() const {
+    return HasUndeclaredRepeatability() && !is_distinguished_from_pose && !repeatability_is_overstated;
+  }
+  // That readings of a group scatter otherwise is sure whatever else there is: all sets that count have it.
+  bool IsSureOfGroups(double gate) const {
+    return !HasUndeclaredRepeatability() && !scale_differs && probability > gate;
+  }
   bool HasUndeclaredRepeatability() const { return repeatability > 0.0 && !asks_repeatability; }
 };
 

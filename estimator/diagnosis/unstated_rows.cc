@@ -13,7 +13,7 @@ namespace {
 
 // Of the shots that are read: without a quarter of them intervals are 15 % wider, 1 / sqrt(3/4), and without the column
 // what it drives is not seen at all.
-constexpr double kFew = 0.25;
+constexpr double kFewShots = 0.25;
 
 bool StatesApproachOf(const Shot& shot, int joint) {
   return joint < static_cast<int>(shot.approach.size()) && shot.approach[joint] != kApproachNotStated;
@@ -63,11 +63,11 @@ std::optional<CalibrationProblem> WithoutUnstatedRows(const CalibrationProblem& 
     for (const int s : read) {
       if (!column.is_stated(problem.data().shots[s])) own.push_back(s);
     }
-    if (own.empty() || static_cast<double>(own.size()) > kFew * static_cast<double>(read.size())) continue;
+    if (own.empty() || static_cast<double>(own.size()) > kFewShots * static_cast<double>(read.size())) continue;
     lacking.insert(own.begin(), own.end());
     columns.push_back(column.name);
   }
-  if (lacking.empty() || static_cast<double>(lacking.size()) > kFew * static_cast<double>(read.size())) return {};
+  if (lacking.empty() || static_cast<double>(lacking.size()) > kFewShots * static_cast<double>(read.size())) return {};
   CalibrationProblem without = problem;
   Measurements& data = *without.mutable_data();
   for (Observation& row : data.observations) row.excluded = row.excluded || lacking.count(row.shot) > 0;

@@ -158,9 +158,9 @@ TEST_F(DiagnoseCommandTest, ASpringWhoseFirstRefitFailsIsNotRefuted) {
   EXPECT_LT(diagnosis["posterior"]["noise"].get<double>(), 1e-6);
 }
 
-// Play of 17 deg that a joint drags along, poses visited twice, by a simulation that shares no code with the model. By the
-// nearest listed widths, 10 and 30 deg, the rest looks like a deviation that follows the pose: with that hypothesis in the
-// leading set no other width had been tried.
+// Play of 17 deg that a joint drags along, poses visited twice, by a simulation that shares no code with the model. By
+// the nearest listed widths, 10 and 30 deg, the rest looks like a deviation that follows the pose: with that hypothesis
+// in the leading set no other width had been tried.
 TEST_F(DiagnoseCommandTest, AWidthIsFoundThroughADeviationOfThePose) {
   const std::string campaign = SourceFolder() + "/tests/tools/dragged_stop/experiment.yaml";
   ASSERT_EQ(Run({"diagnose", campaign, "--out=" + Path("out")}).status, 0);
