@@ -179,7 +179,15 @@ CalibrationProblem::CalibrationProblem(ForwardModel model, SharedValue<Measureme
 void CalibrationProblem::set_data(Measurements data) {
   fitted_.reset();
   data_ = std::move(data);
+  ForgetRows();
+  RenewVisits(*data_, &latent);
 }
+
+void CalibrationProblem::ForgetRows() {
+  resolved_noise.clear();
+  weight_roots.clear();
+}
+
 void CalibrationProblem::set_shot_inputs(std::vector<ShotInput> inputs) { shot_inputs_ = std::move(inputs); }
 void CalibrationProblem::set_marker_frame(int marker, int frame) { (*marker_frames_.Own())[marker] = frame; }
 
@@ -191,7 +199,13 @@ void CalibrationProblem::RenewJoints() {
   model_->Prepare(&inputs);
 }
 
-void CalibrationProblem::RenewShots() { shot_inputs_ = MakeShotInputs(*model_, *data_, *experiment_); }
+void CalibrationProblem::RenewShots() {
+  shot_inputs_ = MakeShotInputs(*model_, *data_, *experiment_);
+  RenewVisits(*data_, &latent);
+  const size_t rows = data_->observations.size();
+  const auto is_of_others = [rows](const NoiseRoots& roots) { return !roots.empty() && roots.size() != rows; };
+  if (is_of_others(resolved_noise) || is_of_others(weight_roots)) ForgetRows();
+}
 
 Matrix3<double> CalibrationProblem::SqrtCovariance(int observation) const {
   if (!resolved_noise.empty()) return resolved_noise[observation];

@@ -62,6 +62,8 @@ class CalibrationProblem {
     fitted_.reset();
     return data_.Own();
   }
+  // Other rows. What was found of each of the old ones (resolved_noise, weight_roots) is not theirs: they weigh as they
+  // state, until it is set anew. The joints' deviations are those of their own visits, as large as before.
   void set_data(Measurements data);
   Experiment* mutable_experiment() { return experiment_.Own(); }
   std::vector<ShotInput>* mutable_shot_inputs() { return shot_inputs_.Own(); }
@@ -69,7 +71,8 @@ class CalibrationProblem {
   void set_marker_frame(int marker, int frame);
   // Joint values of the shots as the configurations have them now; everything else of the shots stays.
   void RenewJoints();
-  // All that acts in the shots, as data and experiment say now.
+  // All that acts in the shots, as data and experiment say now, and their visits. Where there are more or fewer rows
+  // than before, what was found of each row goes, as with set_data.
   void RenewShots();
 
   ParameterSet parameters;                    // start values; free and fixed as the experiment says
@@ -120,6 +123,8 @@ class CalibrationProblem {
   std::vector<int> ValidationObservations() const;
 
  private:
+  void ForgetRows();  // resolved_noise and weight_roots
+
   friend CalibrationProblem MakeCalibrationProblem(Robot, Measurements, Experiment);
   friend CalibrationProblem MakeKnownProblem(const Robot&, Measurements, Experiment, const KnownPlaces&);
 

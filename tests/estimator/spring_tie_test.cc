@@ -113,6 +113,26 @@ TEST(SpringTie, TheEndsCovarianceIsThatOfTheirMarkers) {
   }
 }
 
+TEST(SpringTie, IsInTheProblemOnce) {
+  const test::LoadedTruth truth = TruthWithSpringMarkers();
+  const test::LoadedSetup setup = SetupWithTie(truth, 1e-5, 1e-5);
+  const CalibrationProblem problem = MakeCalibrationProblem(setup.robot, ExactData(truth), setup.experiment);
+  ParameterSet parameters = problem.parameters;
+  ASSERT_TRUE(parameters.spring_tie());
+  const ResidualSelection whole = CalibrationResiduals(problem);
+  ResidualSelection parts[2];
+  for (size_t k = 0; k < whole.observations.size(); ++k) {
+    ResidualSelection& part = parts[2 * k < whole.observations.size() ? 0 : 1];
+    part.observations.push_back(whole.observations[k]);
+    part.noise.push_back(whole.noise[k]);
+  }
+  ceres::Problem once, twice;
+  AddToProblem(problem, whole, &parameters, &once);
+  for (const ResidualSelection& part : parts) AddToProblem(problem, part, &parameters, &twice);
+  EXPECT_EQ(twice.NumResiduals(), once.NumResiduals());
+  EXPECT_EQ(once.NumResiduals(), static_cast<int>(3 * whole.observations.size()) + 3);  // L, a_x, a_y
+}
+
 TEST(SpringTie, WithoutItTheGaugeIsHeld) {
   const test::LoadedTruth truth = TruthWithSpringMarkers();
   test::LoadedSetup setup = SetupWithTie(truth, 1e-5, 1e-5);

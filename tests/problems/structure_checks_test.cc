@@ -328,6 +328,28 @@ TEST(Structure, TermsOfAnOwnEffectLeadSomewhere) {
   EXPECT_THAT(words(0, 0, kNan), HasSubstr("number that is none"));
 }
 
+// One number per shot: fewer would be read past their end.
+TEST(Structure, AnOwnEffectRemembersEachShot) {
+  static size_t missing = 0;
+  EffectDefinition mine = OwnEffect("mine");
+  mine.remember = [](const Robot&, const EffectSpec&, const std::vector<const ShotConditions*>& campaign) {
+    return std::vector<double>(campaign.size() - missing, 0.0);
+  };
+  const auto words = [&](size_t fewer) {
+    missing = fewer;
+    try {
+      return Refusal([&](Given* g) {
+        g->robot.own_effects = {&mine};
+        g->robot.effects = {{"mine", "A1", {{"order", "1"}}, {}}};
+      });
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+  };
+  EXPECT_EQ(words(0), "");
+  EXPECT_THAT(words(1), AllOf(HasSubstr("effect 'mine'"), HasSubstr("remember"), HasSubstr("one per shot")));
+}
+
 TEST(Structure, EffectsThatAreAddedAreThere) {
   Given given;
   const CalibrationProblem problem = MakeCalibrationProblem(given.robot, given.data, given.experiment);
