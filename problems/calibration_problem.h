@@ -57,7 +57,9 @@ class CalibrationProblem {
   const std::vector<ShotInput>& shot_inputs() const { return *shot_inputs_; }
 
   // Given otherwise, for this problem alone. Readings, exclusions and the split may change at will; where joint values
-  // or conditions do, RenewJoints or RenewShots follows.
+  // or conditions do, RenewJoints or RenewShots follows. The pointers are for changes before the problem is copied: who
+  // copies it shares what they lead to, and a change by an old pointer is one of all copies since. After a copy (a call
+  // of Calibrate is one) ask for the pointer again.
   Measurements* mutable_data() {
     fitted_.reset();
     return data_.Own();
@@ -151,7 +153,8 @@ struct KnownPlaces {
 };
 
 // The problem of prediction and simulation, where nothing is to be found: stations and markers where they are known to
-// be (others at the origin), the robot as it is. Throws InputError.
+// be (others at the origin), the robot as it is. Throws InputError, also where a place is no number or its rotation
+// none.
 CalibrationProblem MakeKnownProblem(const Robot& robot, Measurements data, Experiment experiment,
                                     const KnownPlaces& places);
 

@@ -1,10 +1,12 @@
 // Markers on the two ends of the compensator's spring, inside the joint solve.
 #include "problems/spring_tie.h"
 
+#include <ceres/ceres.h>
 #include <gtest/gtest.h>
 
 #include "estimator/baselines/compare_methods.h"
 #include "estimator/calibration/joint_estimator.h"
+#include "estimator/least_squares/ceres_problem.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/spring_tie_cost.h"
 #include "estimator/statistics/distributions.h"
