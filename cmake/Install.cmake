@@ -1,7 +1,7 @@
 # cmake --install: programs, library, headers under one prefix, a CMake package and a pkg-config file.
 #
 # One header is for users: <sagitta/sagitta.h>. What it includes, directly or not, goes to sagitta/detail/ with its
-# #include lines rewritten, so that no header of ours lies outside sagitta/.
+# #include lines rewritten, so that no header of ours lies outside sagitta/. Each includes sagitta/version.h.
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
@@ -20,14 +20,38 @@ function(sagitta_collect_headers header collected)
   set(${collected} ${${collected}} PARENT_SCOPE)
 endfunction()
 
+# What a consumer's compiler has to agree on with ours: of the flags that our code is compiled with.
+set(SAGITTA_EIGEN_PROBE ${PROJECT_BINARY_DIR}/eigen_probe.cc)
+file(WRITE ${SAGITTA_EIGEN_PROBE} [[#include <Eigen/Core>
+#include <iostream>
+int main() {
+  std::cout << EIGEN_WORLD_VERSION << ";" << EIGEN_MAJOR_VERSION << ";" << EIGEN_MINOR_VERSION << ";"
+            << EIGEN_DEFAULT_ALIGN_BYTES << ";" << EIGEN_MAX_ALIGN_BYTES << ";" << EIGEN_MAX_STATIC_ALIGN_BYTES;
+}
+]])
+unset(SAGITTA_EIGEN_RUNS CACHE)  # asked again: flags may have changed
+try_run(SAGITTA_EIGEN_RUNS SAGITTA_EIGEN_COMPILES ${PROJECT_BINARY_DIR}/eigen_probe ${SAGITTA_EIGEN_PROBE}
+  LINK_LIBRARIES Eigen3::Eigen RUN_OUTPUT_VARIABLE SAGITTA_EIGEN_FACTS)
+list(LENGTH SAGITTA_EIGEN_FACTS SAGITTA_EIGEN_COUNT)
+if(NOT SAGITTA_EIGEN_COUNT EQUAL 6)
+  message(FATAL_ERROR "Eigen does not say how it aligns matrices: ${SAGITTA_EIGEN_FACTS}")
+endif()
+set(SAGITTA_EIGEN_INDEX 0)
+foreach(fact WORLD MAJOR MINOR DEFAULT_ALIGN MAX_ALIGN STATIC_ALIGN)
+  list(GET SAGITTA_EIGEN_FACTS ${SAGITTA_EIGEN_INDEX} SAGITTA_EIGEN_${fact})
+  math(EXPR SAGITTA_EIGEN_INDEX "${SAGITTA_EIGEN_INDEX} + 1")
+endforeach()
+
 set(SAGITTA_HEADERS)
 sagitta_collect_headers(estimator/sagitta.h SAGITTA_HEADERS)
 set(SAGITTA_STAGE ${PROJECT_BINARY_DIR}/include/sagitta)
 file(REMOVE_RECURSE ${SAGITTA_STAGE})
+configure_file(cmake/version.h.in ${SAGITTA_STAGE}/version.h @ONLY)
 foreach(header ${SAGITTA_HEADERS})
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${header})
   file(READ ${PROJECT_SOURCE_DIR}/${header} text)
   string(REGEX REPLACE "#include \"(models|problems|estimator)/" "#include \"sagitta/detail/\\1/" text "${text}")
+  string(REPLACE "#pragma once\n" "#pragma once\n\n#include \"sagitta/version.h\"\n" text "${text}")
   set(target ${SAGITTA_STAGE}/detail/${header})
   if(header STREQUAL "estimator/sagitta.h")
     set(target ${SAGITTA_STAGE}/sagitta.h)
@@ -45,6 +69,7 @@ install(FILES ${PROJECT_BINARY_DIR}/shell_pages/bash/sagitta
 install(FILES ${PROJECT_BINARY_DIR}/shell_pages/zsh/_sagitta
   DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT program)
 
+target_compile_features(sagitta_models INTERFACE cxx_std_17)
 set_target_properties(sagitta_models PROPERTIES EXPORT_NAME models)
 set_target_properties(sagitta_problems PROPERTIES EXPORT_NAME problems)
 set_target_properties(sagitta_estimator PROPERTIES EXPORT_NAME sagitta)
@@ -56,7 +81,7 @@ configure_package_config_file(cmake/sagitta-config.cmake.in ${PROJECT_BINARY_DIR
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sagitta)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/sagitta-config-version.cmake COMPATIBILITY SameMinorVersion)
 # Found from where the file lies: packages and --prefix put it elsewhere than CMAKE_INSTALL_PREFIX. fcl is no Requires:
-# Debian's fcl.pc states -std=c++11, which would come after ours.
+# Debian's fcl.pc states -std=c++11, which would come after the user's, as ours would.
 file(RELATIVE_PATH SAGITTA_PREFIX_FROM_PKGCONFIG "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
 string(REGEX REPLACE "/$" "" SAGITTA_PREFIX_FROM_PKGCONFIG "${SAGITTA_PREFIX_FROM_PKGCONFIG}")
 configure_file(cmake/sagitta.pc.in ${PROJECT_BINARY_DIR}/sagitta.pc @ONLY)

@@ -24,6 +24,7 @@
 #include "problems/io/files.h"
 #include "problems/io/output_files.h"
 #include "problems/range.h"
+#include "problems/whole_problem.h"
 
 namespace sagitta {
 namespace {
@@ -151,6 +152,7 @@ void CheckOptions(const CalibrateOptions& options) {
 
 Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& options) {
   CheckOptions(options);
+  CheckIsWhole(problem, "Calibrate");
   CheckMethod(problem, options.method);
   const auto say = [&](const std::string& what) {
     if (options.progress) options.progress(what);
@@ -212,6 +214,8 @@ nlohmann::ordered_json LearntEstimateToJson(const Diagnosis& diagnosis, const Pr
 
 nlohmann::ordered_json CalibrationToJson(const Calibration& calibration, const Provenance& provenance) {
   CheckIsUsable(calibration.estimate, "CalibrationToJson");
+  CheckAreOf(calibration.problem.data(), static_cast<size_t>(calibration.estimate.predicted.cols()),
+             "CalibrationToJson");
   nlohmann::ordered_json json = EstimateToJson(calibration.problem, calibration.estimate, provenance);
   AddTrustTo(calibration.estimate, calibration.trust, &json);
   return json;

@@ -12,8 +12,9 @@
 // perturbation, R = exp(delta) R_hat. Input that cannot be used throws InputError {file, line, key, what, hint}, an
 // option out of its range one whose key is Struct.field. A numerical failure of an estimate is a Status with a message;
 // Predict, Validate and Simulate throw Failure where a load folds the arm. What was interrupted throws Interruption.
-// What asks for results that do not exist, of a calibration that is not usable for example, is std::invalid_argument.
-// Nothing here prints. Functions that return nlohmann::ordered_json need <nlohmann/json.hpp> where they are called.
+// What asks for results that do not exist, of a calibration that is not usable for example, and members of a problem
+// that do not fit together are std::invalid_argument. Nothing here prints. Functions that return nlohmann::ordered_json
+// need <nlohmann/json.hpp> where they are called.
 #pragma once
 
 #include <cstdint>
@@ -39,6 +40,7 @@
 #include "problems/interruption.h"
 #include "problems/io/experiment_inputs.h"
 #include "problems/io/robot_file.h"
+#include "problems/range.h"
 #include "problems/simulation.h"
 
 namespace sagitta {
@@ -76,7 +78,8 @@ struct Calibration {
 
 // Everything that is unknown in one solve, with the noise, the intervals that the experiment asks for, the agreement
 // between parts of the data, and the verdict. Judge it by estimate.status (IsUsable). Throws InputError where the
-// method cannot honour what the problem states.
+// method cannot honour what the problem states, and std::invalid_argument where members of the problem that were set
+// since it was made do not fit together, or hold what is no number.
 Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& options = {});
 
 // The extended model of a usable diagnosis, judged as Calibrate judges: verdict, cross-validation, suspect rows, model
@@ -87,11 +90,11 @@ Calibration ExtendedCalibration(const Diagnosis& diagnosis, std::uint64_t seed =
 nlohmann::ordered_json LearntEstimateToJson(const Diagnosis& diagnosis, const Provenance& provenance);
 
 // estimate.json as written: the estimate, its verdict, cross-validation and suspect rows. This and the next two throw
-// std::invalid_argument where the estimate is not usable.
+// std::invalid_argument where the estimate is not usable or is one of other rows than the problem's.
 nlohmann::ordered_json CalibrationToJson(const Calibration& calibration, const Provenance& provenance);
 
 // estimate.json, robot.calibrated.yaml and residuals.csv (FORMATS section 4) in a folder that is made if it is absent.
-// Rows that are of no file have the columns of problems/io/rows_in_memory.h in tables. Throws InputError where one of
+// Rows that are of no file have their configuration and marker as columns in tables. Throws InputError where one of
 // these is a file that the problem was read from.
 void WriteCalibration(const Calibration& calibration, const std::string& folder, const Provenance& provenance = {});
 

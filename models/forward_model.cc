@@ -185,6 +185,10 @@ std::vector<double> MemoriesOf(const Robot& robot, const EffectDefinition& defin
     std::vector<const ShotConditions*> in_order;
     for (const size_t s : order) in_order.push_back(&shots[s].conditions);
     const std::vector<double> own = definition.remember(robot, spec, in_order);
+    if (own.size() != order.size()) {
+      throw std::invalid_argument("effect '" + definition.name + "': remember returns " + std::to_string(own.size()) +
+                                  " numbers for " + std::to_string(order.size()) + " shots: it is one per shot");
+    }
     for (size_t k = 0; k < order.size(); ++k) memories[order[k]] = own[k];
   }
   return memories;

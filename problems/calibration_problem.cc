@@ -13,6 +13,7 @@
 #include "problems/split.h"
 #include "problems/spring_tie.h"
 #include "problems/structure_checks.h"
+#include "problems/structure_failure.h"
 
 namespace sagitta {
 namespace {
@@ -184,7 +185,15 @@ CalibrationProblem::CalibrationProblem(ForwardModel model, SharedValue<Measureme
 void CalibrationProblem::set_data(Measurements data) {
   fitted_.reset();
   data_ = std::move(data);
+  ForgetRows();
+  RenewVisits(*data_, &latent);
 }
+
+void CalibrationProblem::ForgetRows() {
+  resolved_noise.clear();
+  weight_roots.clear();
+}
+
 void CalibrationProblem::set_shot_inputs(std::vector<ShotInput> inputs) { shot_inputs_ = std::move(inputs); }
 void CalibrationProblem::set_marker_frame(int marker, int frame) { (*marker_frames_.Own())[marker] = frame; }
 
@@ -196,7 +205,13 @@ void CalibrationProblem::RenewJoints() {
   model_->Prepare(&inputs);
 }
 
-void CalibrationProblem::RenewShots() { shot_inputs_ = MakeShotInputs(*model_, *data_, *experiment_); }
+void CalibrationProblem::RenewShots() {
+  shot_inputs_ = MakeShotInputs(*model_, *data_, *experiment_);
+  RenewVisits(*data_, &latent);
+  const size_t rows = data_->observations.size();
+  const auto is_of_others = [rows](const NoiseRoots& roots) { return !roots.empty() && roots.size() != rows; };
+  if (is_of_others(resolved_noise) || is_of_others(weight_roots)) ForgetRows();
+}
 
 Matrix3<double> CalibrationProblem::SqrtCovariance(int observation) const {
   if (!resolved_noise.empty()) return resolved_noise[observation];
@@ -372,9 +387,32 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
   return problem;
 }
 
+namespace {
+
+// A place that is none would be predicted from without a word.
+void CheckPlaces(const Measurements& data, const KnownPlaces& places) {
+  for (const std::string& name : data.stations) {
+    const auto found = places.base_in_station.find(name);
+    if (found == places.base_in_station.end()) continue;
+    const std::string item = "station " + name;
+    CheckAreNumbers(found->second.translation, item, "a coordinate of its base");
+    CheckIsRotation(found->second.rotation, item, "the rotation of its base");
+  }
+  for (const std::string& name : data.markers) {
+    const auto found = places.markers.find(name);
+    if (found == places.markers.end()) continue;
+    const std::string item = "marker " + name;
+    if (found->second.point) CheckAreNumbers(*found->second.point, item, "a coordinate of its point");
+    if (found->second.rotvec) CheckAreNumbers(*found->second.rotvec, item, "a coordinate of its rotation vector");
+  }
+}
+
+}  // namespace
+
 CalibrationProblem MakeKnownProblem(const Robot& robot, Measurements data, Experiment experiment,
                                     const KnownPlaces& places) {
   CheckStructure(robot, data, MarkerlessRows::kAllowed);
+  CheckPlaces(data, places);
   CountFromReference(robot, &experiment);
   for (const auto& [name, marker] : places.markers) experiment.markers[name] = marker;
   // Rows need not have every station and marker of the calibration.

@@ -59,11 +59,15 @@ class CalibrationProblem {
   const std::vector<ShotInput>& shot_inputs() const { return *shot_inputs_; }
 
   // Given otherwise, for this problem alone. Readings, exclusions and the split may change at will; where joint values
-  // or conditions do, RenewJoints or RenewShots follows.
+  // or conditions do, RenewJoints or RenewShots follows. The pointers are for changes before the problem is copied: who
+  // copies it shares what they lead to, and a change by an old pointer is one of all copies since. After a copy (a call
+  // of Calibrate is one) ask for the pointer again.
   Measurements* mutable_data() {
     fitted_.reset();
     return data_.Own();
   }
+  // Other rows. What was found of each of the old ones (resolved_noise, weight_roots) is not theirs: they weigh as they
+  // state, until it is set anew. The joints' deviations are those of their own visits, as large as before.
   void set_data(Measurements data);
   Experiment* mutable_experiment() { return experiment_.Own(); }
   std::vector<ShotInput>* mutable_shot_inputs() { return shot_inputs_.Own(); }
@@ -71,7 +75,8 @@ class CalibrationProblem {
   void set_marker_frame(int marker, int frame);
   // Joint values of the shots as the configurations have them now; everything else of the shots stays.
   void RenewJoints();
-  // All that acts in the shots, as data and experiment say now.
+  // All that acts in the shots, as data and experiment say now, and their visits. Where there are more or fewer rows
+  // than before, what was found of each row goes, as with set_data.
   void RenewShots();
 
   ParameterSet parameters;                    // start values; free and fixed as the experiment says
@@ -122,6 +127,8 @@ class CalibrationProblem {
   std::vector<int> ValidationObservations() const;
 
  private:
+  void ForgetRows();  // resolved_noise and weight_roots
+
   friend CalibrationProblem MakeCalibrationProblem(Robot, Measurements, Experiment);
   friend CalibrationProblem MakeKnownProblem(const Robot&, Measurements, Experiment, const KnownPlaces&);
 
@@ -148,7 +155,8 @@ struct KnownPlaces {
 };
 
 // The problem of prediction and simulation, where nothing is to be found: stations and markers where they are known to
-// be (others at the origin), the robot as it is. Throws InputError.
+// be (others at the origin), the robot as it is. Throws InputError, also where a place is no number or its rotation
+// none.
 CalibrationProblem MakeKnownProblem(const Robot& robot, Measurements data, Experiment experiment,
                                     const KnownPlaces& places);
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "problems/choices.h"
 #include "problems/problem_checks.h"
 #include "problems/range.h"
 
@@ -23,6 +24,14 @@ class Checks {
   void In(const Range& range, const std::optional<Vector3<double>>& values, const std::string& key) const {
     if (!values) return;
     for (const double value : *values) In(range, value, key);
+  }
+
+  // Of a number that was made an enum.
+  template <typename Choice>
+  void IsChoice(Choice choice, const std::string& key) const {
+    const auto index = static_cast<size_t>(choice);
+    if (index < WordsOf<Choice>().size()) return;
+    FailProblem(experiment_, key, "there is no choice number " + std::to_string(static_cast<int>(choice)));
   }
 
   const Experiment& experiment() const { return experiment_; }
@@ -82,6 +91,11 @@ void CheckExperiment(const Experiment& experiment) {
   CheckNoiseNumbers(experiment.noise, check);
   CheckRepeatability(allowed::kAngleSigmaOrZero, experiment.repeatability.angle, check);
   CheckRepeatability(allowed::kSigmaOrZero, experiment.repeatability.length, check);
+  check.IsChoice(experiment.method.weights, "weights");
+  check.IsChoice(experiment.method.loss, "loss");
+  check.IsChoice(experiment.method.covariance, "covariance");
+  check.IsChoice(experiment.method.bootstrap.kind, "bootstrap.kind");
+  check.IsChoice(experiment.noise.group, "noise.group");
   check.In(allowed::kReplicates, experiment.method.bootstrap.replicates, "bootstrap.replicates");
   for (const auto& [name, prior] : experiment.priors) {
     check.In(allowed::kPriorValue, prior.value, "priors." + name + ".value");

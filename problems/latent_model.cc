@@ -53,13 +53,18 @@ LatentModel MakeLatentModel(const Chain& chain, const Measurements& data, const 
     sigmas.push_back(sigma);
   }
   latent.sigmas = Eigen::Map<Eigen::VectorXd>(sigmas.data(), sigmas.size());
+  RenewVisits(data, &latent);
+  return latent;
+}
+
+void RenewVisits(const Measurements& data, LatentModel* latent) {
   std::map<std::pair<int, std::string>, int> visits;
+  latent->visit_of_shot.clear();
   for (const Shot& shot : data.shots) {
     const auto key = std::make_pair(shot.configuration, shot.visit);
-    latent.visit_of_shot.push_back(visits.emplace(key, static_cast<int>(visits.size())).first->second);
+    latent->visit_of_shot.push_back(visits.emplace(key, static_cast<int>(visits.size())).first->second);
   }
-  latent.num_visits = static_cast<int>(visits.size());
-  return latent;
+  latent->num_visits = static_cast<int>(visits.size());
 }
 
 }  // namespace sagitta

@@ -25,4 +25,7 @@ struct LatentModel {
 // Throws InputError for a joint the robot does not have.
 LatentModel MakeLatentModel(const Chain& chain, const Measurements& data, const Experiment& experiment);
 
+// The visits of other rows: joints and their deviations stay as they were stated or found.
+void RenewVisits(const Measurements& data, LatentModel* latent);
+
 }  // namespace sagitta

@@ -1,6 +1,8 @@
 #include "problems/measurements.h"
 
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 
 namespace sagitta {
 
@@ -60,6 +62,14 @@ std::vector<bool> Measurements::OrientedMarkers() const {
 
 Observation& Measurements::AddRotation(int point) {
   const int index = static_cast<int>(observations.size());
+  if (point < 0 || point >= index) {
+    throw std::invalid_argument("AddRotation: there is no observation " + std::to_string(point));
+  }
+  const int shot = observations[point].shot;
+  if (shot < 0 || shot >= static_cast<int>(shots.size())) {
+    throw std::invalid_argument("AddRotation: the shot of observation " + std::to_string(point) +
+                                " is not there, add it to `shots` first");
+  }
   Observation rotation = observations[point];
   rotation.kind = ReadingKind::kRotation;
   rotation.partner = point;

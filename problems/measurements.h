@@ -128,7 +128,8 @@ struct Measurements {
   void ExcludeRow(int observation, bool excluded = true);
   // Of each marker whether a row states its rotation.
   std::vector<bool> OrientedMarkers() const;
-  // Adds the rotation of the pose to an observation that is a point.
+  // Adds the rotation of the pose to an observation that is a point, and to the list of its shot. Throws
+  // std::invalid_argument where one of these is not there.
   Observation& AddRotation(int point);
   bool IsValidation(const Observation& observation) const { return ConfigurationOf(observation).is_validation; }
   // The cell of an observation's row, "" if its file has no such column or it is of no file.

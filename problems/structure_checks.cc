@@ -14,8 +14,6 @@
 namespace sagitta {
 namespace {
 
-constexpr double kOrthogonal = 1e-6;  // of R'R from the identity: what eight digits of a file leave
-
 // As many as there are joints, or none.
 void CheckOnePerJoint(Eigen::Index count, int joints, const std::string& item, const char* what) {
   if (count == joints) return;
@@ -25,6 +23,7 @@ void CheckOnePerJoint(Eigen::Index count, int joints, const std::string& item, c
 void CheckConfigurations(const Measurements& data, int joints) {
   for (const Configuration& configuration : data.configurations) {
     const std::string item = "configuration " + configuration.id;
+    CheckCanBeWritten(configuration.id, item, "its id");
     CheckOnePerJoint(configuration.q.size(), joints, item, "joint values");
     CheckAreNumbers(configuration.q, item, "a joint value");
   }
@@ -60,6 +59,9 @@ void CheckShot(const Measurements& data, size_t s, int joints) {
   const std::string item = Numbered("shot", s);
   CheckIndex(shot.configuration, data.configurations.size(), item, "configuration");
   CheckIndex(shot.station, data.stations.size(), item, "station");
+  CheckCanBeWritten(shot.visit, item, "its visit");
+  CheckCanBeWritten(shot.repeat, item, "its repeat");
+  CheckCanBeWritten(shot.load, item, "its load");
   if (shot.joint_torques.size() > 0) CheckOnePerJoint(shot.joint_torques.size(), joints, item, "joint torques");
   if (!shot.approach.empty()) {
     CheckOnePerJoint(static_cast<Eigen::Index>(shot.approach.size()), joints, item, "directions of approach");
@@ -91,10 +93,8 @@ void CheckSigmas(const Vector3<double>& sigmas, double least, double largest, co
 
 void CheckRotation(const ObservedRotation& rotation, const std::string& item) {
   CheckSigmas(rotation.sigma, limits::kLeastRotationSigma, limits::kLargestRotationSigma, item);
-  const Matrix3<double>& r = rotation.in_station;
-  if (r.array().isNaN().any()) return;  // not measured
-  const double off = (r.transpose() * r - Matrix3<double>::Identity()).cwiseAbs().maxCoeff();
-  if (!(off < kOrthogonal) || r.determinant() < 0.0) FailStructure(item, "its rotation is no rotation matrix");
+  if (rotation.in_station.array().isNaN().any()) return;  // not measured
+  CheckIsRotation(rotation.in_station, item, "its rotation");
 }
 
 void CheckObservation(const Measurements& data, size_t i, MarkerlessRows markerless) {

@@ -1,5 +1,6 @@
 #include "problems/structure_failure.h"
 
+#include <algorithm>
 #include <set>
 
 #include "problems/io/text_checks.h"
@@ -7,7 +8,12 @@
 namespace sagitta {
 namespace {
 
-constexpr double kLargestSi = 1e9;  // of whatever quantity
+constexpr double kLargestSi = 1e9;    // of whatever quantity
+constexpr double kOrthogonal = 1e-6;  // of R'R from the identity: what eight digits of a file leave
+
+bool IsPlainText(const std::string& text) {
+  return std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
+}
 
 }  // namespace
 
@@ -28,11 +34,28 @@ void CheckIndex(int index, size_t size, const std::string& item, const char* wha
                           std::to_string(size) + " (numbers begin at 0)");
 }
 
+void CheckIsRotation(const Eigen::Matrix3d& rotation, const std::string& item, const char* what) {
+  const double off = (rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (off < kOrthogonal && rotation.allFinite() && rotation.determinant() > 0.0) return;
+  FailStructure(item, std::string(what) + " is no rotation matrix");
+}
+
+void CheckCanBeWritten(const std::string& text, const std::string& item, const char* what) {
+  if (IsPlainText(text)) return;
+  if (HasControlCharacter(text)) {
+    FailStructure(Printable(ValidUtf8(item)),
+                  std::string(what) + " '" + Printable(ValidUtf8(text)) + "' holds a control character");
+  }
+  if (ValidUtf8(text) != text) {
+    FailStructure(Printable(ValidUtf8(item)), std::string(what) + " '" + ValidUtf8(text) + "' is no text in UTF-8");
+  }
+}
+
 void CheckNamesDiffer(const std::vector<std::string>& names, const char* what) {
   std::set<std::string> seen;
   for (const std::string& name : names) {
     if (name.empty()) FailStructure(what, "one has no name");
-    if (HasControlCharacter(name)) FailStructure(what, "the name '" + Printable(name) + "' holds a control character");
+    CheckCanBeWritten(name, what, "the name");
     if (!seen.insert(name).second) FailStructure(what, "two have the name '" + name + "'", "give each its own name");
   }
 }

@@ -32,8 +32,14 @@ void CheckAreNumbersOrNaN(const Values& values, const std::string& item, const c
   }
 }
 
+// R'R is the identity and det R is 1, to eight digits of a file. `what`: "its rotation".
+void CheckIsRotation(const Eigen::Matrix3d& rotation, const std::string& item, const char* what);
+
 // An index into a list of `size`.
 void CheckIndex(int index, size_t size, const std::string& item, const char* what);
+
+// A text that a table can hold: UTF-8 without control characters. `what`: "its visit".
+void CheckCanBeWritten(const std::string& text, const std::string& item, const char* what);
 
 // Each has a name that can be written and read back, and no two the same.
 void CheckNamesDiffer(const std::vector<std::string>& names, const char* what);

@@ -13,6 +13,7 @@
 #include "problems/input_error.h"
 #include "problems/interruption.h"
 #include "problems/range.h"
+#include "problems/structure_failure.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -257,6 +258,10 @@ void CheckTargets(const CompensationInput& input, const std::vector<Target>& tar
       throw InputError({"", 0, item}, std::to_string(target.q->size()) + " joint values, the robot has " +
                                           std::to_string(input.nominal.num_joints()) + " joints");
     }
+    if (target.q) CheckAreNumbers(*target.q, item, "a joint value");
+    if (!target.flange_in_base) continue;
+    CheckAreNumbers(target.flange_in_base->translation, item, "a coordinate of its pose");
+    CheckIsRotation(target.flange_in_base->rotation, item, "the rotation of its pose");
   }
 }
 

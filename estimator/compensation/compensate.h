@@ -42,8 +42,8 @@ struct CompensatedTarget {
 
 // One per target, in their order. What comes out does not depend on `threads`. progress hears now and then how many
 // targets are done, from one thread at a time. Throws InputError for a number of threads out of its range, for more
-// targets than the input has shots, and for a target without pose and joint values, or with another number of these. An
-// arm that its load folds is the target's status.
+// targets than the input has shots, and for a target without pose and joint values, with another number of these, or
+// with a pose that is none. An arm that its load folds is the target's status.
 std::vector<CompensatedTarget> Compensate(const CompensationInput& input, const std::vector<Target>& targets,
                                           int threads, const std::function<void(size_t done)>& progress = {});
 

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
 
 #include "models/constants.h"
 
@@ -190,6 +193,12 @@ const char* StatusName(TargetStatus status) {
 }
 
 // Four points of the flange, its origin and one metre along each of its axes, give pose and derivative.
+LoadedArm::LoadedArm(const ForwardModel& model, std::vector<double> theta) : model_(model), theta_(std::move(theta)) {
+  if (static_cast<int>(theta_.size()) == model_.num_parameters()) return;
+  throw std::invalid_argument("LoadedArm: " + std::to_string(theta_.size()) + " values, the model has " +
+                              std::to_string(model_.num_parameters()) + " parameters");
+}
+
 bool LoadedArm::At(const Eigen::VectorXd& q, ShotInput shot, const Matrix3<double>& base_rotation,
                    const std::vector<int>& parameters, FlangeState* state) const {
   shot.conditions.q = q;

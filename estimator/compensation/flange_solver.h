@@ -31,8 +31,10 @@ struct FlangeState {
 // A robot in one shot: everything but q is held.
 class LoadedArm {
  public:
-  // theta: model parameters; base_rotation: R of base_in_station, for what is given in the measurement frame.
-  LoadedArm(const ForwardModel& model, std::vector<double> theta) : model_(model), theta_(std::move(theta)) {}
+  // theta: one value per model parameter, SI; base_rotation: R of base_in_station, for what is given in the measurement
+  // frame. The model outlives the arm. Throws std::invalid_argument for another number of values.
+  LoadedArm(const ForwardModel& model, std::vector<double> theta);
+  LoadedArm(ForwardModel&& model, std::vector<double> theta) = delete;
 
   // False: no equilibrium, a load folds the arm.
   bool At(const Eigen::VectorXd& q, ShotInput shot, const Matrix3<double>& base_rotation,

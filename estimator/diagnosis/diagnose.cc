@@ -17,6 +17,7 @@
 #include "estimator/report/diagnosis_caution_words.h"
 #include "problems/input_error.h"
 #include "problems/range.h"
+#include "problems/whole_problem.h"
 
 namespace sagitta {
 namespace {
@@ -455,11 +456,9 @@ class Session {
   SetAside aside_;
   std::unique_ptr<CalibrationProblem> working_;  // what the evidence is made of
   std::unique_ptr<Evidence> evidence_;
-  Posterior posterior_;                        // of the evidence's models
+  Posterior posterior_, weighed_;              // of the evidence's models; of weighed_models_
   std::vector<WeightedModel> weighed_models_;  // these, or averaged over resamples
-  Posterior weighed_;
-  bool is_bagged_ = false;
-  bool named_ = false, is_refuted_ = false;
+  bool is_bagged_ = false, named_ = false, is_refuted_ = false;
   WeightedModel leading_;
   DiagnosedModel lacking_;  // the believed model with the noise that goes with the leading set
   DiagnosedModel judged_;   // the same with what is named
@@ -484,6 +483,7 @@ void CheckOptions(const DiagnosisOptions& options) {
 
 Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& options) {
   CheckOptions(options);
+  CheckIsWhole(problem, "Diagnose");
   Diagnosis diagnosis;
   std::vector<std::string> left_out;
   const auto stated = WithoutUnstatedRows(problem, &left_out);

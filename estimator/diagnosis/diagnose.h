@@ -112,8 +112,8 @@ struct DiagnosisOptions {
 void CheckOptions(const DiagnosisOptions& options);
 
 // Which effects the model lacks. The problem needs held-out configurations for the gap (HoldOutForDiagnosis). Throws
-// InputError for an option out of its range and for fitted readings that are not numbers; a model that does not fit is
-// the status.
+// InputError for an option out of its range and for fitted readings that are not numbers, std::invalid_argument where
+// members of the problem do not fit together; a model that does not fit is the status.
 Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& options);
 
 }  // namespace sagitta

@@ -83,7 +83,6 @@ CalibrationProblem WithPoses(const CalibrationProblem& problem, const std::vecto
   CalibrationProblem extended = problem;
   extended.set_data(std::move(data));
   extended.resolved_noise = std::move(roots);
-  extended.weight_roots.clear();
   extended.RenewShots();
   extended.latent = MakeLatentModel(extended.robot().chain, extended.data(), extended.experiment());
   return extended;

@@ -127,7 +127,7 @@ LinearState Align(const CalibrationProblem& problem, bool misfit, std::vector<Fi
     found = LintRows(problem, all, left);
     if (now == outliers) break;
     outliers = now;
-    state.problem.set_data(problem.data());
+    *state.problem.mutable_data() = problem.data();
     for (const int k : outliers) state.problem.mutable_data()->ExcludeRow(rows.observations[k]);
   }
   findings->insert(findings->end(), found.begin(), found.end());

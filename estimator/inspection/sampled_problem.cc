@@ -90,8 +90,6 @@ CalibrationProblem SampledProblem(const CalibrationProblem& problem) {
   std::vector<ShotInput> inputs;  // time and temperature count from the origins of all rows
   for (const int s : kept.shots) inputs.push_back(problem.shot_inputs()[s]);
   sampled.set_shot_inputs(std::move(inputs));
-  sampled.resolved_noise.clear();
-  sampled.weight_roots.clear();
   for (const int i : kept.observations) {
     if (!problem.resolved_noise.empty()) sampled.resolved_noise.push_back(problem.resolved_noise[i]);
     if (!problem.weight_roots.empty()) sampled.weight_roots.push_back(problem.weight_roots[i]);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -81,27 +82,84 @@ void AddShot(const CalibrationProblem& problem, const ResidualSelection& selecti
                                   loss, blocks);
 }
 
+// Ours, and no prior that the problem's owner has put on a block.
+class PriorOfSet : public ceres::CostFunction {
+ public:
+  PriorOfSet(const ceres::Matrix& weight, const ceres::Vector& center) : prior_(weight, center) {
+    set_num_residuals(prior_.num_residuals());
+    *mutable_parameter_block_sizes() = prior_.parameter_block_sizes();
+  }
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    return prior_.Evaluate(parameters, residuals, jacobians);
+  }
+
+ private:
+  const ceres::NormalPrior prior_;
+};
+
+// What earlier calls have put into the problem.
+struct EarlierCalls {
+  std::set<const double*> with_prior;  // blocks
+  std::set<const double*> deviations;  // blocks of visits, of this set's shots
+};
+
+EarlierCalls FindEarlierCalls(const ParameterSet& parameters, const ceres::Problem& ceres_problem) {
+  EarlierCalls earlier;
+  std::set<const double*> stations;
+  for (int s = 0; s < parameters.num_stations(); ++s) stations.insert(parameters.station_translation(s).values.data());
+  std::vector<ceres::ResidualBlockId> residuals;
+  ceres_problem.GetResidualBlocks(&residuals);
+  std::vector<double*> blocks;
+  for (const ceres::ResidualBlockId id : residuals) {
+    const ceres::CostFunction* const cost = ceres_problem.GetCostFunctionForResidualBlock(id);
+    const auto* const shot = dynamic_cast<const ShotCost*>(cost);
+    const bool deviates = shot != nullptr && shot->has_deviations();
+    if (!deviates && dynamic_cast<const PriorOfSet*>(cost) == nullptr) continue;
+    ceres_problem.GetParameterBlocksForResidualBlock(id, &blocks);
+    if (!deviates) earlier.with_prior.insert(blocks[0]);
+    if (deviates && stations.count(blocks[0]) > 0) earlier.deviations.insert(blocks.back());
+  }
+  return earlier;
+}
+
+// Makes one block per visit, or finds those of the calls before: a visit has one deviation, whatever is selected of it.
+void PrepareDeviations(const LatentModel& model, const EarlierCalls& earlier, LatentBlocks* latents) {
+  if (earlier.deviations.empty()) {
+    if (latents != nullptr) latents->assign(model.num_visits, std::vector<double>(model.size(), 0.0));
+    return;
+  }
+  std::set<const double*> own;
+  if (latents != nullptr) {
+    for (const std::vector<double>& block : *latents) own.insert(block.data());
+  }
+  const bool is_same = std::includes(own.begin(), own.end(), earlier.deviations.begin(), earlier.deviations.end());
+  if (is_same && static_cast<int>(latents->size()) == model.num_visits) return;
+  throw std::invalid_argument(
+      "AddToProblem: these parameters are in the problem with deviations of the joints: give the same `latents` again");
+}
+
 // One residual (value - prior) / sigma per estimated coordinate that has one.
-void AddPriors(const ParameterSet* parameters, ceres::Problem* ceres_problem) {
+void AddPriors(const ParameterSet* parameters, const EarlierCalls& earlier, ceres::Problem* ceres_problem) {
   for (const Coordinate& coordinate : parameters->coordinates()) {
     if (!coordinate.has_prior() || !coordinate.estimated()) continue;
     const ParameterBlock& block = parameters->blocks()[coordinate.block];
     double* values = const_cast<double*>(block.values.data());
-    if (!ceres_problem->HasParameterBlock(values)) continue;
+    if (!ceres_problem->HasParameterBlock(values) || earlier.with_prior.count(values) > 0) continue;
     ceres::Matrix weight = ceres::Matrix::Zero(1, block.tangent_size);
     weight(0, coordinate.index_in_block) = 1.0 / coordinate.prior_sigma;
     ceres::Vector center = ceres::Vector::Constant(block.tangent_size, coordinate.prior_value);
-    ceres_problem->AddResidualBlock(new ceres::NormalPrior(weight, center), nullptr, values);
+    ceres_problem->AddResidualBlock(new PriorOfSet(weight, center), nullptr, values);
   }
 }
 
 // delta_j / sigma_j per visit that is observed.
-void AddLatentPriors(const Eigen::VectorXd& sigmas, LatentBlocks* latents, ceres::Problem* ceres_problem) {
+void AddLatentPriors(const Eigen::VectorXd& sigmas, const EarlierCalls& earlier, LatentBlocks* latents,
+                     ceres::Problem* ceres_problem) {
   const ceres::Matrix weight = sigmas.cwiseInverse().asDiagonal();
   for (std::vector<double>& block : *latents) {
-    if (!ceres_problem->HasParameterBlock(block.data())) continue;
-    ceres_problem->AddResidualBlock(new ceres::NormalPrior(weight, ceres::Vector::Zero(sigmas.size())), nullptr,
-                                    block.data());
+    if (!ceres_problem->HasParameterBlock(block.data()) || earlier.with_prior.count(block.data()) > 0) continue;
+    ceres_problem->AddResidualBlock(new PriorOfSet(weight, ceres::Vector::Zero(sigmas.size())), nullptr, block.data());
   }
 }
 
@@ -131,7 +189,8 @@ void AddToProblem(const CalibrationProblem& problem, const ResidualSelection& se
   }
   CheckBelongTogether(problem, selection, *parameters);
   const std::vector<int> active = ActiveModelParameters(*parameters);
-  if (latents != nullptr) latents->assign(problem.latent.num_visits, std::vector<double>(problem.latent.size(), 0.0));
+  const EarlierCalls earlier = FindEarlierCalls(*parameters, *ceres_problem);
+  PrepareDeviations(problem.latent, earlier, latents);
   const auto shot_of = [&](size_t k) { return problem.data().observations[selection.observations[k]].shot; };
   const bool is_whole_shot = selection.granularity == CostGranularity::kShot && selection.loss == LossKind::kNone;
   ceres::LossFunction* const loss = MakeLossFunction(selection.loss);
@@ -143,11 +202,12 @@ void AddToProblem(const CalibrationProblem& problem, const ResidualSelection& se
     AddShot(problem, selection, first, last, active, loss, parameters, ceres_problem, latents);
     first = last;
   }
-  AddPriors(parameters, ceres_problem);
+  AddPriors(parameters, earlier, ceres_problem);
   AddSpringTie(parameters, ceres_problem);
   if (latents != nullptr && !problem.latent.empty()) {
-    AddLatentPriors(selection.deviation_factor * problem.latent.sigmas, latents, ceres_problem);
+    AddLatentPriors(selection.deviation_factor * problem.latent.sigmas, earlier, latents, ceres_problem);
   }
+  AddHeldBlocks(*parameters, ceres_problem);
   ConstrainBlocks(*parameters, ceres_problem);
 }
 

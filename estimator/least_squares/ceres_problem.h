@@ -7,6 +7,7 @@
 
 #include <vector>
 
+#include "estimator/least_squares/rotation_manifold.h"
 #include "problems/calibration_problem.h"
 
 namespace sagitta {
@@ -45,11 +46,20 @@ using LatentBlocks = std::vector<std::vector<double>>;
 // Adds residuals and parameter blocks. The blocks are the memory of
 // `parameters` (ParameterBlock::values), which must outlive the solve; station
 // rotations are quaternions x y z w on a RotationManifold. Coordinates that
-// are not estimated (fixed or held) are held constant. Where the problem states
+// are not estimated (fixed or held) are held constant: their blocks are in the problem whether or not a selected row
+// reads them, so that costs of one's own may read them all. A block that is estimated and that no selected row reads is
+// added by the first cost that does; if it is a rotation, that cost's owner gives it a RotationManifold. Where the
+// problem states
 // a repeatability, `latents` receives one block per visit, each with its prior;
 // eliminate these first (bundle adjustment). Null: joints are assumed to be exact.
-// `problem` and `latents` must outlive `ceres_problem`. Throws std::invalid_argument where a selected observation is
-// not there, has no noise, or the blocks are not those of `problem`.
+// `problem` and `latents` must outlive `ceres_problem`.
+//
+// Several selections of one set, such as one per station with a loss each, are added by several calls: no observation
+// twice, and `latents` the same each time. Priors, and the tie of markers to a spring, belong to the set and not to the
+// selection: each is in the problem once.
+//
+// Throws std::invalid_argument where a selected observation is not there, has no noise, the blocks are not those of
+// `problem`, or `latents` is another than that of the calls before.
 void AddToProblem(const CalibrationProblem& problem, const ResidualSelection& selection, ParameterSet* parameters,
                   ceres::Problem* ceres_problem, LatentBlocks* latents = nullptr);
 

@@ -43,6 +43,14 @@ void ConstrainBlocks(const ParameterSet& parameters, ceres::Problem* ceres_probl
   }
 }
 
+void AddHeldBlocks(const ParameterSet& parameters, ceres::Problem* ceres_problem) {
+  for (const Coordinate& coordinate : parameters.coordinates()) {
+    if (coordinate.estimated()) continue;
+    const std::vector<double>& values = parameters.blocks()[coordinate.block].values;
+    ceres_problem->AddParameterBlock(const_cast<double*>(values.data()), static_cast<int>(values.size()));
+  }
+}
+
 void RemoveBounds(const ParameterSet& parameters, ceres::Problem* problem) {
   for (const Coordinate& coordinate : parameters.coordinates()) {
     double* values = const_cast<double*>(parameters.blocks()[coordinate.block].values.data());

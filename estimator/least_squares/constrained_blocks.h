@@ -11,6 +11,10 @@ namespace sagitta {
 // Of every block that the problem has: whole blocks or single coordinates are held, lower bounds are set.
 void ConstrainBlocks(const ParameterSet& parameters, ceres::Problem* ceres_problem);
 
+// Adds every block that has a coordinate which is not estimated: whatever is added later and reads it, ConstrainBlocks
+// holds it.
+void AddHeldBlocks(const ParameterSet& parameters, ceres::Problem* ceres_problem);
+
 void RemoveBounds(const ParameterSet& parameters, ceres::Problem* ceres_problem);
 
 // Whether all that is estimated lies above its bound.

@@ -38,6 +38,8 @@ class ShotCost : public ceres::CostFunction {
                                           std::vector<int> active, std::vector<int> latent_joints = {});
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
+  // The visit's joint deviations are its last block.
+  bool has_deviations() const { return !latent_joints_.empty(); }
 
  private:
   ShotCost(const ForwardModel* model, ShotInput shot, std::vector<MarkerMeasurement> markers, std::vector<double> theta,

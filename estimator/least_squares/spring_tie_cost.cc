@@ -40,8 +40,10 @@ struct SpringTieFunctor {
   }
 };
 
+using SpringTieFunction = ceres::DynamicAutoDiffCostFunction<SpringTieFunctor, kStride>;
+
 struct SpringTieCost {
-  std::unique_ptr<ceres::DynamicAutoDiffCostFunction<SpringTieFunctor, kStride>> function;
+  std::unique_ptr<SpringTieFunction> function;
   std::vector<const ParameterBlock*> blocks;
 };
 
@@ -76,7 +78,7 @@ SpringTieCost MakeCost(const ParameterSet& parameters, const IsEstimated& estima
   // W = F^-1 with F F' = C, lower triangular: residual i mixes misfits 0 .. i.
   const Eigen::MatrixXd covariance = tie.covariance(functor->rows, functor->rows);
   functor->whitening = covariance.llt().matrixL().solve(Eigen::MatrixXd::Identity(size, size));
-  cost.function = std::make_unique<ceres::DynamicAutoDiffCostFunction<SpringTieFunctor, kStride>>(functor.release());
+  cost.function = std::make_unique<SpringTieFunction>(functor.release());
   for (const ParameterBlock* block : cost.blocks)
     cost.function->AddParameterBlock(static_cast<int>(block->values.size()));
   cost.function->SetNumResiduals(size);
@@ -113,12 +115,29 @@ void AppendSpringTie(const ParameterSet& parameters, Linearization* linearizatio
   }
 }
 
+namespace {
+
+// Of these blocks, from an earlier call.
+bool HasTie(const std::vector<double*>& blocks, const ceres::Problem& problem) {
+  std::vector<ceres::ResidualBlockId> residuals;
+  problem.GetResidualBlocks(&residuals);
+  return std::any_of(residuals.begin(), residuals.end(), [&](ceres::ResidualBlockId id) {
+    if (dynamic_cast<const SpringTieFunction*>(problem.GetCostFunctionForResidualBlock(id)) == nullptr) return false;
+    std::vector<double*> own;
+    problem.GetParameterBlocksForResidualBlock(id, &own);
+    return own == blocks;
+  });
+}
+
+}  // namespace
+
 void AddSpringTie(const ParameterSet* parameters, ceres::Problem* ceres_problem) {
   SpringTieCost cost =
       MakeCost(*parameters, [&](int coordinate) { return parameters->coordinates()[coordinate].estimated(); });
   if (!cost.function) return;
   std::vector<double*> blocks;
   for (const ParameterBlock* block : cost.blocks) blocks.push_back(const_cast<double*>(block->values.data()));
+  if (HasTie(blocks, *ceres_problem)) return;
   ceres_problem->AddResidualBlock(cost.function.release(), nullptr, blocks);
 }
 

@@ -16,7 +16,7 @@ namespace sagitta {
 // Appends the rows to a linearization; what is estimated other than its columns stands still.
 void AppendSpringTie(const ParameterSet& parameters, Linearization* linearization);
 
-// Adds them to a problem that has the markers' blocks.
+// Adds them to a problem that does not have them yet.
 void AddSpringTie(const ParameterSet* parameters, ceres::Problem* ceres_problem);
 
 // Drops an assumed tie where the markers, as they are placed now, are farther than 20 % from the geometry in the

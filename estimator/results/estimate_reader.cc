@@ -298,11 +298,12 @@ void CheckRows(const KnownRobot& known, const Measurements& data) {
       throw InputError(data.WhereOf(observation, "station"), "no pose of station '" + station + "' in " + known.file,
                        StationIsNew(SpellingHint(station, KeysOf(known.base_in_station))));
     }
-    if (known.markers.count(marker) == 0) {
+    const auto found = known.markers.find(marker);
+    if (found == known.markers.end() || !found->second.point) {
       throw InputError(data.WhereOf(observation, "marker"), "no point of marker '" + marker + "' in " + known.file,
                        SpellingHint(marker, KeysOf(known.markers)));
     }
-    if (!observation.is_point() && !known.markers.at(marker).rotvec) {
+    if (!observation.is_point() && !found->second.rotvec) {
       throw InputError(data.WhereOf(observation, "marker"),
                        "the row is a pose, and no rotation of marker '" + marker + "' is in " + known.file,
                        "leave the columns of the rotation out, or calibrate with poses");

@@ -61,6 +61,11 @@ double SolveAndLookUp(const sagitta::Calibration& calibration, int touches) {
   ceres::Solver::Summary summary;
   ceres::Solve(options, &ceres_problem, &summary);
   if (!summary.IsSolutionUsable()) return -1.0;
+  // The touches read all parameters; what is fixed, held or redundant stays where it was.
+  for (int i = 0; i < parameters.num_coordinates(); ++i) {
+    const bool is_moved = parameters.Value(i) != calibration.estimate.parameters.Value(i);
+    if (!parameters.coordinates()[i].estimated() && is_moved) return -1.0;
+  }
   const int coordinate = parameters.FindCoordinate("marker/" + problem.data().markers[0] + "/z");
   const double* block = parameters.blocks()[parameters.coordinates()[coordinate].block].values.data();
   ceres::Covariance covariance({});

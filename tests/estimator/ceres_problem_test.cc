@@ -3,8 +3,13 @@
 #include <ceres/ceres.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/least_squares/linearization.h"
+#include "tests/support/in_memory.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta::ceres_problem_test {
@@ -81,6 +86,94 @@ TEST(AddToProblem, CeresAndLinearizationSeeTheSameJacobian) {
     EXPECT_LT((jacobian - linearization.jacobian).norm(), 1e-12 * jacobian.norm());
     EXPECT_LT((Eigen::Map<Eigen::VectorXd>(residuals.data(), residuals.size()) - linearization.residual).norm(),
               1e-12 * linearization.residual.norm() + 1e-9);
+  }
+}
+
+// Pulls the sum of all parameters of the model away from where it is.
+struct PullsEverything {
+  int count;
+  double away;  // SI
+  template <typename T>
+  bool operator()(T const* const* blocks, T* residual) const {
+    residual[0] = T(-away);
+    for (int i = 0; i < count; ++i) residual[0] += blocks[i][0];
+    residual[0] *= T(1e4);
+    return true;
+  }
+};
+
+// The redundant errors of a DH arm, and what is fixed, are read by no cost of ours: a foreign cost that reads them does
+// not free them.
+TEST(AddToProblem, ForeignCostsFreeNothing) {
+  Experiment experiment;
+  experiment.estimate.fixed = {"geometry/A2.a", "marker/M2/z"};
+  experiment.markers["M2"].point = Vector3<double>(-0.03, 0.06, 0.12);
+  const Robot arm = test::ArmInMemory();
+  const CalibrationProblem problem = MakeCalibrationProblem(arm, test::ReadingsInMemory(arm), experiment);
+  ParameterSet parameters = EstimateJointly(problem).parameters;
+  const ParameterSet before = parameters;
+  ceres::Problem ceres_problem;
+  AddToProblem(problem, CalibrationResiduals(problem), &parameters, &ceres_problem);
+  auto* cost = new ceres::DynamicAutoDiffCostFunction<PullsEverything>(
+      new PullsEverything{parameters.num_model_parameters(), 0.1});
+  std::vector<double*> blocks;
+  for (int i = 0; i < parameters.num_model_parameters(); ++i) {
+    blocks.push_back(parameters.model_parameter(i).values.data());
+    cost->AddParameterBlock(1);
+  }
+  cost->SetNumResiduals(1);
+  ceres_problem.AddResidualBlock(cost, nullptr, blocks);
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &ceres_problem, &summary);
+  ASSERT_TRUE(summary.IsSolutionUsable());
+  int held = 0;
+  double moved = 0.0;
+  for (int i = 0; i < parameters.num_coordinates(); ++i) {
+    const bool is_estimated = parameters.coordinates()[i].estimated();
+    held += is_estimated ? 0 : 1;
+    const double by = std::abs(parameters.Value(i) - before.Value(i));
+    if (is_estimated) {
+      moved = std::max(moved, by);
+    } else {
+      EXPECT_EQ(by, 0.0) << parameters.coordinates()[i].name;
+    }
+  }
+  EXPECT_GE(held, 12);
+  EXPECT_GT(moved, 1e-4);
+}
+
+// The rows of one set in two calls are those in one: a prior, the joints' deviations and the tie of a spring count
+// once. 3 rows per observation, one per prior, one per deviation of a joint.
+TEST(AddToProblem, PriorsCountOnceHoweverOftenItIsCalled) {
+  Experiment experiment;
+  experiment.repeatability.angle.common = 2e-5;
+  experiment.priors["geometry/A2.a"] = {0.0, 0.003};
+  experiment.priors["marker/M1/z"] = {100.0, 0.1};
+  const Robot arm = test::ArmInMemory();
+  const CalibrationProblem problem = MakeCalibrationProblem(arm, test::ReadingsInMemory(arm), experiment);
+  const ResidualSelection whole = CalibrationResiduals(problem);
+  ResidualSelection parts[2];
+  for (size_t k = 0; k < whole.observations.size(); ++k) {
+    ResidualSelection& part = parts[problem.data().observations[whole.observations[k]].marker == 0 ? 0 : 1];
+    part.observations.push_back(whole.observations[k]);
+    part.noise.push_back(whole.noise[k]);
+  }
+  ParameterSet parameters = problem.parameters;
+  LatentBlocks latents, others;
+  ceres::Problem ceres_problem;
+  for (const ResidualSelection& part : parts) AddToProblem(problem, part, &parameters, &ceres_problem, &latents);
+  const int rows = 3 * static_cast<int>(whole.observations.size());
+  EXPECT_EQ(ceres_problem.NumResiduals(), rows + 2 + 6 * problem.latent.num_visits);
+  EXPECT_THROW(AddToProblem(problem, parts[0], &parameters, &ceres_problem, &others), std::invalid_argument);
+  EXPECT_THROW(AddToProblem(problem, parts[0], &parameters, &ceres_problem), std::invalid_argument);
+  // Another robot of the same kind has priors of its own.
+  ParameterSet second = problem.parameters;
+  AddToProblem(problem, whole, &second, &ceres_problem, &others);
+  EXPECT_EQ(ceres_problem.NumResiduals(), 2 * (rows + 2 + 6 * problem.latent.num_visits));
+  for (const double* block : {parameters.marker(0).values.data(), second.marker(0).values.data()}) {
+    ASSERT_TRUE(ceres_problem.HasParameterBlock(block));
   }
 }
 

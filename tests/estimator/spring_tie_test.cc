@@ -1,10 +1,12 @@
 // Markers on the two ends of the compensator's spring, inside the joint solve.
 #include "problems/spring_tie.h"
 
+#include <ceres/ceres.h>
 #include <gtest/gtest.h>
 
 #include "estimator/baselines/compare_methods.h"
 #include "estimator/calibration/joint_estimator.h"
+#include "estimator/least_squares/ceres_problem.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/spring_tie_cost.h"
 #include "estimator/statistics/distributions.h"
@@ -111,6 +113,26 @@ TEST(SpringTie, TheEndsCovarianceIsThatOfTheirMarkers) {
     EXPECT_LT((tie.covariance - expected).norm(), 5e-3 * expected.norm()) << tie.covariance << "\n\n" << expected;
     EXPECT_NEAR(tie.covariance(1, 2), expected(1, 2), 0.02 * std::abs(expected(1, 2)) + 1e-16);
   }
+}
+
+TEST(SpringTie, IsInTheProblemOnce) {
+  const test::LoadedTruth truth = TruthWithSpringMarkers();
+  const test::LoadedSetup setup = SetupWithTie(truth, 1e-5, 1e-5);
+  const CalibrationProblem problem = MakeCalibrationProblem(setup.robot, ExactData(truth), setup.experiment);
+  ParameterSet parameters = problem.parameters;
+  ASSERT_TRUE(parameters.spring_tie());
+  const ResidualSelection whole = CalibrationResiduals(problem);
+  ResidualSelection parts[2];
+  for (size_t k = 0; k < whole.observations.size(); ++k) {
+    ResidualSelection& part = parts[2 * k < whole.observations.size() ? 0 : 1];
+    part.observations.push_back(whole.observations[k]);
+    part.noise.push_back(whole.noise[k]);
+  }
+  ceres::Problem once, twice;
+  AddToProblem(problem, whole, &parameters, &once);
+  for (const ResidualSelection& part : parts) AddToProblem(problem, part, &parameters, &twice);
+  EXPECT_EQ(twice.NumResiduals(), once.NumResiduals());
+  EXPECT_EQ(once.NumResiduals(), static_cast<int>(3 * whole.observations.size()) + 3);  // L, a_x, a_y
 }
 
 TEST(SpringTie, WithoutItTheGaugeIsHeld) {

@@ -328,6 +328,58 @@ TEST(Structure, TermsOfAnOwnEffectLeadSomewhere) {
   EXPECT_THAT(words(0, 0, kNan), HasSubstr("number that is none"));
 }
 
+// One number per shot: fewer would be read past their end.
+TEST(Structure, AnOwnEffectRemembersEachShot) {
+  static size_t missing = 0;
+  EffectDefinition mine = OwnEffect("mine");
+  mine.remember = [](const Robot&, const EffectSpec&, const std::vector<const ShotConditions*>& campaign) {
+    return std::vector<double>(campaign.size() - missing, 0.0);
+  };
+  const auto words = [&](size_t fewer) {
+    missing = fewer;
+    try {
+      return Refusal([&](Given* g) {
+        g->robot.own_effects = {&mine};
+        g->robot.effects = {{"mine", "A1", {{"order", "1"}}, {}}};
+      });
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+  };
+  EXPECT_EQ(words(0), "");
+  EXPECT_THAT(words(1), AllOf(HasSubstr("effect 'mine'"), HasSubstr("remember"), HasSubstr("one per shot")));
+}
+
+// What residuals.csv could not be read back with.
+TEST(Structure, TextsCanBeWritten) {
+  EXPECT_EQ(Refusal([](Given* g) { g->data.configurations[0].id = "c\u00e9 0"; }), "");
+  EXPECT_THAT(Refusal([](Given* g) { g->data.configurations[0].id = "c\n0"; }),
+              AllOf(HasSubstr("its id 'c\\n0'"), HasSubstr("control character")));
+  EXPECT_THAT(Refusal([](Given* g) { g->data.markers[0] = "\xff\xfe"; }), HasSubstr("no text in UTF-8"));
+  EXPECT_THAT(Refusal([](Given* g) { g->data.shots[2].visit = "\xff"; }),
+              AllOf(HasSubstr("shot 2"), HasSubstr("its visit"), HasSubstr("no text in UTF-8")));
+  EXPECT_THAT(Refusal([](Given* g) { g->data.shots[2].repeat = "1\t"; }), HasSubstr("its repeat"));
+  EXPECT_THAT(Refusal([](Given* g) { g->data.shots[2].load = "\x1b[0m"; }), HasSubstr("its load"));
+}
+
+TEST(Structure, ChoicesAreThere) {
+  EXPECT_THAT(Refusal([](Given* g) { g->experiment.method.loss = static_cast<LossKind>(99); }),
+              AllOf(HasSubstr("loss"), HasSubstr("no choice number 99")));
+  EXPECT_THAT(Refusal([](Given* g) { g->experiment.method.covariance = static_cast<CovarianceKind>(-1); }),
+              HasSubstr("no choice number -1"));
+}
+
+TEST(Structure, ARotationIsAddedToAShotThatIsThere) {
+  Measurements data = Given().data;
+  EXPECT_THROW(data.AddRotation(static_cast<int>(data.observations.size())), std::invalid_argument);
+  data.observations.push_back(data.observations[0]);
+  data.observations.back().shot = static_cast<int>(data.shots.size());
+  EXPECT_THROW(data.AddRotation(static_cast<int>(data.observations.size()) - 1), std::invalid_argument);
+  const size_t rows = data.observations.size();
+  EXPECT_EQ(data.AddRotation(0).partner, 0);
+  EXPECT_EQ(data.observations.size(), rows + 1);
+}
+
 TEST(Structure, EffectsThatAreAddedAreThere) {
   Given given;
   const CalibrationProblem problem = MakeCalibrationProblem(given.robot, given.data, given.experiment);
