@@ -81,6 +81,31 @@ std::vector<int> OrderOf(const PlanScene& scene, const FoundPlan& found, const P
   return order;
 }
 
+// Before anything is measured a row or two stand for all that will be: there the split of the readings to come need not
+// divide them.
+void SplitForPlan(const ValidationSpec& validation, Measurements* data, std::vector<std::string>* words) {
+  const auto is_read = [](const Observation& row) { return row.IsRead(); };
+  if (std::any_of(data->observations.begin(), data->observations.end(), is_read)) {
+    SplitConfigurations(validation, data);
+    return;
+  }
+  Measurements split = *data;
+  try {
+    SplitConfigurations(validation, &split);
+    *data = std::move(split);
+  } catch (const InputError& error) {
+    words->push_back(NothingIsHeldOut(error.what()));
+  }
+}
+
+// Rows state the noise that the plan counts with: --sigma_mm stands for what they state.
+void ReplaceSigmas(const NoiseSpec& noise, Measurements* rows) {
+  if (!noise.replaces_rows || !noise.sigma) return;
+  for (Observation& row : rows->observations) {
+    if (!row.sigma.isZero(0.0)) row.sigma.setConstant(*noise.sigma);
+  }
+}
+
 void FillRows(const FoundPlan& found, const std::vector<int>& order, PlanScene* scene, PoseRows* rows, Plan* plan) {
   const Measurements& data = scene->problem->data();
   const std::vector<std::vector<int>> shots = ShotsByConfiguration(data);
@@ -97,6 +122,7 @@ void FillRows(const FoundPlan& found, const std::vector<int>& order, PlanScene* 
     const std::string id = keep_ids ? "" : names[number];
     AppendConfiguration(data, c, shots[c], keep_ids ? Eigen::VectorXd() : pose.q, id, &plan->rows);
   }
+  ReplaceSigmas(scene->problem->experiment().noise, &plan->rows);
 }
 
 void FillWords(const PlanRequest& request, const PlanScene& scene, Plan* plan) {
@@ -161,8 +187,10 @@ Plan MakePlan(const Robot& robot, const Measurements& data, const Experiment& ex
                      "plan with torques: model");
   }
   Measurements split = data;
-  SplitConfigurations(experiment.validation, &split);
+  std::vector<std::string> of_split;
+  SplitForPlan(experiment.validation, &split, &of_split);
   PlanScene scene = MakePlanScene(robot, split, experiment, request);
+  scene.words.insert(scene.words.begin(), of_split.begin(), of_split.end());
   PlanNumbers numbers = MakePlanNumbers(scene, request.field);
   if (std::count(numbers.registered.begin(), numbers.registered.end(), true) > 0) {
     scene.words.push_back(RegisteredOnTests());

@@ -27,11 +27,11 @@ double RadicalInverse(int i, int base) {
   return value;
 }
 
-int IndexOf(const std::vector<std::string>& names, const std::string& name, const char* column) {
+// where: of the row that names it.
+int IndexOf(const std::vector<std::string>& names, const std::string& name, const InputError::Where& where) {
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<int>(found - names.begin());
-  throw InputError({"", 0, column}, "the experiment has no " + std::string(column) + " '" + name + "'",
-                   SpellingHint(name, names));
+  throw InputError(where, "the experiment has no " + where.key + " '" + name + "'", SpellingHint(name, names));
 }
 
 // What distinguishes one way to measure a configuration from another; not when it was measured.
@@ -156,7 +156,7 @@ int AppendConfiguration(const Measurements& from, int configuration, const std::
     Shot shot = from.shots[s];
     const std::vector<int> observations = shot.observations;
     shot.configuration = index;
-    shot.station = IndexOf(to->stations, from.stations[shot.station], "station");
+    shot.station = IndexOf(to->stations, from.stations[shot.station], from.WhereOf(shot, "station"));
     shot.observations.clear();
     const int own = static_cast<int>(to->shots.size());
     std::map<int, int> copy_of;
@@ -164,8 +164,8 @@ int AppendConfiguration(const Measurements& from, int configuration, const std::
       Observation row = from.observations[k];
       row.shot = own;
       row.excluded = false;
+      row.marker = IndexOf(to->markers, from.markers[row.marker], from.WhereOf(row, "marker"));
       if (is_elsewhere) row.file = row.row = -1;
-      row.marker = IndexOf(to->markers, from.markers[row.marker], "marker");
       copy_of[k] = static_cast<int>(to->observations.size());
       shot.observations.push_back(copy_of[k]);
       to->observations.push_back(row);

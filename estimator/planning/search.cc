@@ -115,8 +115,8 @@ void PlanSearch::CheckSupply(int poses) const {
                      "fewer readings than unknowns: " + std::to_string(poses) + " poses cannot determine " +
                          std::to_string(numbers_->unknowns()) + " parameters",
                      "at least " + std::to_string(least) +
-                         " poses; or free less (estimate.geometry, --fixed), or give --augment where the rows of the "
-                         "experiment are measured already");
+                         " poses; or free less (estimate: {geometry: [NAME, …]} in the experiment file), or give "
+                         "--augment where the rows of the experiment are measured already");
   }
   if (request_.candidates == nullptr || poses <= numbers_->set.size()) return;
   throw InputError({"", 0, "--poses"},

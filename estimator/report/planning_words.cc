@@ -111,6 +111,18 @@ std::string CandidatesLack(const std::vector<std::string>& what) {
          " of the experiment: give a row for each marker, station and load to plan with them.";
 }
 
+std::string CandidatesStateNoSigma(int rows) {
+  return (rows == 1 ? std::string("One row of the candidates states")
+                    : std::to_string(rows) + " rows of the candidates state") +
+         " no standard deviation: that of the experiment's rows counts, the root mean square per axis of the same "
+         "marker from the same station.";
+}
+
+std::string NothingIsHeldOut(const std::string& why) {
+  return "No row has a reading yet, and the validation that the experiment states does not divide them (" + why +
+         "): the plan holds none out.";
+}
+
 std::string BodiesAreNotStated() {
   return "collisions of the arm's body with itself and the cell (no capsules are stated)";
 }

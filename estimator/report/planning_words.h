@@ -27,6 +27,9 @@ std::string FewTestPosesDrawn(size_t poses);
 std::string RowsWithoutReading(size_t rows);
 // what: "marker M2", "load V250", … that no row of the candidates has.
 std::string CandidatesLack(const std::vector<std::string>& what);
+std::string CandidatesStateNoSigma(int rows);
+// why: as the split is refused.
+std::string NothingIsHeldOut(const std::string& why);
 
 // What is not checked of each pose: `what` follows.
 std::string BodiesAreNotStated();
