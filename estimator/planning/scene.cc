@@ -6,6 +6,7 @@
 
 #include "estimator/alignment/starting_values.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/noise/weighting.h"
 #include "estimator/planning/model_field.h"
 #include "estimator/planning/pose_space.h"
 #include "estimator/planning/scene_rows.h"
@@ -95,16 +96,20 @@ std::vector<int> All(size_t count) {
 // Draws poses, each with every way that the rows show.
 class Drawing {
  public:
-  Drawing(const Measurements& data, const std::vector<JointRange>& ranges, bool with_approach)
+  // otherwise: m, of rows that state no standard deviation.
+  Drawing(const Measurements& data, const std::vector<JointRange>& ranges, bool with_approach,
+          std::optional<double> otherwise)
       : data_(data),
         ranges_(ranges),
         with_approach_(with_approach),
         patterns_(PatternsOf(data, kMostPatterns)),
         shots_(ShotsByConfiguration(data)) {
     for (const int pattern : patterns_.configurations) sights_.push_back(SightsOf(data, shots_[pattern]));
+    for (const std::vector<int>& alike : patterns_.alike) alike_.emplace_back(data, alike, otherwise);
   }
 
   const ShotPatterns& patterns() const { return patterns_; }
+  const std::vector<MeasuredAlike>& alike() const { return alike_; }
 
   // Until `count` poses can be measured in some way. feasible: null: all can. reasons: of those that cannot, null: not
   // counted.
@@ -125,8 +130,10 @@ class Drawing {
         }
         any = true;
         const int pattern = patterns_.configurations[way];
+        const size_t first = rows->rows.shots.size();
         list->push_back(rows->Add(data_, pattern, shots_[pattern], pose.q, prefix + std::to_string(found + 1),
                                   with_approach_ ? pose.approach : std::vector<int>()));
+        alike_[way].Complete(static_cast<size_t>(found), first, &rows->rows);
         if (ways != nullptr) ways->push_back(static_cast<int>(way));
       }
       found += any ? 1 : 0;
@@ -136,10 +143,13 @@ class Drawing {
   // One configuration of each way, to be moved.
   std::vector<int> Movable(SceneRows* rows) const {
     std::vector<int> movable;
-    for (const int pattern : patterns_.configurations) {
+    for (size_t way = 0; way < patterns_.configurations.size(); ++way) {
+      const int pattern = patterns_.configurations[way];
       const Eigen::VectorXd q = data_.configurations[pattern].q;
+      const size_t first = rows->rows.shots.size();
       movable.push_back(rows->Add(data_, pattern, shots_[pattern], q, "movable" + std::to_string(movable.size()),
                                   with_approach_ ? std::vector<int>(q.size(), 1) : std::vector<int>()));
+      alike_[way].Complete(0, first, &rows->rows);
     }
     return movable;
   }
@@ -151,7 +161,57 @@ class Drawing {
   const ShotPatterns patterns_;
   const std::vector<std::vector<int>> shots_;
   std::vector<std::vector<Sight>> sights_;
+  std::vector<MeasuredAlike> alike_;
 };
+
+// Rows count with what they state.
+bool RowsStateTheNoise(const NoiseSpec& noise) {
+  switch (noise.from) {
+    case NoiseSpec::From::kRepeats:
+    case NoiseSpec::From::kResiduals:
+    case NoiseSpec::From::kInstrument:
+      return false;
+    case NoiseSpec::From::kDefault:
+    case NoiseSpec::From::kSigma:
+    case NoiseSpec::From::kRows:
+    case NoiseSpec::From::kVarianceComponents:
+      break;
+  }
+  return !noise.replaces_rows;
+}
+
+void SayWhatDiffers(const Drawing& drawing, const Experiment& experiment, std::vector<std::string>* words) {
+  if (drawing.patterns().left_out > 0) words->push_back(PatternsLeftOut(drawing.patterns().left_out, kMostPatterns));
+  if (!RowsStateTheNoise(experiment.noise)) return;
+  std::optional<std::pair<double, double>> most;
+  for (const MeasuredAlike& alike : drawing.alike()) {
+    const auto own = alike.SigmasThatDiffer();
+    if (own && (!most || own->second / own->first > most->second / most->first)) most = own;
+  }
+  if (most) words->push_back(SigmasOfAlikeRowsDiffer(most->first, most->second));
+}
+
+// An effect of the robot goes with it.
+bool AnyGoesWith(const CalibrationProblem& problem, EffectDriver driver) {
+  const std::vector<EffectSpec>& effects = problem.robot().effects;
+  return std::any_of(effects.begin(), effects.end(), [&](const EffectSpec& effect) {
+    return FindEffect(problem.robot(), effect.effect)->DrivenBy(effect) == driver;
+  });
+}
+
+void SayWhatIsAssumed(const CalibrationProblem& problem, PlanScene* scene) {
+  scene->goes_with_time = AnyGoesWith(problem, EffectDriver::kTime);
+  scene->goes_with_temperature = AnyGoesWith(problem, EffectDriver::kTemperature);
+  if (scene->goes_with_time || scene->goes_with_temperature) {
+    scene->words.push_back(ConditionsAreAssumed(scene->goes_with_time, scene->goes_with_temperature));
+  }
+  const Experiment& experiment = problem.experiment();
+  if (experiment.repeatability.IsEstimated()) scene->words.push_back(RepeatabilityIsNotCounted());
+  const std::vector<std::vector<int>> observations = ObservationsByConfiguration(problem.data());
+  std::vector<int> rows;
+  for (const int c : scene->candidates) rows.insert(rows.end(), observations[c].begin(), observations[c].end());
+  if (WeighsOtherwise(problem, rows)) scene->words.push_back(BestWeightsAreAssumed(experiment.method.weights));
+}
 
 // The reasons, most frequent first.
 std::vector<std::string> ReasonsInWords(const std::map<std::string, int>& reasons) {
@@ -355,10 +415,9 @@ PlanScene MakePlanScene(const Robot& robot, const Measurements& data, const Expe
   std::unique_ptr<Drawing> drawing;
   if (request.candidates == nullptr || request.random_tests) {
     scene.ranges = DrawingRanges(robot.chain, request.cell);
-    drawing = std::make_unique<Drawing>(data, scene.ranges, NeedsApproach(WithEffects(robot, request.discriminate)));
-    if (drawing->patterns().left_out > 0) {
-      scene.words.push_back(PatternsLeftOut(drawing->patterns().left_out, kMostPatterns));
-    }
+    drawing = std::make_unique<Drawing>(data, scene.ranges, NeedsApproach(WithEffects(robot, request.discriminate)),
+                                        experiment.noise.sigma);
+    if (request.candidates == nullptr) SayWhatDiffers(*drawing, experiment, &scene.words);
   }
   if (request.candidates != nullptr && request.candidates->configurations.empty()) {
     throw InputError({"", 0, "--candidates"}, "the list of candidates is empty");
@@ -391,6 +450,7 @@ PlanScene MakePlanScene(const Robot& robot, const Measurements& data, const Expe
     throw InputError({experiment.file, 0, "loads"}, "at no candidate does the arm hold its load: no equilibrium",
                      "check the load and the compliances");
   }
+  SayWhatIsAssumed(*scene.problem, &scene);
   return scene;
 }
 

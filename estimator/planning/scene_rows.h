@@ -1,8 +1,11 @@
 // The rows of a plan's problem as they are put together: those of the experiment, candidates, test poses.
 #pragma once
 
+#include <limits>
 #include <map>
+#include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -28,6 +31,36 @@ class RowSigmas {
   };
   std::map<std::pair<std::string, std::string>, Sum> of_sight_;
   Sum all_;
+};
+
+// Configurations that are measured alike in what they differ by: how exactly, when and how warm it was. A pose that is
+// planned like them has readings of their mean variance, which is what a reading of any of them has on average, and the
+// time and temperature of one of them.
+class MeasuredAlike {
+ public:
+  // configurations: all with as many shots of each station and load. otherwise: m, of rows that state no standard
+  // deviation.
+  MeasuredAlike(const Measurements& data, const std::vector<int>& configurations, std::optional<double> otherwise);
+
+  // Standard deviations that differ, m, the least and the largest of any axis; none where all are alike.
+  std::optional<std::pair<double, double>> SigmasThatDiffer() const;
+  // Of rows whose last shots, from `first` on, were made of the first configuration's: their standard deviations where
+  // these differ, and time and temperature of the number-th configuration, counted round.
+  void Complete(size_t number, size_t first, Measurements* rows) const;
+
+ private:
+  struct Spread {
+    Vector3<double> squares = Vector3<double>::Zero();
+    double least = std::numeric_limits<double>::infinity(), largest = 0.0;
+    int rows = 0;
+  };
+  using Key = std::tuple<std::string, std::string, std::string, bool>;  // station, load, marker, is a point
+  static Key KeyOf(const Measurements& data, const Observation& row);
+  static bool Differs(const Spread& spread);
+
+  std::map<Key, Spread> spreads_;
+  // Of each configuration: its shots' conditions by station and load, in their order.
+  std::vector<std::map<std::pair<std::string, std::string>, std::vector<Shot>>> conditions_;
 };
 
 // Grows the rows of a plan's problem.

@@ -152,6 +152,129 @@ TEST_F(PlanCommandTest, WhatAFormerEstimateIsOffByIsPartOfThePlan) {
   EXPECT_FALSE(ReadJson("plan/plan.json").at("predicted").contains("model_field"));
 }
 
+// However a former estimate came by its noise: 0.25 mm that are seen, of which a plan's sigma of 0.05 mm explains 0.05.
+TEST_F(PlanCommandTest, AModelErrorThatTheFormerNoiseHoldsIsStillOne) {
+  const auto field = [&](const std::string& more, double predicted) {
+    const std::string former =
+        Write("estimate.json", R"({"model_error": {"factor": 1.0}, "cross_validation": {"rms_mm": 0.25, )"
+                               R"("predicted_rms_mm": )" +
+                                   std::to_string(predicted) + "}" + more + "}");
+    const Outcome outcome = Plan({"--poses=16", "--nomove", "--sigma_mm=0.05", "--model_error=" + former});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const nlohmann::json all = ReadJson("plan/plan.json").at("predicted");
+    return all.contains("model_field") ? all.at("model_field").at("rms_mm").get<double>() : 0.0;
+  };
+  const double seen = std::sqrt(0.25 * 0.25 - 0.05 * 0.05);
+  const std::string sigma = R"(, "sigma": {"scaled": false, "a_posteriori": )";
+  EXPECT_NEAR(field(sigma + R"(1.0, "stated": false, "estimated_mm": 0.2})", 0.2), seen, 1e-9);  // not stated
+  EXPECT_NEAR(field(sigma + R"(4.0, "stated": true, "p_value": 0.0})", 0.2), seen, 1e-9);        // sandwich
+  EXPECT_NEAR(field(sigma + R"(1.0, "stated": true}, "noise": {"groups": [)"                     // of residuals
+                            R"({"sigma_mm": 0.12, "rows": 3}, {"sigma_mm": 0.256125, "rows": 3}]})",
+                    0.2),
+              seen, 1e-6);
+  EXPECT_NEAR(field(sigma + R"(1.1, "stated": true, "p_value": 0.2})", 0.15), 0.2, 1e-9);         // chance
+  EXPECT_NEAR(field(sigma + R"(1.0, "stated": false, "estimated_mm": 0.04})", 0.15), 0.2, 1e-9);  // a better instrument
+  const std::string words = "found the repeatability of the joints from its residuals";
+  EXPECT_EQ(Read("plan/plan.json").find(words), std::string::npos);
+  const std::string repeatability =
+      R"(, "noise": {"variance": {"components": [{"name": "instrument", "estimated": true},)"
+      R"( {"name": "joints", "joints": ["A1"], "estimated": true}]}})";
+  EXPECT_EQ(field(repeatability, 0.2), 0.0);
+  EXPECT_NE(Read("plan/plan.json").find(words), std::string::npos);
+}
+
+// What is assumed in place of what an experiment leaves to the calibration is said.
+TEST_F(PlanCommandTest, ARepeatabilityToEstimateAndOtherWeightsAreSaid) {
+  Write("rows.csv", std::string(kTemplateHead) + ",sigma_x_mm,sigma_y_mm,sigma_z_mm\n" + Template(",0.02,0.02,0.3"));
+  const auto said = [&](const std::string& more, const std::string& words) {
+    const Outcome outcome = PlanOf(Write("experiment.yaml", TemplateExperiment(more)), {"--poses=12", "--nomove"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return Read("plan/plan.json").find(words) != std::string::npos;
+  };
+  const std::string counts_none = "nothing states it: the plan counts none", best = "The plan counts the best weights";
+  EXPECT_FALSE(said("repeatability_urad: 30\n", counts_none));
+  EXPECT_TRUE(said("repeatability_urad: estimate\n", counts_none));
+  EXPECT_TRUE(said("noise: {from: variance-components}\n", counts_none));
+  EXPECT_TRUE(said("weights: equal\n", best));
+  EXPECT_FALSE(said("", best));
+}
+
+// Rows that are measured alike and state other standard deviations have on average their mean variance, whichever comes
+// first; two arrivals at a pose are another way to measure it than two readings of one.
+TEST_F(PlanCommandTest, ThePlanDoesNotGoByWhichRowIsFirst) {
+  const std::string sigmas = ",sigma_x_mm,sigma_y_mm,sigma_z_mm";
+  const auto promised = [&](const std::string& more) {
+    const Outcome outcome = PlanOf(Write("experiment.yaml", TemplateExperiment(more)), {"--poses=12", "--nomove"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return ReadJson("plan/plan.json").at("predicted").at("position_rms_mm").get<double>();
+  };
+  const auto with_sigmas = [&](const std::string& first, const std::string& others) {
+    std::string rows = kTemplateHead + sigmas + "\n";
+    for (int c = 0; c < 8; ++c) rows += Template(c == 0 ? first : others, "c" + std::to_string(c));
+    Write("rows.csv", rows);
+    return promised("");
+  };
+  // sqrt((0.01^2 + 7 * 0.1^2) / 8) = 0.093608
+  const double expected = with_sigmas(",0.09360822,0.09360822,0.09360822", ",0.09360822,0.09360822,0.09360822");
+  EXPECT_EQ(Read("plan/plan.json").find("measured alike state standard deviations"), std::string::npos);
+  EXPECT_NEAR(with_sigmas(",0.01,0.01,0.01", ",0.1,0.1,0.1"), expected, 1e-6 * expected);
+  EXPECT_NE(Read("plan/plan.json").find("measured alike state standard deviations from 0.01 mm to 0.1 mm"),
+            std::string::npos);
+  const auto rows = Cells(Read("plan/plan.csv"));
+  for (size_t r = 1; r < rows.size(); ++r) EXPECT_NEAR(std::stod(rows[r][Column(rows, "sigma_x_mm")]), 0.0936082, 1e-6);
+
+  const auto with_visits = [&](int twice_visited) {
+    std::string table = std::string(kTemplateHead) + ",visit,repeat\n";
+    for (int c = 0; c < 8; ++c) {
+      for (const char* number : {"1", "2"}) {
+        const bool is_visit = c == twice_visited;
+        table += Template(is_visit ? std::string(",v") + number + ",1" : std::string(",v1,") + number,
+                          "c" + std::to_string(c));
+      }
+    }
+    Write("rows.csv", table);
+    return promised("noise: {sigma_mm: 0.05}\nrepeatability_urad: 30\n");
+  };
+  const double first = with_visits(0);
+  EXPECT_NEAR(with_visits(7), first, 1e-3 * first);
+}
+
+// Growth with the temperature is known from poses at several, whichever the first row had, and plan.csv states which.
+TEST_F(PlanCommandTest, EachPoseHasATemperatureAndATimeOfItsOwn) {
+  Write("robot.yaml", ReadAll(Published("kr270/robot.yaml")) +
+                          "effects:\n  - {effect: thermal_growth, growth_ppm_per_K: 12}\n"
+                          "  - {effect: station_drift, target: S1}\n");
+  std::string text = TemplateExperiment("noise: {sigma_mm: 0.05}\nestimate: {effects: all}\n");
+  text.replace(text.find(Published("kr270/robot.yaml")), Published("kr270/robot.yaml").size(), "robot.yaml");
+  const std::string experiment = Write("experiment.yaml", text);
+  const auto plan_of = [&](bool turned) {
+    std::string rows = std::string(kTemplateHead) + ",time_s,temperature_degC\n";
+    for (int c = 0; c < 8; ++c) {
+      const int k = turned ? 7 - c : c;
+      rows += Template("," + std::to_string(600 * k) + "," + std::to_string(20 + k), "c" + std::to_string(k));
+    }
+    Write("rows.csv", rows);
+    const Outcome outcome = PlanOf(experiment, {"--poses=16", "--tests=random"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    for (const auto& parameter : ReadJson("plan/plan.json").at("parameters")) {
+      EXPECT_TRUE(parameter.at("identifiable")) << parameter;
+    }
+    return ReadJson("plan/plan.json").at("predicted").at("position_rms_mm").get<double>();
+  };
+  const double promised = plan_of(false);
+  EXPECT_LT(promised, 0.5);
+  EXPECT_NEAR(plan_of(true), promised, 0.15 * promised);  // the same conditions at other poses
+  EXPECT_NE(Read("plan/plan.json").find("Effects of the robot go with time and temperature"), std::string::npos);
+  const auto rows = Cells(Read("plan/plan.csv"));
+  std::vector<double> times;
+  for (size_t r = 1; r < rows.size(); ++r) {
+    times.push_back(std::stod(rows[r][Column(rows, "time_s")]));
+    EXPECT_NEAR(20 + times.back() / 600, std::stod(rows[r][Column(rows, "temperature_degC")]), 1e-9);
+  }
+  EXPECT_TRUE(std::is_sorted(times.begin(), times.end()));
+  EXPECT_LT(times.front(), times.back());
+}
+
 TEST_F(PlanCommandTest, WhatCannotBePlannedIsNamed) {
   ExpectRefused({"--poses=2"}, "fewer readings than unknowns: 2 poses cannot determine 39 parameters");
   EXPECT_EQ(Plan({"--poses=2"}).err.find("--fixed"), std::string::npos);  // a flag that plan does not know
