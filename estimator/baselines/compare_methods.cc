@@ -64,8 +64,10 @@ void TakeNoise(const CalibrationProblem& problem, const Estimate& joint, Estimat
 double PredictedRate(const CalibrationProblem& problem, const Estimate& joint) {
   if (!IsUsable(joint.status)) return kNotKnown;
   const ResidualSelection residuals = FittedResiduals(problem);
-  return PredictTwoStepRate(
-      Linearize(problem, joint.parameters, residuals.observations, joint.estimated, residuals.noise), joint.parameters);
+  Linearization optimum =
+      Linearize(problem, joint.parameters, residuals.observations, joint.estimated, residuals.noise);
+  AppendPriors(joint.parameters, &optimum);  // rows of what both halves minimise: they turn the spans apart
+  return PredictTwoStepRate(optimum, joint.parameters);
 }
 
 }  // namespace

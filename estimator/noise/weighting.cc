@@ -26,13 +26,27 @@ bool AllAlike(const NoiseRoots& noise) {
 
 }  // namespace
 
-bool WeighsOtherwise(const CalibrationProblem& problem) {
+namespace {
+
+// noise_of: of the rows in question.
+template <typename NoiseOf>
+bool WeighsOtherwiseThan(const CalibrationProblem& problem, const NoiseOf& noise_of) {
   const Experiment& experiment = problem.experiment();
   const NoiseSpec::From from = experiment.noise.from;
   if (experiment.method.weights == Weights::kSigma) return false;
   if (from == NoiseSpec::From::kResiduals || from == NoiseSpec::From::kVarianceComponents) return false;
   if (experiment.method.weights == Weights::kEq14) return true;
-  return problem.sigma_is_stated() && !AllAlike(NoiseOfAll(problem, kFallbackSigma));
+  return problem.sigma_is_stated() && !AllAlike(noise_of());
+}
+
+}  // namespace
+
+bool WeighsOtherwise(const CalibrationProblem& problem) {
+  return WeighsOtherwiseThan(problem, [&] { return NoiseOfAll(problem, kFallbackSigma); });
+}
+
+bool WeighsOtherwise(const CalibrationProblem& problem, const std::vector<int>& observations) {
+  return WeighsOtherwiseThan(problem, [&] { return ObservationNoise(problem, observations, kFallbackSigma); });
 }
 
 bool WeighsByEq14(const Experiment& experiment) {

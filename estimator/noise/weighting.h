@@ -19,6 +19,8 @@ namespace sagitta {
 // The noise is stated and the experiment weighs otherwise. False where all roots are alike, too: equal weights then are
 // those of the noise.
 bool WeighsOtherwise(const CalibrationProblem& problem);
+// The same of these observations alone.
+bool WeighsOtherwise(const CalibrationProblem& problem, const std::vector<int>& observations);
 
 // Weights of eq. (14), from stated sigmas or from residuals: they are not the inverse of a noise.
 bool WeighsByEq14(const Experiment& experiment);

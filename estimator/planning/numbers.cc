@@ -210,12 +210,12 @@ Criterion CriterionFor(const CalibrationProblem& problem, const PlanNumbers& num
 
 PoseRows::PoseRows(PlanScene* scene, const PlanNumbers& numbers) : scene_(scene), numbers_(numbers) {
   const Measurements& data = scene->problem->data();
-  const std::vector<std::vector<int>> shots = ShotsByConfiguration(data);
+  all_shots_ = ShotsByConfiguration(data);
   const std::vector<std::vector<int>> observations = ObservationsByConfiguration(data);
   for (const int c : scene->movable) {
-    shots_.push_back(shots[c]);
+    shots_.push_back(all_shots_[c]);
     observations_.push_back(observations[c]);
-    sights_.push_back(SightsOf(data, shots[c]));
+    sights_.push_back(SightsOf(data, all_shots_[c]));
   }
 }
 
@@ -225,8 +225,21 @@ bool PoseRows::IsFeasible(const PlannedPose& pose) const {
 
 void PoseRows::Move(const PlannedPose& pose) {
   CalibrationProblem& problem = *scene_->problem;
-  for (const int s : shots_[pose.way]) {
+  const bool has_conditions = pose.like >= 0 && (scene_->goes_with_time || scene_->goes_with_temperature);
+  for (size_t k = 0; k < shots_[pose.way].size(); ++k) {
+    const int s = shots_[pose.way][k];
     ShotInput& input = (*problem.mutable_shot_inputs())[s];
+    if (has_conditions) {  // made of the same shots in the same order
+      const int as = all_shots_[pose.like][k];
+      std::vector<Shot>& shots = problem.mutable_data()->shots;
+      const ShotConditions& when = problem.shot_inputs()[as].conditions;
+      shots[s].time = shots[as].time;
+      shots[s].campaign = input.conditions.campaign = shots[as].campaign;
+      shots[s].temperature = shots[as].temperature;
+      input.conditions.time = when.time;
+      input.conditions.station_time = when.station_time;
+      input.conditions.temperature = when.temperature;
+    }
     input.conditions.q = pose.q;
     if (!pose.approach.empty()) {
       input.conditions.approach = pose.approach;

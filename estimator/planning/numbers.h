@@ -61,6 +61,7 @@ struct PlannedPose {
   int way = -1;
   Eigen::VectorXd q;
   std::vector<int> approach;
+  int like = -1;  // configuration whose time and temperature it has; -1: where it is listed, or those of its way
 };
 
 // Rows of poses that are no candidates.
@@ -81,6 +82,7 @@ class PoseRows {
 
   PlanScene* scene_;
   const PlanNumbers& numbers_;
+  std::vector<std::vector<int>> all_shots_;             // of each configuration
   std::vector<std::vector<int>> shots_, observations_;  // of each way
   std::vector<std::vector<Sight>> sights_;
 };

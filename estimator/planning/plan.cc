@@ -12,6 +12,7 @@
 #include "models/effects/catalogue.h"
 #include "problems/experiment_checks.h"
 #include "problems/input_error.h"
+#include "problems/noise_model.h"
 #include "problems/range.h"
 #include "problems/split.h"
 
@@ -72,13 +73,78 @@ std::vector<int> OrderOf(const PlanScene& scene, const FoundPlan& found, const P
   }
   if (DriftIsFree(*scene.problem)) {
     plan->order = OrderIsMixed();
-    return MixedRoute(static_cast<int>(q.size()), request.seed);
+    std::vector<int> order = MixedRoute(static_cast<int>(q.size()), request.seed);
+    if (!scene.goes_with_time) return order;
+    std::vector<double> time;  // s, of each pose as it is assumed
+    const std::vector<std::vector<int>> shots = ShotsByConfiguration(scene.problem->data());
+    for (const PlannedPose& pose : found.poses) {
+      const int c = pose.candidate >= 0 ? pose.candidate : pose.like;
+      time.push_back(c < 0 || shots[c].empty() ? 0.0 : scene.problem->data().shots[shots[c].front()].time);
+    }
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return time[a] < time[b]; });
+    return order;
   }
   const std::vector<int> order = ShortRoute(q, kind);
   plan->travel = TravelOf(q, order);
   plan->travel_as_found = TravelOf(q, as_found);
   plan->order = OrderIsShort(plan->travel / std::max(plan->travel_as_found, 1e-12));
   return order;
+}
+
+// m, root mean square of a coordinate of the fitted rows as they state their noise; 0: nothing states it.
+double NoiseOfRows(const Experiment& experiment, const Measurements& data) {
+  double squares = 0.0;
+  int rows = 0;
+  for (const Observation& row : data.observations) {
+    if (!row.is_point() || data.IsValidation(row)) continue;
+    const Matrix3<double> root = StatedRoot(experiment, data, row, row.point_in_station);
+    if (!root.allFinite() || !IsStated(root)) continue;
+    squares += root.squaredNorm() / 3.0;
+    ++rows;
+  }
+  return rows > 0 ? std::sqrt(squares / rows) : 0.0;
+}
+
+// With the model error that the former estimate shows: FormerMisfit's e.
+PlanRequest WithField(PlanRequest request, const Experiment& experiment, const Measurements& data) {
+  FormerMisfit& former = request.former;
+  if (former.kind != FormerMisfit::Kind::kMeasured) return request;
+  double predicted = former.predicted;
+  if (former.found_noise > 0.0) {
+    const double own = NoiseOfRows(experiment, data);
+    if (!(own > 0.0)) {
+      former.kind = FormerMisfit::Kind::kNotCompared;
+      return request;
+    }
+    predicted *= std::min(1.0, own / former.found_noise);
+  }
+  request.field = std::sqrt(std::max(0.0, former.rms * former.rms - predicted * predicted));
+  return request;
+}
+
+// Before anything is measured a row or two stand for all that will be: there the split of the readings to come need not
+// divide them.
+void SplitForPlan(const ValidationSpec& validation, Measurements* data, std::vector<std::string>* words) {
+  const auto is_read = [](const Observation& row) { return row.IsRead(); };
+  if (std::any_of(data->observations.begin(), data->observations.end(), is_read)) {
+    SplitConfigurations(validation, data);
+    return;
+  }
+  Measurements split = *data;
+  try {
+    SplitConfigurations(validation, &split);
+    *data = std::move(split);
+  } catch (const InputError& error) {
+    words->push_back(NothingIsHeldOut(error.what()));
+  }
+}
+
+// Rows state the noise that the plan counts with: --sigma_mm stands for what they state.
+void ReplaceSigmas(const NoiseSpec& noise, Measurements* rows) {
+  if (!noise.replaces_rows || !noise.sigma) return;
+  for (Observation& row : rows->observations) {
+    if (!row.sigma.isZero(0.0)) row.sigma.setConstant(*noise.sigma);
+  }
 }
 
 void FillRows(const FoundPlan& found, const std::vector<int>& order, PlanScene* scene, PoseRows* rows, Plan* plan) {
@@ -97,6 +163,7 @@ void FillRows(const FoundPlan& found, const std::vector<int>& order, PlanScene* 
     const std::string id = keep_ids ? "" : names[number];
     AppendConfiguration(data, c, shots[c], keep_ids ? Eigen::VectorXd() : pose.q, id, &plan->rows);
   }
+  ReplaceSigmas(scene->problem->experiment().noise, &plan->rows);
 }
 
 void FillWords(const PlanRequest& request, const PlanScene& scene, Plan* plan) {
@@ -153,16 +220,20 @@ void CheckOptions(const PlanRequest& request) {
   CheckIn(allowed::kStarts, request.starts, "PlanRequest.starts");
 }
 
-Plan MakePlan(const Robot& robot, const Measurements& data, const Experiment& experiment, const PlanRequest& request) {
-  CheckOptions(request);
+Plan MakePlan(const Robot& robot, const Measurements& data, const Experiment& experiment, const PlanRequest& asked) {
+  CheckOptions(asked);
   CheckExperiment(experiment);
   if (experiment.torques_measured) {
     throw InputError({experiment.file, 0, "torques"}, "torques of poses that are not measured yet are not known",
                      "plan with torques: model");
   }
   Measurements split = data;
-  SplitConfigurations(experiment.validation, &split);
+  std::vector<std::string> of_split;
+  SplitForPlan(experiment.validation, &split, &of_split);
+  const PlanRequest request = WithField(asked, experiment, split);
+  CheckIn(allowed::kMisfit, request.field, "PlanRequest.former");
   PlanScene scene = MakePlanScene(robot, split, experiment, request);
+  scene.words.insert(scene.words.begin(), of_split.begin(), of_split.end());
   PlanNumbers numbers = MakePlanNumbers(scene, request.field);
   if (std::count(numbers.registered.begin(), numbers.registered.end(), true) > 0) {
     scene.words.push_back(RegisteredOnTests());
@@ -177,6 +248,7 @@ Plan MakePlan(const Robot& robot, const Measurements& data, const Experiment& ex
   FillAccuracy(numbers, criterion, found, &plan);
   plan.model_error = request.model_error;
   plan.field = request.field;
+  plan.former = request.former.kind;
   plan.field_amplitude = numbers.field_amplitude;
   plan.rms_with_model_error = search.Widening() * search.Rms(found.covariance);
   FillPlannedParameters(*scene.problem, numbers, numbers.ByNoiseAlone(found.covariance), &plan);
@@ -189,6 +261,8 @@ Plan MakePlan(const Robot& robot, const Measurements& data, const Experiment& ex
   plan.infeasible_because = scene.infeasible;
   for (const auto& [why, count] : scene.infeasible) plan.infeasible += count;
   plan.measured = static_cast<int>(scene.measured.size());
+  plan.goes_with_time = scene.goes_with_time;
+  plan.goes_with_temperature = scene.goes_with_temperature;
   FillRows(found, OrderOf(scene, found, request, &plan), &scene, &search.rows(), &plan);
   FillWords(request, scene, &plan);
   return plan;

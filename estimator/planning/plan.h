@@ -31,6 +31,26 @@ struct PosesAndAccuracy {
   double position_rms = 0.0;  // m
 };
 
+// How far the points that a former estimate had not fitted are off, next to what its noise explains.
+//
+//   e^2 = rms^2 - predicted^2,   predicted: the root of the noise and of what it leaves of the parameters
+//
+// Both parts of `predicted` are in proportion to the noise that it was made with. Where nothing stated that one it was
+// found from residuals, which have e in them; the instrument is then taken to be that of the plan:
+//
+//   predicted -> predicted min(1, sigma of the plan / sigma that was found)
+struct FormerMisfit {
+  enum class Kind {
+    kNone,            // no former estimate was given
+    kMeasured,        // the figures below
+    kNotCompared,     // nothing was left out and predicted, or no noise is known
+    kInRepeatability  // the joints' repeatability was found from what the model lacks too
+  };
+  Kind kind = Kind::kNone;
+  double rms = 0.0, predicted = 0.0;  // m per coordinate
+  double found_noise = 0.0;           // m: what `predicted` was made with; 0: it was stated
+};
+
 // What a plan is asked for, what may be chosen, and what reports its progress.
 struct PlanRequest {
   int poses = 0;          // 0: as many as `accuracy` needs
@@ -44,6 +64,7 @@ struct PlanRequest {
   const Cell* cell = nullptr;                // what poses must keep to in addition to the joint limits
   double model_error = 1.0;                  // factor by which errors exceed those predicted (Estimate's model error)
   double field = 0.0;    // m per coordinate: by which the model is wrong at unseen points (model_field.h); 0: not known
+  FormerMisfit former;   // in place of `field`, where one is given
   bool move = true;      // drawn poses may move to better places
   int pool = 500;        // poses drawn
   int most_poses = 500;  // of the search for an accuracy
@@ -68,15 +89,16 @@ struct Plan {
   Measurements rows;  // the chosen configurations in the order of their measurement, with the points that are expected
   Criterion criterion;
   double cost = 0.0;
-  double bound = 0.0;                 // cost of no plan of as many candidates is below; only with a certificate
-  double efficiency = 0.0;            // of the bound over the cost; 0 without a certificate
-  bool moved = false;                 // poses were moved from where they were drawn
-  int found_given_measured = 0;       // candidates that were not drawn but found from those drawn
-  double position_rms = 0.0;          // m, distance, at the test points
-  double position_max = 0.0;          // m, of the worst test point
-  double best_rms = 0.0;              // m: no plan of as many candidates is better; 0: not known
-  double model_error = 1.0;           // factor, as stated
-  double field = 0.0;                 // m per coordinate, as stated
+  double bound = 0.0;            // cost of no plan of as many candidates is below; only with a certificate
+  double efficiency = 0.0;       // of the bound over the cost; 0 without a certificate
+  bool moved = false;            // poses were moved from where they were drawn
+  int found_given_measured = 0;  // candidates that were not drawn but found from those drawn
+  double position_rms = 0.0;     // m, distance, at the test points
+  double position_max = 0.0;     // m, of the worst test point
+  double best_rms = 0.0;         // m: no plan of as many candidates is better; 0: not known
+  double model_error = 1.0;      // factor, as stated
+  double field = 0.0;            // m per coordinate, as stated or found from the former estimate
+  FormerMisfit::Kind former = FormerMisfit::Kind::kNone;
   double field_amplitude = 0.0;       // rad, of each of the field's coefficients
   double rms_with_model_error = 0.0;  // m, distance, at the test points: with the field, or the factor
   // Of rivals: mean of the noncentralities D, of their information in nat, of the right one's expected probability.
@@ -86,7 +108,8 @@ struct Plan {
   std::vector<PosesAndAccuracy> curve;
   int knee = 0;  // poses from which on more only average the noise; 0: not within the curve
   int candidates = 0, infeasible = 0, tests = 0, measured = 0;
-  std::map<std::string, int> infeasible_because;  // how many of those tried, by reason
+  std::map<std::string, int> infeasible_because;               // how many of those tried, by reason
+  bool goes_with_time = false, goes_with_temperature = false;  // effects of the robot: rows state those assumed
   std::vector<std::string> checked, not_checked;
   double travel = 0.0, travel_as_found = 0.0;  // ranges of the joint that moves farthest, summed; 0: order is random
   std::string order;                           // in words
@@ -96,6 +119,6 @@ struct Plan {
 };
 
 // Throws InputError for what cannot be planned.
-Plan MakePlan(const Robot& robot, const Measurements& data, const Experiment& experiment, const PlanRequest& request);
+Plan MakePlan(const Robot& robot, const Measurements& data, const Experiment& experiment, const PlanRequest& asked);
 
 }  // namespace sagitta

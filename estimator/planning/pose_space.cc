@@ -27,16 +27,17 @@ double RadicalInverse(int i, int base) {
   return value;
 }
 
-int IndexOf(const std::vector<std::string>& names, const std::string& name, const char* column) {
+// where: of the row that names it.
+int IndexOf(const std::vector<std::string>& names, const std::string& name, const InputError::Where& where) {
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<int>(found - names.begin());
-  throw InputError({"", 0, column}, "the experiment has no " + std::string(column) + " '" + name + "'",
-                   SpellingHint(name, names));
+  throw InputError(where, "the experiment has no " + where.key + " '" + name + "'", SpellingHint(name, names));
 }
 
-// What distinguishes one way to measure a configuration from another; not when it was measured.
+// What distinguishes one way to measure a configuration from another, with which of its shots share an arrival; not
+// when it was measured, nor how exactly.
 std::string PatternOf(const Measurements& data, const std::vector<int>& of_configuration) {
-  std::vector<std::string> shots;
+  std::map<std::string, std::vector<std::string>> of_visit;  // its shots
   for (const int s : of_configuration) {
     const Shot& shot = data.shots[s];
     std::vector<std::string> markers;
@@ -52,11 +53,17 @@ std::string PatternOf(const Measurements& data, const std::vector<int>& of_confi
               std::to_string(std::lround(shot.wrench.moment[i])) + "|";
     }
     for (const std::string& marker : markers) text += marker;
-    shots.push_back(text);
+    of_visit[shot.visit].push_back(text);
   }
-  std::sort(shots.begin(), shots.end());
+  std::vector<std::string> visits;
+  for (auto& [name, shots] : of_visit) {
+    std::sort(shots.begin(), shots.end());
+    std::string& visit = visits.emplace_back();
+    for (const std::string& shot : shots) visit += shot + ";";
+  }
+  std::sort(visits.begin(), visits.end());
   std::string pattern;
-  for (const std::string& shot : shots) pattern += shot + ";";
+  for (const std::string& visit : visits) pattern += visit + "/";
   return pattern;
 }
 
@@ -134,6 +141,7 @@ ShotPatterns PatternsOf(const Measurements& data, int most) {
   for (const std::vector<int>& group : groups) {
     if (static_cast<int>(patterns.configurations.size()) < most) {
       patterns.configurations.push_back(group.front());
+      patterns.alike.push_back(group);
     } else {
       ++patterns.left_out;
     }
@@ -156,7 +164,7 @@ int AppendConfiguration(const Measurements& from, int configuration, const std::
     Shot shot = from.shots[s];
     const std::vector<int> observations = shot.observations;
     shot.configuration = index;
-    shot.station = IndexOf(to->stations, from.stations[shot.station], "station");
+    shot.station = IndexOf(to->stations, from.stations[shot.station], from.WhereOf(shot, "station"));
     shot.observations.clear();
     const int own = static_cast<int>(to->shots.size());
     std::map<int, int> copy_of;
@@ -164,8 +172,8 @@ int AppendConfiguration(const Measurements& from, int configuration, const std::
       Observation row = from.observations[k];
       row.shot = own;
       row.excluded = false;
+      row.marker = IndexOf(to->markers, from.markers[row.marker], from.WhereOf(row, "marker"));
       if (is_elsewhere) row.file = row.row = -1;
-      row.marker = IndexOf(to->markers, from.markers[row.marker], "marker");
       copy_of[k] = static_cast<int>(to->observations.size());
       shot.observations.push_back(copy_of[k]);
       to->observations.push_back(row);

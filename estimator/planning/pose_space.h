@@ -37,11 +37,13 @@ class PoseSequence {
   int drawn_ = 0;
 };
 
-// What is measured at a configuration: station, load and markers of each of its shots. One calibration configuration of
-// the data stands for all that are measured alike; the most frequent ones first, at most `most`.
+// What is measured at a configuration: station, load and markers of each of its shots, and which shots share a visit.
+// One calibration configuration of the data stands for all that are measured alike; the most frequent ones first, at
+// most `most`.
 struct ShotPatterns {
-  std::vector<int> configurations;  // of the data
-  int left_out = 0;                 // patterns beyond `most`
+  std::vector<int> configurations;      // of the data
+  std::vector<std::vector<int>> alike;  // of each: all that are measured like it, itself the first
+  int left_out = 0;                     // patterns beyond `most`
 };
 ShotPatterns PatternsOf(const Measurements& data, int most);
 

@@ -6,8 +6,10 @@
 
 #include "estimator/alignment/starting_values.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/noise/weighting.h"
 #include "estimator/planning/model_field.h"
 #include "estimator/planning/pose_space.h"
+#include "estimator/planning/scene_rows.h"
 #include "estimator/report/planning_words.h"
 #include "models/effects/catalogue.h"
 #include "problems/excitation.h"
@@ -53,25 +55,26 @@ std::unique_ptr<CalibrationProblem> ProblemOf(const Robot& robot, const Measurem
   return problem;
 }
 
-// Base and markers: registered to the readings where there are any, else as the experiment states them.
-void Place(const Measurements& data, CalibrationProblem* problem, std::vector<std::string>* words) {
-  std::vector<int> read;
-  for (size_t k = 0; k < data.observations.size(); ++k) {
-    if (data.observations[k].point_in_station.allFinite()) read.push_back(static_cast<int>(k));
-  }
-  if (!read.empty()) {
-    FindStartingValues(*problem, read, &problem->parameters);
-    words->push_back(PlacesFitReadings());
-    return;
-  }
-  for (const std::string& marker : problem->data().markers) {
+// Base and markers: registered to these readings where there are any, else as the experiment states them.
+void Place(const std::vector<int>& read, CalibrationProblem* problem, std::vector<std::string>* words) {
+  const Measurements& data = problem->data();
+  std::vector<bool> is_read(data.markers.size(), false);
+  for (const int k : read) is_read[data.observations[k].marker] = true;
+  const ParameterSet stated = problem->parameters;
+  if (!read.empty()) FindStartingValues(*problem, read, &problem->parameters);
+  for (size_t m = 0; m < data.markers.size(); ++m) {
+    if (is_read[m]) continue;
+    const std::string& marker = data.markers[m];
     const auto spec = problem->experiment().markers.find(marker);
-    if (spec != problem->experiment().markers.end() && spec->second.point) continue;
-    throw InputError({problem->experiment().file, 0, "markers"},
-                     "nothing says where marker '" + marker + "' is: no row has a reading",
-                     "state markers: {" + marker + ": {xyz_mm: …}} in the experiment file");
+    if (spec == problem->experiment().markers.end() || !spec->second.point) {
+      throw InputError({problem->experiment().file, 0, "markers"},
+                       "nothing says where marker '" + marker + "' is: no row has a reading",
+                       "state markers: {" + marker + ": {xyz_mm: …}} in the experiment file");
+    }
+    // Starting values of what no row sees are arbitrary.
+    problem->parameters.SetMarkerPoint(static_cast<int>(m), stated.MarkerPoint(static_cast<int>(m)));
   }
-  words->push_back(PlacesAreStated());
+  words->push_back(read.empty() ? PlacesAreStated() : PlacesFitReadings());
 }
 
 void CopyPlaces(const CalibrationProblem& from, CalibrationProblem* to) {
@@ -84,38 +87,6 @@ void CopyPlaces(const CalibrationProblem& from, CalibrationProblem* to) {
   }
 }
 
-// Grows the rows of a plan's problem.
-class SceneRows {
- public:
-  explicit SceneRows(const Measurements& data) : rows(data) {}
-
-  int Add(const Measurements& from, int configuration, const std::vector<int>& shots, const Eigen::VectorXd& q,
-          const std::string& id, const std::vector<int>& approach) {
-    const size_t first = rows.shots.size();
-    const int added = AppendConfiguration(from, configuration, shots, q, id, &rows);
-    if (!approach.empty()) {
-      for (size_t s = first; s < rows.shots.size(); ++s) rows.shots[s].approach = approach;
-    }
-    return added;
-  }
-
-  // All of a list, the files of its rows too.
-  std::vector<int> AddAll(const Measurements& from, const std::vector<int>& configurations) {
-    const int files = static_cast<int>(rows.files.size());
-    const size_t first = rows.observations.size();
-    rows.files.insert(rows.files.end(), from.files.begin(), from.files.end());
-    const std::vector<std::vector<int>> shots = ShotsByConfiguration(from);
-    std::vector<int> added;
-    for (const int c : configurations) added.push_back(Add(from, c, shots[c], {}, "", {}));
-    for (size_t k = first; k < rows.observations.size(); ++k) {
-      if (rows.observations[k].file >= 0) rows.observations[k].file += files;
-    }
-    return added;
-  }
-
-  Measurements rows;
-};
-
 std::vector<int> All(size_t count) {
   std::vector<int> all(count);
   for (size_t i = 0; i < count; ++i) all[i] = static_cast<int>(i);
@@ -125,16 +96,20 @@ std::vector<int> All(size_t count) {
 // Draws poses, each with every way that the rows show.
 class Drawing {
  public:
-  Drawing(const Measurements& data, const std::vector<JointRange>& ranges, bool with_approach)
+  // otherwise: m, of rows that state no standard deviation.
+  Drawing(const Measurements& data, const std::vector<JointRange>& ranges, bool with_approach,
+          std::optional<double> otherwise)
       : data_(data),
         ranges_(ranges),
         with_approach_(with_approach),
         patterns_(PatternsOf(data, kMostPatterns)),
         shots_(ShotsByConfiguration(data)) {
     for (const int pattern : patterns_.configurations) sights_.push_back(SightsOf(data, shots_[pattern]));
+    for (const std::vector<int>& alike : patterns_.alike) alike_.emplace_back(data, alike, otherwise);
   }
 
   const ShotPatterns& patterns() const { return patterns_; }
+  const std::vector<MeasuredAlike>& alike() const { return alike_; }
 
   // Until `count` poses can be measured in some way. feasible: null: all can. reasons: of those that cannot, null: not
   // counted.
@@ -155,8 +130,10 @@ class Drawing {
         }
         any = true;
         const int pattern = patterns_.configurations[way];
+        const size_t first = rows->rows.shots.size();
         list->push_back(rows->Add(data_, pattern, shots_[pattern], pose.q, prefix + std::to_string(found + 1),
                                   with_approach_ ? pose.approach : std::vector<int>()));
+        alike_[way].Complete(static_cast<size_t>(found), first, &rows->rows);
         if (ways != nullptr) ways->push_back(static_cast<int>(way));
       }
       found += any ? 1 : 0;
@@ -166,10 +143,13 @@ class Drawing {
   // One configuration of each way, to be moved.
   std::vector<int> Movable(SceneRows* rows) const {
     std::vector<int> movable;
-    for (const int pattern : patterns_.configurations) {
+    for (size_t way = 0; way < patterns_.configurations.size(); ++way) {
+      const int pattern = patterns_.configurations[way];
       const Eigen::VectorXd q = data_.configurations[pattern].q;
+      const size_t first = rows->rows.shots.size();
       movable.push_back(rows->Add(data_, pattern, shots_[pattern], q, "movable" + std::to_string(movable.size()),
                                   with_approach_ ? std::vector<int>(q.size(), 1) : std::vector<int>()));
+      alike_[way].Complete(0, first, &rows->rows);
     }
     return movable;
   }
@@ -181,7 +161,57 @@ class Drawing {
   const ShotPatterns patterns_;
   const std::vector<std::vector<int>> shots_;
   std::vector<std::vector<Sight>> sights_;
+  std::vector<MeasuredAlike> alike_;
 };
+
+// Rows count with what they state.
+bool RowsStateTheNoise(const NoiseSpec& noise) {
+  switch (noise.from) {
+    case NoiseSpec::From::kRepeats:
+    case NoiseSpec::From::kResiduals:
+    case NoiseSpec::From::kInstrument:
+      return false;
+    case NoiseSpec::From::kDefault:
+    case NoiseSpec::From::kSigma:
+    case NoiseSpec::From::kRows:
+    case NoiseSpec::From::kVarianceComponents:
+      break;
+  }
+  return !noise.replaces_rows;
+}
+
+void SayWhatDiffers(const Drawing& drawing, const Experiment& experiment, std::vector<std::string>* words) {
+  if (drawing.patterns().left_out > 0) words->push_back(PatternsLeftOut(drawing.patterns().left_out, kMostPatterns));
+  if (!RowsStateTheNoise(experiment.noise)) return;
+  std::optional<std::pair<double, double>> most;
+  for (const MeasuredAlike& alike : drawing.alike()) {
+    const auto own = alike.SigmasThatDiffer();
+    if (own && (!most || own->second / own->first > most->second / most->first)) most = own;
+  }
+  if (most) words->push_back(SigmasOfAlikeRowsDiffer(most->first, most->second));
+}
+
+// An effect of the robot goes with it.
+bool AnyGoesWith(const CalibrationProblem& problem, EffectDriver driver) {
+  const std::vector<EffectSpec>& effects = problem.robot().effects;
+  return std::any_of(effects.begin(), effects.end(), [&](const EffectSpec& effect) {
+    return FindEffect(problem.robot(), effect.effect)->DrivenBy(effect) == driver;
+  });
+}
+
+void SayWhatIsAssumed(const CalibrationProblem& problem, PlanScene* scene) {
+  scene->goes_with_time = AnyGoesWith(problem, EffectDriver::kTime);
+  scene->goes_with_temperature = AnyGoesWith(problem, EffectDriver::kTemperature);
+  if (scene->goes_with_time || scene->goes_with_temperature) {
+    scene->words.push_back(ConditionsAreAssumed(scene->goes_with_time, scene->goes_with_temperature));
+  }
+  const Experiment& experiment = problem.experiment();
+  if (experiment.repeatability.IsEstimated()) scene->words.push_back(RepeatabilityIsNotCounted());
+  const std::vector<std::vector<int>> observations = ObservationsByConfiguration(problem.data());
+  std::vector<int> rows;
+  for (const int c : scene->candidates) rows.insert(rows.end(), observations[c].begin(), observations[c].end());
+  if (WeighsOtherwise(problem, rows)) scene->words.push_back(BestWeightsAreAssumed(experiment.method.weights));
+}
 
 // The reasons, most frequent first.
 std::vector<std::string> ReasonsInWords(const std::map<std::string, int>& reasons) {
@@ -206,12 +236,24 @@ std::vector<std::string> ReasonsInWords(const std::map<std::string, int>& reason
                        : "check the units of the list and the limits of the robot file");
 }
 
-std::vector<int> FeasibleOf(const Measurements& list, const FeasiblePoses& feasible,
+// placed: whose stations and markers `feasible` knows; the list numbers its own.
+std::vector<int> FeasibleOf(const Measurements& list, const Measurements& placed, const FeasiblePoses& feasible,
                             std::map<std::string, int>* reasons) {
   const std::vector<std::vector<int>> shots = ShotsByConfiguration(list);
+  const auto index_in = [](const std::vector<std::string>& names, const std::string& name) {
+    return static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());
+  };
   std::vector<int> kept;
   for (size_t c = 0; c < list.configurations.size(); ++c) {
-    const std::string why = feasible.WhyNot(list.configurations[c].q, SightsOf(list, shots[c]));
+    std::vector<Sight> sights;
+    for (const Sight& sight : SightsOf(list, shots[c])) {
+      const int station = index_in(placed.stations, list.stations[sight.station]);
+      const int marker = index_in(placed.markers, list.markers[sight.marker]);
+      const bool is_known =
+          station < static_cast<int>(placed.stations.size()) && marker < static_cast<int>(placed.markers.size());
+      if (is_known) sights.push_back({station, marker});  // others are refused where the row is added
+    }
+    const std::string why = feasible.WhyNot(list.configurations[c].q, sights);
     if (why.empty()) {
       kept.push_back(static_cast<int>(c));
     } else {
@@ -281,7 +323,7 @@ void AddTests(const Measurements& data, const PlanRequest& request, const Drawin
               PlanScene* scene) {
   bool is_drawn = request.random_tests;
   if (request.tests != nullptr) {
-    scene->tests = rows->AddAll(*request.tests, All(request.tests->configurations.size()));
+    scene->tests = rows->AddTests(*request.tests);
   } else if (!is_drawn) {
     scene->tests = TestsAmong(data);
     const size_t poses = PosesOf(data, scene->tests);
@@ -340,15 +382,27 @@ std::vector<std::string> NotIn(const Measurements& list, const Measurements& dat
 // Base and markers, found with the rows and some poses in addition, so that there are more equations than unknowns.
 void FindPlaces(const Robot& robot, const Measurements& data, const Experiment& experiment, const PlanRequest& request,
                 const Drawing* drawing, PlanScene* scene) {
-  SceneRows rows(data);
-  std::vector<int> ignored;
+  SceneRows rows(data, experiment.noise);
+  std::vector<int> ignored, read;
+  for (size_t k = 0; k < data.observations.size(); ++k) {
+    if (data.observations[k].point_in_station.allFinite()) read.push_back(static_cast<int>(k));
+  }
+  if (request.tests != nullptr && rows.AddNamesOf(*request.tests)) {
+    rows.AddTests(*request.tests);
+    for (size_t k = data.observations.size(); k < rows.rows.observations.size(); ++k) {
+      const Observation& row = rows.rows.observations[k];
+      const bool is_new = row.marker >= static_cast<int>(data.markers.size()) ||
+                          rows.rows.shots[row.shot].station >= static_cast<int>(data.stations.size());
+      if (is_new && row.point_in_station.allFinite()) read.push_back(static_cast<int>(k));
+    }
+  }
   if (drawing != nullptr) {
     drawing->Draw(kPlacing, request.seed, "P", nullptr, &rows, &ignored, nullptr, nullptr);
   } else {
-    rows.AddAll(*request.candidates, All(std::min<size_t>(kPlacing, request.candidates->configurations.size())));
+    rows.AddCandidates(*request.candidates, All(std::min<size_t>(kPlacing, request.candidates->configurations.size())));
   }
   scene->placed = ProblemOf(robot, rows.rows, experiment, request.discriminate);
-  Place(data, scene->placed.get(), &scene->words);
+  Place(read, scene->placed.get(), &scene->words);
   scene->feasible = std::make_unique<FeasiblePoses>(*scene->placed, request.cell);
 }
 
@@ -361,22 +415,23 @@ PlanScene MakePlanScene(const Robot& robot, const Measurements& data, const Expe
   std::unique_ptr<Drawing> drawing;
   if (request.candidates == nullptr || request.random_tests) {
     scene.ranges = DrawingRanges(robot.chain, request.cell);
-    drawing = std::make_unique<Drawing>(data, scene.ranges, NeedsApproach(WithEffects(robot, request.discriminate)));
-    if (drawing->patterns().left_out > 0) {
-      scene.words.push_back(PatternsLeftOut(drawing->patterns().left_out, kMostPatterns));
-    }
+    drawing = std::make_unique<Drawing>(data, scene.ranges, NeedsApproach(WithEffects(robot, request.discriminate)),
+                                        experiment.noise.sigma);
+    if (request.candidates == nullptr) SayWhatDiffers(*drawing, experiment, &scene.words);
   }
   if (request.candidates != nullptr && request.candidates->configurations.empty()) {
     throw InputError({"", 0, "--candidates"}, "the list of candidates is empty");
   }
   FindPlaces(robot, data, experiment, request, request.candidates == nullptr ? drawing.get() : nullptr, &scene);
-  SceneRows rows(data);
+  SceneRows rows(data, experiment.noise);
+  if (request.tests != nullptr) rows.AddNamesOf(*request.tests);
   if (request.augment) scene.measured = MeasuredOf(data, &scene.words);
   if (request.candidates != nullptr) {
     const std::vector<std::string> missing = NotIn(*request.candidates, data);
     if (!missing.empty()) scene.words.push_back(CandidatesLack(missing));
-    scene.candidates =
-        rows.AddAll(*request.candidates, FeasibleOf(*request.candidates, *scene.feasible, &scene.infeasible));
+    scene.candidates = rows.AddCandidates(
+        *request.candidates, FeasibleOf(*request.candidates, scene.placed->data(), *scene.feasible, &scene.infeasible));
+    if (rows.without_sigma() > 0) scene.words.push_back(CandidatesStateNoSigma(rows.without_sigma()));
   } else {
     drawing->Draw(request.pool, request.seed, "P", scene.feasible.get(), &rows, &scene.candidates, &scene.way_of,
                   &scene.infeasible);
@@ -395,6 +450,7 @@ PlanScene MakePlanScene(const Robot& robot, const Measurements& data, const Expe
     throw InputError({experiment.file, 0, "loads"}, "at no candidate does the arm hold its load: no equilibrium",
                      "check the load and the compliances");
   }
+  SayWhatIsAssumed(*scene.problem, &scene);
   return scene;
 }
 

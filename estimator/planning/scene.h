@@ -25,6 +25,9 @@ struct PlanScene {
   std::unique_ptr<FeasiblePoses> feasible;
   std::unique_ptr<CalibrationProblem> problem;
 
+  // Effects of the robot go with them, so that each pose has its own: those of the rows that are measured like it.
+  bool goes_with_time = false, goes_with_temperature = false;
+
   std::vector<EffectSpec> field;  // of the model error, in `problem` (model_field.h)
 
   std::map<std::string, int> infeasible;  // how many of those tried were not feasible, by reason

@@ -93,7 +93,8 @@ PlanSearch::PlanSearch(PlanScene* scene, PlanNumbers* numbers, const Criterion& 
   const Measurements& data = scene->problem->data();
   for (size_t i = 0; i < scene->candidates.size(); ++i) {
     const int c = scene->candidates[i];
-    candidates_.push_back({c, scene->way_of.empty() ? -1 : scene->way_of[i], data.configurations[c].q, {}});
+    const bool is_listed = scene->way_of.empty();
+    candidates_.push_back({c, is_listed ? -1 : scene->way_of[i], data.configurations[c].q, {}, is_listed ? -1 : c});
   }
   if (scene->way_of.empty()) return;
   std::vector<int> candidate_of(data.configurations.size(), -1);
@@ -115,8 +116,8 @@ void PlanSearch::CheckSupply(int poses) const {
                      "fewer readings than unknowns: " + std::to_string(poses) + " poses cannot determine " +
                          std::to_string(numbers_->unknowns()) + " parameters",
                      "at least " + std::to_string(least) +
-                         " poses; or free less (estimate.geometry, --fixed), or give --augment where the rows of the "
-                         "experiment are measured already");
+                         " poses; or free less (estimate: {geometry: [NAME, …]} in the experiment file), or give "
+                         "--augment where the rows of the experiment are measured already");
   }
   if (request_.candidates == nullptr || poses <= numbers_->set.size()) return;
   throw InputError({"", 0, "--poses"},

@@ -31,14 +31,47 @@ std::string InWords(CriterionKind kind) {
 
 std::string OrderIsMixed() {
   return "The order is mixed at random, so that what goes with time is not mistaken for what goes with the place. "
-         "Each pose is assumed to be measured at the time of the configuration that it is measured like; the plan "
-         "states no times, and at others what goes with time may be several times less well known than predicted.";
+         "Poses with times of their own are in the order of these.";
 }
 
 std::string OrderIsShort(double share) {
   return "The order is a short way: nearest neighbours, stretches reversed and poses moved while that shortens it; " +
          WholePercent(share) + " of the way in the order in which poses were found.";
 }
+
+namespace {
+
+// Why the model error that was given is no part of the plan.
+void AddFormerInWords(const Plan& plan, std::vector<std::string>* words) {
+  if (plan.field_amplitude > 0.0) return;
+  const std::string factor =
+      plan.model_error > 1.0 ? "its factor alone counts." : "predicted errors hold as far as the model is true.";
+  switch (plan.former) {
+    case FormerMisfit::Kind::kNone:
+      return;
+    case FormerMisfit::Kind::kMeasured:
+      words->push_back(
+          plan.field > 0.0
+              ? "No smooth deviation of the joints leaves the error that the former estimate shows: " + factor
+              : "Points that the former estimate had not fitted are off by no more than its noise explains: " + factor);
+      return;
+    case FormerMisfit::Kind::kNotCompared:
+      words->push_back(
+          "The former estimate has no cross-validation, or no noise to compare it with: the plan does not know by how "
+          "much its model is off, and " +
+          factor);
+      return;
+    case FormerMisfit::Kind::kInRepeatability:
+      words->push_back(
+          "The former estimate found the repeatability of the joints from its residuals, so that what its model lacks "
+          "is "
+          "part of it: the plan does not know by how much the model is off, and " +
+          factor + " Calibrate the former rows with a stated repeatability, or none, for a model error.");
+      return;
+  }
+}
+
+}  // namespace
 
 std::vector<std::string> AssumptionsInWords(const Plan& plan, bool candidates_are_drawn) {
   std::vector<std::string> words;
@@ -65,6 +98,7 @@ std::vector<std::string> AssumptionsInWords(const Plan& plan, bool candidates_ar
     words.push_back("With the model error of the estimate that was given, predicted errors are larger by " +
                     Significant(plan.model_error, 3) + ".");
   }
+  AddFormerInWords(plan, &words);
   std::vector<std::string> not_determined;
   for (const PlannedParameter& parameter : plan.parameters) {
     if (!parameter.identifiable) not_determined.push_back(parameter.name);
@@ -114,6 +148,42 @@ std::string RowsWithoutReading(size_t rows) {
 std::string CandidatesLack(const std::vector<std::string>& what) {
   return "The candidates are measured as their own rows say, none of which has " + Enumerate(what) +
          " of the experiment: give a row for each marker, station and load to plan with them.";
+}
+
+std::string CandidatesStateNoSigma(int rows) {
+  return (rows == 1 ? std::string("One row of the candidates states")
+                    : std::to_string(rows) + " rows of the candidates state") +
+         " no standard deviation: that of the experiment's rows counts, the root mean square per axis of the same "
+         "marker from the same station.";
+}
+
+std::string SigmasOfAlikeRowsDiffer(double least, double largest) {
+  return "Rows that are measured alike state standard deviations from " + InMillimetres(least) + " to " +
+         InMillimetres(largest) + ": a planned pose counts with their root mean square, which plan.csv states.";
+}
+
+std::string ConditionsAreAssumed(bool time, bool temperature) {
+  const std::string what = time && temperature ? "time and temperature" : time ? "the time" : "the temperature";
+  return "Effects of the robot go with " + what + ". Each pose is assumed to be measured at " + what +
+         " of a row that is measured like it, and plan.csv states which: put in those at which it is measured. Far "
+         "from the assumed ones such effects may be several times less well known than predicted.";
+}
+
+std::string RepeatabilityIsNotCounted() {
+  return "The repeatability of the joints is to be estimated, and nothing states it: the plan counts none. Joints that "
+         "scatter leave larger errors than predicted; state repeatability_urad: NUMBER in the experiment file to count "
+         "it.";
+}
+
+std::string BestWeightsAreAssumed(Weights weights) {
+  return "The experiment states weights: " + WordOf(weights) +
+         ". The plan counts the best weights, those of the noise (weights: sigma): a calibration by the others leaves "
+         "larger errors than predicted, several times where standard deviations differ by much.";
+}
+
+std::string NothingIsHeldOut(const std::string& why) {
+  return "No row has a reading yet, and the validation that the experiment states does not divide them (" + why +
+         "): the plan holds none out.";
 }
 
 std::string BodiesAreNotStated() {

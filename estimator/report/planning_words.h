@@ -27,6 +27,16 @@ std::string FewTestPosesDrawn(size_t poses);
 std::string RowsWithoutReading(size_t rows);
 // what: "marker M2", "load V250", … that no row of the candidates has.
 std::string CandidatesLack(const std::vector<std::string>& what);
+std::string CandidatesStateNoSigma(int rows);
+// least, largest: m, of rows that are measured alike.
+std::string SigmasOfAlikeRowsDiffer(double least, double largest);
+// What goes with time or temperature is known as well as predicted at those that the plan assumes.
+std::string ConditionsAreAssumed(bool time, bool temperature);
+// A repeatability that is to be estimated, and weights that are not the noise's: what the plan counts instead.
+std::string RepeatabilityIsNotCounted();
+std::string BestWeightsAreAssumed(Weights weights);
+// why: as the split is refused.
+std::string NothingIsHeldOut(const std::string& why);
 
 // What is not checked of each pose: `what` follows.
 std::string BodiesAreNotStated();

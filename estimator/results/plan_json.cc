@@ -44,24 +44,72 @@ std::vector<std::string> RepeatsOf(const Measurements& data) {
   return repeats;
 }
 
+// m: the noise that the former estimate found from its residuals, which have its model error in them; 0: it was stated,
+// or measured by repeats.
+double NoiseFromResiduals(const JsonValue& estimate) {
+  if (const auto sigma = estimate.Find("sigma")) {
+    const auto stated = sigma->Find("stated");
+    const auto found = sigma->Find("estimated_mm");
+    if (stated && !stated->Flag() && found) return found->NumberOrNull().value_or(0.0) / 1e3;
+  }
+  const auto noise = estimate.Find("noise");
+  const auto groups = noise ? noise->Find("groups") : std::nullopt;
+  if (!groups) return 0.0;
+  double squares = 0.0, rows = 0.0;
+  for (const JsonValue& group : groups->Items()) {
+    const double of_group = group.Get("rows").PositiveNumber();
+    squares += of_group * std::pow(group.Get("sigma_mm").NotNegativeNumber() / 1e3, 2);
+    rows += of_group;
+  }
+  return rows > 0.0 ? std::sqrt(squares / rows) : 0.0;
+}
+
+// The joints scatter by what the residuals made of it.
+bool FoundRepeatability(const JsonValue& estimate) {
+  const auto noise = estimate.Find("noise");
+  const auto variance = noise ? noise->Find("variance") : std::nullopt;
+  const auto components = variance ? variance->Find("components") : std::nullopt;
+  if (!components) return false;
+  const std::vector<JsonValue> all = components->Items();
+  return std::any_of(all.begin(), all.end(), [](const JsonValue& component) {
+    return component.Find("joints") && component.Get("estimated").Flag();
+  });
+}
+
+FormerMisfit FormerMisfitOf(const JsonValue& estimate) {
+  FormerMisfit former;
+  former.kind = FormerMisfit::Kind::kNotCompared;
+  const auto unseen = estimate.Find("cross_validation");
+  const auto rms = unseen ? unseen->Find("rms_mm") : std::nullopt;
+  const auto predicted = unseen ? unseen->Find("predicted_rms_mm") : std::nullopt;
+  former.rms = rms ? rms->NumberOrNull().value_or(0.0) / 1e3 : 0.0;
+  former.predicted = predicted ? predicted->NumberOrNull().value_or(0.0) / 1e3 : 0.0;
+  if (!(former.rms > 0.0 && former.predicted > 0.0)) return former;
+  if (FoundRepeatability(estimate)) {
+    former.kind = FormerMisfit::Kind::kInRepeatability;
+    return former;
+  }
+  former.kind = FormerMisfit::Kind::kMeasured;
+  former.found_noise = NoiseFromResiduals(estimate);
+  const auto sigma = estimate.Find("sigma");
+  if (!sigma || former.found_noise > 0.0) return former;
+  // Where the residuals are beyond the stated noise, predictions are scaled to them, or hold what they scatter in
+  // addition (sandwich, bootstrap: not said to be scaled). Either way the model error is in what is predicted.
+  constexpr double kBeyondChance = 0.01;
+  const double times = sigma->Get("a_posteriori").PositiveNumber();
+  const auto p_value = sigma->Find("p_value");
+  const double p = p_value ? p_value->NumberOrNull().value_or(1.0) : 1.0;
+  if (sigma->Get("scaled").Flag() || (times > 1.0 && p < kBeyondChance)) former.predicted /= times;
+  return former;
+}
+
 }  // namespace
 
 void ReadModelError(const std::string& estimate_json, const std::string& file_in_messages, PlanRequest* request) {
   const Json json = ParseJson(estimate_json, file_in_messages);
   const JsonValue estimate(json, file_in_messages);
   request->model_error = std::max(1.0, estimate.Get("model_error").Get("factor").PositiveNumber());
-  const auto unseen = estimate.Find("cross_validation");
-  const auto rms = unseen ? unseen->Find("rms_mm") : std::nullopt;
-  const auto predicted = unseen ? unseen->Find("predicted_rms_mm") : std::nullopt;
-  if (!rms || !predicted) return;
-  const double off = rms->NumberOrNull().value_or(0.0);
-  double expected = predicted->NumberOrNull().value_or(0.0);
-  // Predictions are scaled by the a-posteriori sigma, which has the model error in it; the plan counts the stated
-  // noise.
-  if (const auto sigma = estimate.Find("sigma"); sigma && sigma->Get("scaled").Flag()) {
-    expected /= sigma->Get("a_posteriori").PositiveNumber();
-  }
-  request->field = off > expected ? std::sqrt(off * off - expected * expected) / 1e3 : 0.0;
+  request->former = FormerMisfitOf(estimate);
 }
 
 double HalfWidth95(const Plan& plan, const PlannedParameter& parameter) {
@@ -133,6 +181,13 @@ std::string PlanToCsv(const Chain& chain, const Plan& plan) {
   const bool has_wrench = AnyShot(data, [](const Shot& shot) { return !shot.wrench.IsZero(); });
   const bool has_sigma = std::any_of(data.observations.begin(), data.observations.end(),
                                      [](const Observation& row) { return row.sigma.maxCoeff() > 0.0; });
+  const auto turned = [&data](const Observation& row) -> Vector3<double> {
+    if (row.partner < 0) return Vector3<double>::Zero();
+    return data.observations[row.partner].rotation().sigma;
+  };
+  const bool has_rotation_sigma =
+      std::any_of(data.observations.begin(), data.observations.end(),
+                  [&](const Observation& row) { return row.is_point() && !turned(row).isZero(0.0); });
   const bool has_approach = AnyShot(data, [](const Shot& shot) { return !shot.approach.empty(); });
   const bool has_visit = AnyShot(data, [](const Shot& shot) { return !shot.visit.empty(); });
   const std::vector<std::string> repeats = RepeatsOf(data);
@@ -145,6 +200,9 @@ std::string PlanToCsv(const Chain& chain, const Plan& plan) {
   if (has_load) csv += ",load";
   if (has_wrench) csv += ",fx_N,fy_N,fz_N,mx_Nm,my_Nm,mz_Nm";
   if (has_sigma) csv += ",sigma_x_mm,sigma_y_mm,sigma_z_mm";
+  if (has_rotation_sigma) csv += ",sigma_rx_urad,sigma_ry_urad,sigma_rz_urad";
+  if (plan.goes_with_time) csv += ",time_s";
+  if (plan.goes_with_temperature) csv += ",temperature_degC";
   csv += "\n";
   const auto add = [&csv](double value) { csv += "," + FormatNumber(value); };
   for (const Observation& row : data.observations) {
@@ -165,7 +223,13 @@ std::string PlanToCsv(const Chain& chain, const Plan& plan) {
     if (has_load) csv += "," + CsvCell(shot.load);
     for (int i = 0; i < 3 && has_wrench; ++i) add(shot.wrench.force[i]);
     for (int i = 0; i < 3 && has_wrench; ++i) add(shot.wrench.moment[i]);
-    for (int i = 0; i < 3 && has_sigma; ++i) add(ToUnit(row.sigma[i], UnitNamed("mm")));
+    const auto add_stated = [&](const Vector3<double>& sigma, const char* unit) {  // empty: none is stated
+      for (int i = 0; i < 3; ++i) sigma.isZero(0.0) ? void(csv += ",") : add(ToUnit(sigma[i], UnitNamed(unit)));
+    };
+    if (has_sigma) add_stated(row.sigma, "mm");
+    if (has_rotation_sigma) add_stated(turned(row), "urad");
+    if (plan.goes_with_time) shot.has_time ? add(shot.time) : void(csv += ",");
+    if (plan.goes_with_temperature) shot.has_temperature ? add(shot.temperature) : void(csv += ",");
     csv += "\n";
   }
   return csv;

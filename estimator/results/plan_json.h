@@ -14,7 +14,8 @@ nlohmann::ordered_json PlanToJson(const Plan& plan);
 
 // config, marker, station, joint values (deg, mm): what every row of a plan has.
 std::string PlanColumns(const Chain& chain);
-// A row of these for each reading, and visit, repeat, approach, load, wrench, sigma columns where a row has some.
+// A row of these for each reading, and visit, repeat, approach, load, wrench, sigma columns where a row has some; time
+// and temperature, as they are assumed, where effects go with them.
 std::string PlanToCsv(const Chain& chain, const Plan& plan);
 
 // What an estimate.json says of its model's error: model_error.factor, and by how much the points of its

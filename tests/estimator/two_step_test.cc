@@ -207,6 +207,30 @@ TEST(CompareMethods, RunsEveryNameAndKeepsTheJointHolds) {
   }
 }
 
+// A prior is a row of what both halves minimise. Of half of what the data leave open it turns the spans apart, so that
+// the rate that the alternation is seen to have is another one than that of the readings' columns alone.
+TEST(CompareMethods, PredictTheRateWithPriors) {
+  Kr270Design design;
+  design.sigma = 1e-5;
+  CalibrationProblem problem = test::Kr270Problem(design, Kr270Truth(), 3);
+  const auto rates = [&problem] {
+    const Estimate joint = EstimateJointly(problem);
+    return RunMethod(problem, Method::kTwoStep, joint);
+  };
+  const MethodResult free = rates();
+  for (const int i : problem.parameters.EstimatedCoordinates()) {
+    Coordinate& coordinate = problem.parameters.coordinate(i);
+    if (coordinate.name.rfind("geometry/", 0) != 0) continue;
+    coordinate.prior_sigma = 0.5 * free.estimate.table[static_cast<size_t>(i)].sigma;
+    coordinate.prior_value = free.estimate.parameters.Value(i);
+  }
+  const MethodResult bound = rates();
+  ASSERT_TRUE(IsUsable(bound.estimate.status)) << bound.estimate.message;
+  EXPECT_NEAR(free.rate_measured, free.rate_predicted, 2e-3);
+  EXPECT_GT(free.rate_measured - bound.rate_measured, 0.05);
+  EXPECT_NEAR(bound.rate_measured, bound.rate_predicted, 2e-3);
+}
+
 // A method is refused for the priors that it would ignore, and for no others.
 TEST(CompareMethods, SayWhichPriorsTheyDoNotKnow) {
   const auto obstacles = [](const std::string& prior) {
