@@ -26,7 +26,7 @@ Measurements RowsReadTwice() {
       for (const int i : shot.observations) {
         Observation row = once.observations[i];
         row.shot = static_cast<int>(twice.shots.size());
-        row.point_in_station.x() += repeat[0] == '1' ? 1e-5 : -1e-5;
+        row.point_in_station.array() += repeat[0] == '1' ? 1e-5 : -1e-5;
         again.observations.push_back(static_cast<int>(twice.observations.size()));
         twice.observations.push_back(row);
       }
