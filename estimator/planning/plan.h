@@ -36,7 +36,7 @@ struct PosesAndAccuracy {
 //   e^2 = rms^2 - predicted^2,   predicted: the root of the noise and of what it leaves of the parameters
 //
 // Both parts of `predicted` are in proportion to the noise that it was made with. Where nothing stated that one it was
-// found from residuals, which have e in them; the instrument is then taken to be that of the plan:
+// found from residuals, which have e in them; the instrument is then assumed to be that of the plan:
 //
 //   predicted -> predicted min(1, sigma of the plan / sigma that was found)
 struct FormerMisfit {

@@ -27,11 +27,13 @@ double RadicalInverse(int i, int base) {
   return value;
 }
 
-// where: of the row that names it.
-int IndexOf(const std::vector<std::string>& names, const std::string& name, const InputError::Where& where) {
+// where(): of the row that names it.
+template <typename Where>
+int IndexOf(const std::vector<std::string>& names, const std::string& name, const Where& where) {
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<int>(found - names.begin());
-  throw InputError(where, "the experiment has no " + where.key + " '" + name + "'", SpellingHint(name, names));
+  const InputError::Where row = where();
+  throw InputError(row, "the experiment has no " + row.key + " '" + name + "'", SpellingHint(name, names));
 }
 
 // What distinguishes one way to measure a configuration from another, with which of its shots share an arrival; not
@@ -164,7 +166,8 @@ int AppendConfiguration(const Measurements& from, int configuration, const std::
     Shot shot = from.shots[s];
     const std::vector<int> observations = shot.observations;
     shot.configuration = index;
-    shot.station = IndexOf(to->stations, from.stations[shot.station], from.WhereOf(shot, "station"));
+    shot.station =
+        IndexOf(to->stations, from.stations[shot.station], [&] { return from.WhereOf(from.shots[s], "station"); });
     shot.observations.clear();
     const int own = static_cast<int>(to->shots.size());
     std::map<int, int> copy_of;
@@ -172,7 +175,8 @@ int AppendConfiguration(const Measurements& from, int configuration, const std::
       Observation row = from.observations[k];
       row.shot = own;
       row.excluded = false;
-      row.marker = IndexOf(to->markers, from.markers[row.marker], from.WhereOf(row, "marker"));
+      row.marker =
+          IndexOf(to->markers, from.markers[row.marker], [&] { return from.WhereOf(from.observations[k], "marker"); });
       if (is_elsewhere) row.file = row.row = -1;
       copy_of[k] = static_cast<int>(to->observations.size());
       shot.observations.push_back(copy_of[k]);

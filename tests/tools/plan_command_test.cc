@@ -243,7 +243,7 @@ TEST_F(PlanCommandTest, ThePlanDoesNotGoByWhichRowIsFirst) {
 TEST_F(PlanCommandTest, EachPoseHasATemperatureAndATimeOfItsOwn) {
   Write("robot.yaml", ReadAll(Published("kr270/robot.yaml")) +
                           "effects:\n  - {effect: thermal_growth, growth_ppm_per_K: 12}\n"
-                          "  - {effect: station_drift, target: S1}\n");
+                          "  - {effect: station_drift, station: S1}\n");
   std::string text = TemplateExperiment("noise: {sigma_mm: 0.05}\nestimate: {effects: all}\n");
   text.replace(text.find(Published("kr270/robot.yaml")), Published("kr270/robot.yaml").size(), "robot.yaml");
   const std::string experiment = Write("experiment.yaml", text);
