@@ -217,7 +217,8 @@ Certificate Polish(const CalibrationProblem& problem, const NormalEquations& equ
     if (!certificate.valid) return certificate;
     Eigen::VectorXd delta = BoundedGaussNewton(problem, here, *parameters, &certificate);
     if (certificate.exact_fit || !(certificate.step < reach)) return certificate;
-    delta *= relaxation.NextFactor(delta, here.rows.jacobian.colwise().norm().transpose());
+    // Farther off, steps that swing are those of a bent valley, and what is measured so poorly stays where it was.
+    if (reach <= kPolishReach) delta *= relaxation.NextFactor(delta, here.rows.jacobian.colwise().norm().transpose());
     const ParameterSet before = *parameters;
     Move(here.rows.columns, delta, 1.0, parameters);
     // 1e-5 standard deviations change columns by less than 1e-10 of themselves.

@@ -1,5 +1,5 @@
-// A noise model of one's own: a tracker that is three times as certain along its line of sight as across it. Prints by how
-// much the standard deviations of the geometry change.
+// A noise model of one's own: a tracker that is three times as certain along its line of sight as across it. Prints by
+// how much the standard deviations of the geometry change.
 //
 // usage: own_noise EXPERIMENT.yaml
 #include <sagitta/sagitta.h>
