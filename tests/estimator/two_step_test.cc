@@ -207,8 +207,8 @@ TEST(CompareMethods, RunsEveryNameAndKeepsTheJointHolds) {
   }
 }
 
-// A prior is a row of what both halves minimise. Of half of what the data leave open it turns the spans apart, so that
-// the rate that the alternation is seen to have is another one than that of the readings' columns alone.
+// A prior is a row of what both halves minimise. As narrow as what the data leave open it turns the spans apart, so
+// that the rate that the alternation is seen to have is another one than that of the readings' columns alone.
 TEST(CompareMethods, PredictTheRateWithPriors) {
   Kr270Design design;
   design.sigma = 1e-5;
@@ -221,7 +221,7 @@ TEST(CompareMethods, PredictTheRateWithPriors) {
   for (const int i : problem.parameters.EstimatedCoordinates()) {
     Coordinate& coordinate = problem.parameters.coordinate(i);
     if (coordinate.name.rfind("geometry/", 0) != 0) continue;
-    coordinate.prior_sigma = 0.5 * free.estimate.table[static_cast<size_t>(i)].sigma;
+    coordinate.prior_sigma = free.estimate.table[static_cast<size_t>(i)].sigma;
     coordinate.prior_value = free.estimate.parameters.Value(i);
   }
   const MethodResult bound = rates();
