@@ -1,5 +1,6 @@
 // A noise model of one's own: a tracker that is three times as certain along its line of sight as across it. Prints by
-// how much the standard deviations of the geometry change.
+// how much the standard deviations of the geometry change: where the readings scatter otherwise, as those of KR 270 do,
+// alike in all directions, they grow by what the residuals say against the model.
 //
 // usage: own_noise EXPERIMENT.yaml
 #include <sagitta/sagitta.h>
