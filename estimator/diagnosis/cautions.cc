@@ -110,8 +110,9 @@ std::string OfPartlyStated(const CalibrationProblem& problem) {
   const Measurements& data = problem.data();
   std::vector<std::string> partly;
   for (const DrivingColumn& column : DrivingColumns(problem.robot().num_joints())) {
-    const auto stating = std::count_if(data.shots.begin(), data.shots.end(), column.is_stated);
-    if (stating == 0 || stating == static_cast<long>(data.shots.size())) continue;
+    const auto stating = std::count_if(problem.shot_inputs().begin(), problem.shot_inputs().end(),
+                                       [&](const ShotInput& shot) { return column.is_stated(shot.conditions); });
+    if (stating == 0 || stating == static_cast<long>(problem.shot_inputs().size())) continue;
     const auto empty = std::count_if(data.observations.begin(), data.observations.end(), [&](const Observation& row) {
       return row.is_point() && data.Cell(row, column.name).empty();
     });

@@ -15,10 +15,6 @@ namespace {
 // what it drives is not seen at all.
 constexpr double kFewShots = 0.25;
 
-bool StatesApproachOf(const Shot& shot, int joint) {
-  return joint < static_cast<int>(shot.approach.size()) && shot.approach[joint] != kApproachNotStated;
-}
-
 std::vector<int> ReadShots(const Measurements& data) {
   std::set<int> shots;
   for (const Observation& row : data.observations) {
@@ -34,21 +30,21 @@ void StateAsNearest(const std::vector<int>& complete, int s, std::vector<Shot>* 
   Shot& shot = (*shots)[s];
   if (!shot.has_time) shot.has_time = nearest.has_time, shot.time = nearest.time;
   if (!shot.has_temperature) shot.has_temperature = nearest.has_temperature, shot.temperature = nearest.temperature;
-  std::vector<int> approach = nearest.approach;
-  for (int j = 0; j < static_cast<int>(approach.size()); ++j) {
-    if (StatesApproachOf(shot, j)) approach[j] = shot.approach[j];
+  if (shot.approach.empty()) shot.approach = nearest.approach;
+  for (size_t j = 0; j < nearest.approach.size(); ++j) {
+    if (shot.approach[j] == kApproachNotStated) shot.approach[j] = nearest.approach[j];
   }
-  shot.approach = approach;
 }
 
 }  // namespace
 
 std::vector<DrivingColumn> DrivingColumns(int joints) {
-  std::vector<DrivingColumn> columns = {{"time_s", [](const Shot& shot) { return shot.has_time; }},
-                                        {"temperature_degC", [](const Shot& shot) { return shot.has_temperature; }}};
+  std::vector<DrivingColumn> columns = {
+      {"time_s", [](const ShotConditions& shot) { return shot.has_time; }},
+      {"temperature_degC", [](const ShotConditions& shot) { return shot.has_temperature; }}};
   for (int j = 0; j < joints; ++j) {
     columns.push_back(
-        {"approach" + std::to_string(j + 1), [j](const Shot& shot) { return StatesApproachOf(shot, j); }});
+        {"approach" + std::to_string(j + 1), [j](const ShotConditions& shot) { return shot.StatesApproachOf(j); }});
   }
   return columns;
 }
@@ -61,7 +57,7 @@ std::optional<CalibrationProblem> WithoutUnstatedRows(const CalibrationProblem& 
   for (const DrivingColumn& column : DrivingColumns(problem.robot().num_joints())) {
     std::vector<int> own;
     for (const int s : read) {
-      if (!column.is_stated(problem.data().shots[s])) own.push_back(s);
+      if (!column.is_stated(problem.shot_inputs()[s].conditions)) own.push_back(s);
     }
     if (own.empty() || static_cast<double>(own.size()) > kFewShots * static_cast<double>(read.size())) continue;
     lacking.insert(own.begin(), own.end());

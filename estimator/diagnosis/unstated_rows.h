@@ -13,7 +13,7 @@ namespace sagitta {
 // A column that drives effects, by its name in measurement files.
 struct DrivingColumn {
   std::string name;
-  std::function<bool(const Shot&)> is_stated;
+  std::function<bool(const ShotConditions&)> is_stated;
 };
 std::vector<DrivingColumn> DrivingColumns(int joints);
 

@@ -172,11 +172,12 @@ TEST(Diagnosis, WhatLimitsTheVerdictIsSaid) {
 TEST(Diagnosis, ColumnsThatSomeRowsDoNotStateAreNamed) {
   CalibrationProblem partly = Hidden(1, [](double) { return 0.0; });
   const DiagnosedModel believed{std::make_shared<CalibrationProblem>(partly), {}};
-  std::vector<Shot>& shots = partly.mutable_data()->shots;
-  for (size_t s = 0; s < shots.size(); ++s) shots[s].has_time = s % 2 == 0;
+  for (size_t s = 0; s < partly.shot_inputs().size(); ++s) {
+    (*partly.mutable_shot_inputs())[s].conditions.has_time = s % 2 == 0;
+  }
   const std::string words = "Columns that some rows do not state: time_s (";
   EXPECT_TRUE(AnyStartsWith(FindCautions(partly, believed), words));
-  for (Shot& shot : shots) shot.has_time = true;
+  for (ShotInput& shot : *partly.mutable_shot_inputs()) shot.conditions.has_time = true;
   EXPECT_FALSE(AnyStartsWith(FindCautions(partly, believed), words));
 }
 

@@ -303,6 +303,18 @@ TEST(Structure, AnOwnEffectHasANameOfItsOwn) {
   EXPECT_THAT(Refusal([](Given* g) { g->robot.own_effects = {nullptr}; }), HasSubstr("null"));
 }
 
+// Of a robot that uses the effect, which is named "mine".
+std::string RefusalOfUse(const EffectDefinition& mine) {
+  try {
+    return Refusal([&](Given* g) {
+      g->robot.own_effects = {&mine};
+      g->robot.effects = {{"mine", "A1", {{"order", "1"}}, {}}};
+    });
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+}
+
 // What it adds in a shot is looked at when it is added.
 TEST(Structure, TermsOfAnOwnEffectLeadSomewhere) {
   static double factor = 1.0;
@@ -313,14 +325,7 @@ TEST(Structure, TermsOfAnOwnEffectLeadSomewhere) {
   };
   const auto words = [&](int at, int parameter, double times) {
     transform = at, beyond = parameter, factor = times;
-    try {
-      return Refusal([&](Given* g) {
-        g->robot.own_effects = {&mine};
-        g->robot.effects = {{"mine", "A1", {{"order", "1"}}, {}}};
-      });
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
+    return RefusalOfUse(mine);
   };
   EXPECT_EQ(words(0, 0, 1.0), "");
   EXPECT_THAT(words(1000, 0, 1.0), AllOf(HasSubstr("effect 'mine'"), HasSubstr("transform 1000")));
@@ -337,14 +342,7 @@ TEST(Structure, AnOwnEffectRemembersEachShot) {
   };
   const auto words = [&](size_t fewer) {
     missing = fewer;
-    try {
-      return Refusal([&](Given* g) {
-        g->robot.own_effects = {&mine};
-        g->robot.effects = {{"mine", "A1", {{"order", "1"}}, {}}};
-      });
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
+    return RefusalOfUse(mine);
   };
   EXPECT_EQ(words(0), "");
   EXPECT_THAT(words(1), AllOf(HasSubstr("effect 'mine'"), HasSubstr("remember"), HasSubstr("one per shot")));
