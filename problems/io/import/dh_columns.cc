@@ -159,9 +159,9 @@ bool IsDhHeader(const std::vector<std::string>& header) {
          columns.count(DhColumn::kD);
 }
 
-void SetLengths(bool is_khalil, std::vector<DhColumn>* columns) {
+bool SetLengths(bool is_khalil, std::vector<DhColumn>* columns) {
   const bool has_r = std::count(columns->begin(), columns->end(), DhColumn::kR) > 0;
-  if (!has_r) return;
+  if (!has_r) return false;
   for (DhColumn& column : *columns) {
     if (column == DhColumn::kD && is_khalil) {
       column = DhColumn::kA;
@@ -169,12 +169,7 @@ void SetLengths(bool is_khalil, std::vector<DhColumn>* columns) {
       column = is_khalil ? DhColumn::kD : DhColumn::kA;
     }
   }
-}
-
-bool HasOpenLengths(const std::vector<std::string>& header) {
-  bool ignored = false;
-  return std::any_of(header.begin(), header.end(),
-                     [&](const std::string& name) { return ColumnOf(name, &ignored) == DhColumn::kR; });
+  return true;
 }
 
 std::vector<DhColumn> DhColumnsOf(const TextTable& table, bool* has_previous) {

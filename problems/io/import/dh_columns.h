@@ -41,10 +41,9 @@ bool IsDhHeader(const std::vector<std::string>& header);
 std::vector<DhColumn> DhColumnsOf(const TextTable& table, bool* has_previous);
 
 // r is along x in place of a, and d along z (Denavit and Hartenberg's d, theta, r, alpha); in Khalil's notation d is
-// along x and r along z (Khalil and Kleinfinger 1986: alpha, d, theta, r). is_khalil: the file says so. Whether r is
-// along x and z cannot be seen in a modified table with both, and is not asked where there is no r.
-void SetLengths(bool is_khalil, std::vector<DhColumn>* columns);
-bool HasOpenLengths(const std::vector<std::string>& header);
+// along x and r along z (Khalil and Kleinfinger 1986: alpha, d, theta, r). is_khalil: the file says so. Returns whether
+// there is an r: in a modified table it could be either.
+bool SetLengths(bool is_khalil, std::vector<DhColumn>* columns);
 
 // The names of the columns that are left out, "" where there are none.
 std::string ColumnsNotRead(const TextTable& table, const std::vector<DhColumn>& columns);

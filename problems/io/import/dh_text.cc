@@ -66,7 +66,7 @@ class DhReader {
   RobotReading Read() {
     columns_ = DhColumnsOf(table_, &has_previous_);
     const bool is_khalil = SearchPattern(LowerCaseOf(Joined(table_.preamble, "\n")), MakePattern("khalil"));
-    SetLengths(is_khalil, &columns_);
+    const bool has_r = SetLengths(is_khalil, &columns_);
     reading_.format = "DH table (" + table_.separator + (table_.decimal_comma ? ", decimal comma)" : ")");
     reading_.guesses = table_.guesses;
     const DhUnits units(table_, columns_, &reading_);
@@ -79,7 +79,7 @@ class DhReader {
     NoteColumnsNotRead();
     ReadComments();
     SetConvention();
-    if (HasOpenLengths(table_.header)) CheckLengths(is_khalil);
+    if (has_r) CheckLengths(is_khalil);
     reading_.robot = RobotOfTable(joints_, couplings_, dh_);
     reading_.robot.name = name_;
     return std::move(reading_);
