@@ -65,7 +65,7 @@ class RealFigures(unittest.TestCase):
         self.expect_as_good_as(0.502, 0.507, held_out)
 
     # A robot with model error: the first sentence is of points that were not used in the fit, and the intervals that
-    # people are shown are the wider ones. (Where model error is nil they are equal: estimator/validation_test.cc.)
+    # people are shown are the wider ones. (Where model error is nil they are equal: estimator/validation/validation_test.cc.)
     def test_the_first_screen_is_of_unseen_points_and_ci95_carries_model_error(self):
         for flags, unseen in (([], lambda e: e['cross_validation']), (['--holdout=0.3'], lambda e: e['validation'])):
             done = self.calibrate(UR5 / 'robot.yaml', UR5 / 'measurements.csv', *flags)

@@ -17,6 +17,7 @@ GENERATED = {'.git', 'build', 'results', '__pycache__'}
 # Of C: it reads 1.5 as 1 where a program around the library has set a locale with a comma.
 READS_BY_LOCALE = re.compile(r'\b(?:sto(?:d|f|ld)|strto(?:d|f|ld)|atof|sscanf)\(')
 COMPILED_ALONE = ('models/batch/', 'models/effects/learnt_')
+LAYERS = ('models', 'problems', 'estimator', 'tools')
 SOURCES = ('models/', 'problems/', 'estimator/', 'tools/', 'python/')
 SHARED_PARENTS = {'/', '/tmp', '/opt', '/srv', '/mnt', '/usr/src', '/usr/local/src'}
 
@@ -121,6 +122,25 @@ def threads_gate_in_vain():
         yield 'tests/CMakeLists.txt: the gate threads runs no test of %s' % source
 
 
+def misplaced_tests(names):
+    """A test stands in the folder of the source that it is named after, and in no folder that its layer does not have."""
+    sources = {}
+    for path in map(pathlib.Path, names):
+        if path.suffix in ('.cc', '.h') and path.parts[0] in LAYERS:
+            sources.setdefault((path.parts[0], path.stem), set()).add(path.parent)
+    folders = {folder for places in sources.values() for folder in places}
+    for name in names:
+        path = pathlib.Path(name)
+        if path.parts[0] != 'tests' or path.parts[1] not in LAYERS or not name.endswith('_test.cc'):
+            continue
+        folder = path.parent.relative_to('tests')
+        if folder not in folders:
+            yield '%s: no folder %s' % (name, folder)
+        wanted = sources.get((path.parts[1], path.stem[:-len('_test')]), {folder})
+        if len(folder.parts) > 1 and folder not in wanted:
+            yield '%s: its source is in %s' % (name, ', '.join(map(str, sorted(wanted))))
+
+
 def unnamed_packages():
     """README names the packages that the program is built with: those of tools/install-dependencies."""
     script = (ROOT / 'tools/install-dependencies').read_text(encoding='utf-8')
@@ -139,7 +159,8 @@ def main():
     names = names or sorted(files_without_git())
     machine_path = machine_paths()
     found = [defect for name in names for defect in defects(name, machine_path)]
-    found += [*outdated_examples(), *repeated_names(names), *unsaid_gates(), *threads_gate_in_vain(), *unnamed_packages()]
+    found += [*outdated_examples(), *repeated_names(names), *unsaid_gates(), *threads_gate_in_vain(),
+              *misplaced_tests(names), *unnamed_packages()]
     print('\n'.join(found) if found else '%d files, nothing to complain about' % len(names))
     return 1 if found or not names else 0
 

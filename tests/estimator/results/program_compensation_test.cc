@@ -1,7 +1,7 @@
 // Robot programs, round trip: a program of every dialect is corrected, a controller that computes with the nominal
 // robot runs it, and the true robot (tests/support/loaded_kr270.h, of another derivation) is on target.
 #include "problems/text.h"
-#include "tests/estimator/program_test_support.h"
+#include "tests/estimator/results/program_test_support.h"
 
 namespace sagitta::program_compensation_test {
 namespace {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "models/constants.h"
-#include "tests/problems/robot_program_test_support.h"
+#include "tests/problems/io/programs/robot_program_test_support.h"
 
 namespace sagitta::robot_program_test {
 namespace {

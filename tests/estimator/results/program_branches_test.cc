@@ -1,6 +1,6 @@
 // Which joint solution a program means, and what becomes of it where a correction would leave it.
 #include "problems/text.h"
-#include "tests/estimator/program_test_support.h"
+#include "tests/estimator/results/program_test_support.h"
 
 namespace sagitta::program_branches_test {
 namespace {

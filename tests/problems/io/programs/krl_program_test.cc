@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/problems/robot_program_test_support.h"
+#include "tests/problems/io/programs/robot_program_test_support.h"
 
 namespace sagitta::krl_program_test {
 namespace {

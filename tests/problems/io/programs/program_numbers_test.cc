@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "models/constants.h"
-#include "tests/problems/robot_program_test_support.h"
+#include "tests/problems/io/programs/robot_program_test_support.h"
 
 namespace sagitta::program_numbers_test {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "problems/io/text_checks.h"
-#include "tests/problems/robot_program_test_support.h"
+#include "tests/problems/io/programs/robot_program_test_support.h"
 
 namespace sagitta::rapid_program_test {
 namespace {
