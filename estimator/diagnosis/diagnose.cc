@@ -391,7 +391,7 @@ class Session {
                    evidence_->IsSigmaStated(), d_.screened);
     effect.parameters = ParameterRowsOf(chosen.candidate.spec, final);
     effect.bounds = PhysicalBoundsOf(d_.final, chosen.candidate.spec, effect.parameters);
-    effect.lag = AllowForSetting(d_.final, chosen.candidate.spec, &effect.parameters);
+    effect.numbers = AllowForSetting(d_.final, chosen.candidate.spec, &effect.parameters);
   }
 
   // What the noise has to be with the final model, and how well that fits then.

@@ -34,12 +34,15 @@ struct ScreenedCandidate {
   std::optional<double> holdout_rms;  // m; of those with a share of the probability
 };
 
-// Of what temperature drives the scanned setting is how late the arm follows the thermometer (Newton's law of cooling,
-// thermal_growth.cc).
-struct ThermalLag {
-  double best = 0.0;                     // s
-  double shortest = 0.0, longest = 0.0;  // s, that the data do not contradict at 95 %
-  bool is_timed = false;                 // the shots state their time; else they are in their order, one a minute
+// Numbers of a scanned setting that the data do not contradict at 95 %, in the unit of its name. Of what temperature
+// drives it is how late the arm follows the thermometer (Newton's law of cooling, thermal_growth.cc).
+struct PossibleNumbers {
+  std::string setting;
+  double best = 0.0, least = 0.0, most = 0.0;
+  // All numbers down to the least that was looked at, or up to the greatest, are possible: it may lie beyond.
+  bool is_open_below = false, is_open_above = false;
+  bool is_thermal_lag = false;
+  bool is_timed = true;  // of a lag: the shots state their time; else they are in their order, one a minute
 };
 
 // An effect that the diagnosis names, with what it explains and what speaks for it.
@@ -51,7 +54,7 @@ struct FoundEffect : CheckedEffect {
   std::vector<ParameterEstimate> parameters;
   PhysicalBounds bounds;
   std::vector<EffectSpec> stated_instead;  // of the robot file, with other values: they explain as much
-  std::optional<ThermalLag> lag;           // that their intervals allow for
+  std::optional<PossibleNumbers> numbers;  // of its scanned setting, that the parameters' intervals allow for
   // m; not a number without a hold-out, or where this prefix of the effects does not converge alone
   double holdout_before = kNotKnown, holdout_after = kNotKnown;
   double reduced_chi2_after = kNotKnown;

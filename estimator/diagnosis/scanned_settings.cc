@@ -209,16 +209,37 @@ std::vector<double> LagsFor(double own) {
   return lags;
 }
 
-ThermalLag LagOf(const std::vector<FitAt>& fits, double noise, bool is_timed) {
-  const FitAt& best = BestOf(fits);
-  const double within = ChiSquareQuantile(0.95, 1.0) * noise * noise;
-  ThermalLag lag{best.at, fits.back().at, 0.0, is_timed};
-  for (const FitAt& fit : fits) {
-    if (fit.chi2() > best.chi2() + within) continue;
-    lag.shortest = std::min(lag.shortest, fit.at);
-    lag.longest = std::max(lag.longest, fit.at);
+// Where the root of chi-square's excess over the least, which is straight near the best number, passes that of
+// `allowed` between two neighbours, of which one has less and one more.
+double CrossingOf(const FitAt& less, const FitAt& more, double least, double allowed) {
+  const double inner = std::sqrt(less.chi2() - least), outer = std::sqrt(more.chi2() - least);
+  return less.at + (more.at - less.at) * (std::sqrt(allowed) - inner) / (outer - inner);
+}
+
+// fits: ascending. noise: as of NoiseOfRow, greater than 0.
+PossibleNumbers PossibleOf(const std::vector<FitAt>& fits, const std::string& setting, double noise) {
+  const size_t best = static_cast<size_t>(&BestOf(fits) - fits.data());
+  const double least = fits[best].chi2(), allowed = ChiSquareQuantile(0.95, 1.0) * noise * noise;
+  const auto is_possible = [=](const FitAt& fit) { return fit.chi2() <= least + allowed; };
+  const size_t first = static_cast<size_t>(std::find_if(fits.begin(), fits.end(), is_possible) - fits.begin());
+  const size_t end = static_cast<size_t>(fits.rend() - std::find_if(fits.rbegin(), fits.rend(), is_possible));
+  PossibleNumbers numbers;
+  numbers.setting = setting;
+  numbers.best = fits[best].at;
+  numbers.is_open_below = first == 0;
+  numbers.is_open_above = end == fits.size();
+  numbers.least = first == 0 ? fits[0].at : CrossingOf(fits[first], fits[first - 1], least, allowed);
+  numbers.most = end == fits.size() ? fits[end - 1].at : CrossingOf(fits[end - 1], fits[end], least, allowed);
+  return numbers;
+}
+
+// Of the first row whose scatter the rows determine; 0 where there is none.
+double NoiseOfRows(const std::vector<FitAt>& fits, double own, const EffectSpec& spec,
+                   const std::vector<ParameterEstimate>& rows) {
+  for (const ParameterEstimate& row : rows) {
+    if (const double noise = NoiseOfRow(fits, own, spec, row); noise > 0.0) return noise;
   }
-  return lag;
+  return 0.0;
 }
 
 // Whether this use goes with a temperature that it may lag behind.
@@ -254,8 +275,8 @@ double TuneSettings(const Evidence& evidence, const JointOptions& joint, Refitte
   return gain;
 }
 
-std::optional<ThermalLag> AllowForSetting(const DiagnosedModel& final, const EffectSpec& spec,
-                                          std::vector<ParameterEstimate>* rows) {
+std::optional<PossibleNumbers> AllowForSetting(const DiagnosedModel& final, const EffectSpec& spec,
+                                               std::vector<ParameterEstimate>* rows) {
   const Robot& robot = final.problem->robot();
   const EffectDefinition* definition = FindEffect(robot, spec.effect);
   const bool is_lag = definition != nullptr && MayLag(*definition, spec);
@@ -265,11 +286,13 @@ std::optional<ThermalLag> AllowForSetting(const DiagnosedModel& final, const Eff
   const double own = spec.NumberSetting(setting, 0.0);
   const std::vector<FitAt> fits = is_lag ? FitSettings(WithClock(final), spec, setting, LagsFor(own))
                                          : FitSettings(final, spec, setting, ScanOf(*scanned, own));
-  if (fits.size() < 2) return std::nullopt;
-  std::optional<ThermalLag> lag;
-  if (is_lag) lag = LagOf(fits, NoiseOfRow(fits, own, spec, rows->front()), IsTimed(final.problem->data()));
+  const double noise = fits.empty() ? 0.0 : NoiseOfRows(fits, own, spec, *rows);
   for (ParameterEstimate& row : *rows) Widen(fits, own, spec, &row);
-  return lag;
+  if (fits.size() < 2 || !(noise > 0.0)) return std::nullopt;
+  PossibleNumbers numbers = PossibleOf(fits, setting, noise);
+  numbers.is_thermal_lag = is_lag;
+  numbers.is_timed = IsTimed(final.problem->data());
+  return numbers;
 }
 
 }  // namespace sagitta

@@ -19,8 +19,9 @@ double TuneSettings(const Evidence& evidence, const JointOptions& joint, Refitte
 // listed or between, and any lag from none to half an hour (or twice the one that the effect states), by the profile
 // likelihood: all values v with, at some number,
 //   chi2(number) + (v - v(number))^2 / sigma(number)^2 <= least + q^2,
-// joined with the interval that the row has, of which q is. Values stay. Returns the lag, where temperature drives.
-std::optional<ThermalLag> AllowForSetting(const DiagnosedModel& final, const EffectSpec& spec,
+// joined with the interval that the row has, of which q is. Values stay. Returns what numbers are possible, where the
+// effect has such a setting and the rows determine a value of it at all.
+std::optional<PossibleNumbers> AllowForSetting(const DiagnosedModel& final, const EffectSpec& spec,
                                           std::vector<ParameterEstimate>* rows);
 
 }  // namespace sagitta

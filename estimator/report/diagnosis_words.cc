@@ -64,12 +64,29 @@ std::string WithInterval(const ParameterEstimate& row) {
   return shown(row.value) + interval + " " + traits.unit;
 }
 
-std::string LagInWords(const ThermalLag& lag) {
+std::string LagInWords(const PossibleNumbers& lag) {
   const auto minutes = [](double seconds) { return Fixed(seconds / 60.0, 0); };
-  return "Here the arm may follow the thermometer " + minutes(lag.shortest) + " to " + minutes(lag.longest) +
+  return "Here the arm may follow the thermometer " + minutes(lag.least) + " to " + minutes(lag.most) +
          " min late, best " + minutes(lag.best) +
          (lag.is_timed ? "" : ", if the rows stand in the order of measuring, one shot a minute") +
          "; the interval allows for that, the value does not.";
+}
+
+// "These data allow width_deg 12 to 24.1"
+std::string NumbersInWords(const PossibleNumbers& numbers) {
+  if (numbers.is_thermal_lag) return LagInWords(numbers);
+  const auto shown = [](double number) { return Significant(number, 3); };
+  std::string words = "These data allow " + numbers.setting + " ";
+  if (numbers.is_open_below && numbers.is_open_above) {
+    words += "from " + shown(numbers.least) + " to " + shown(numbers.most) + " and beyond: they do not determine it";
+  } else if (numbers.is_open_below) {
+    words += "up to " + shown(numbers.most) + " only";
+  } else if (numbers.is_open_above) {
+    words += "from " + shown(numbers.least) + " on";
+  } else {
+    words += "from " + shown(numbers.least) + " to " + shown(numbers.most);
+  }
+  return words + " (95 %); the interval allows for that.";
 }
 
 // Of the squared gap on untouched rows: those of the groups add up to what is closed of it.
@@ -282,7 +299,7 @@ std::string EffectInWords(const Robot& robot, const FoundEffect& effect) {
   const EffectDefinition* definition = FindEffect(robot, effect.candidate.spec.effect);
   if (definition != nullptr && !definition->note.empty()) words += " " + definition->note;
   words += GaugeInWords(effect.candidate.spec);
-  if (effect.lag) words += " " + LagInWords(*effect.lag);
+  if (effect.numbers) words += " " + NumbersInWords(*effect.numbers);
   return words;
 }
 

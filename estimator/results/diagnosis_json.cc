@@ -44,6 +44,16 @@ Json HalvesToJson(const Confirmation& confirmation) {
 // Where nothing states the noise, the scatter about each model is its own unit: figures in it compare nothing.
 Json OnStatedNoise(const Diagnosis& d, double figure) { return d.noise.is_stated ? Finite(figure) : Json(nullptr); }
 
+void PossibleToJson(const PossibleNumbers& numbers, Json* step) {
+  if (numbers.is_thermal_lag) {
+    (*step)["thermal_lag_s"] = {{"best", numbers.best}, {"possible", {numbers.least, numbers.most}}};
+    return;
+  }
+  const Json least = numbers.is_open_below ? Json(nullptr) : Json(numbers.least);
+  const Json most = numbers.is_open_above ? Json(nullptr) : Json(numbers.most);
+  (*step)["settings_ci95"] = {{numbers.setting, {least, most}}};
+}
+
 Json FoundToJson(const Diagnosis& d, const FoundEffect& effect) {
   const Robot& robot = d.final.problem->robot();
   Json json = SpecToJson(robot, effect.candidate.spec);
@@ -60,9 +70,7 @@ Json FoundToJson(const Diagnosis& d, const FoundEffect& effect) {
                                   {"ci95", {row.ci95.low / unit, row.ci95.high / unit}},
                                   {"identifiable", IsDetermined(effect, row)}});
   }
-  if (effect.lag) {
-    json["thermal_lag_s"] = {{"best", effect.lag->best}, {"possible", {effect.lag->shortest, effect.lag->longest}}};
-  }
+  if (effect.numbers) PossibleToJson(*effect.numbers, &json);
   json["holdout_rms_before_mm"] = Finite(1e3 * effect.holdout_before);
   json["holdout_rms_after_mm"] = Finite(1e3 * effect.holdout_after);
   json["reduced_chi2_after"] = OnStatedNoise(d, effect.reduced_chi2_after);

@@ -168,7 +168,13 @@ TEST_F(DiagnoseCommandTest, AWidthIsFoundThroughADeviationOfThePose) {
   EXPECT_EQ(diagnosis["verdict"], "explained");
   ASSERT_EQ(diagnosis["steps"].size(), 1u);
   EXPECT_EQ(diagnosis["steps"][0]["effect"], "hysteresis");
-  EXPECT_NEAR(diagnosis["steps"][0]["settings"]["width_deg"].get<double>(), 17.0, 1.5);
+  const double found = diagnosis["steps"][0]["settings"]["width_deg"];
+  EXPECT_NEAR(found, 17.0, 1.5);
+  const auto possible = diagnosis["steps"][0]["settings_ci95"]["width_deg"];
+  EXPECT_LT(possible[0].get<double>(), std::min(found, 17.0));
+  EXPECT_GT(possible[1].get<double>(), std::max(found, 17.0));
+  EXPECT_LT(possible[1].get<double>() - possible[0].get<double>(), 6.0);
+  EXPECT_THAT(diagnosis["steps"][0]["words"].get<std::string>(), HasSubstr("These data allow width_deg from 1"));
 }
 
 constexpr char kProposed[] = "config,marker,q1_deg,x_mm,y_mm,z_mm\nnext1,T1,10,,,\nnext2,T1,20,";

@@ -57,7 +57,7 @@ struct Grown {
   DiagnosedModel model;
   Candidate effect;
   ParameterEstimate before, after;
-  std::optional<ThermalLag> lag;
+  std::optional<PossibleNumbers> lag;
 };
 
 // settings: of the effect, as a lag of its own.
@@ -87,15 +87,15 @@ TEST(ThermalLag, AnArmThatIsLateStaysWithinTheIntervalOfItsGrowth) {
   EXPECT_NEAR(grown.after.sigma / grown.before.sigma,
               (grown.after.ci95.high - grown.after.ci95.low) / (grown.before.ci95.high - grown.before.ci95.low), 1e-9);
   ASSERT_TRUE(grown.lag);
-  EXPECT_LE(grown.lag->shortest, 420.0);
-  EXPECT_GE(grown.lag->longest, 420.0);
+  EXPECT_LE(grown.lag->least, 420.0);
+  EXPECT_GE(grown.lag->most, 420.0);
 }
 
 TEST(ThermalLag, AnArmThatIsNotIsAllowedLittle) {
   const Grown grown = FitGrowth(Warming(0.0));
   ASSERT_TRUE(grown.lag);
-  EXPECT_EQ(grown.lag->shortest, 0.0);
-  EXPECT_LE(grown.lag->longest, 300.0);
+  EXPECT_EQ(grown.lag->least, 0.0);
+  EXPECT_LE(grown.lag->most, 300.0);
   EXPECT_TRUE(Holds(grown.after.ci95, kGrowth));
 }
 
@@ -107,9 +107,9 @@ TEST(ThermalLag, AnEffectWithALagOfItsOwn) {
     EXPECT_TRUE(Holds(grown.after.ci95, kGrowth))
         << lag << ": " << grown.after.ci95.low << " " << grown.after.ci95.high;
     ASSERT_TRUE(grown.lag);
-    EXPECT_LE(grown.lag->shortest, lag);
-    EXPECT_GE(grown.lag->longest, lag);
-    EXPECT_LT(grown.lag->longest, 1200.0);
+    EXPECT_LE(grown.lag->least, lag);
+    EXPECT_GE(grown.lag->most, lag);
+    EXPECT_LT(grown.lag->most, 1200.0);
   }
 }
 
