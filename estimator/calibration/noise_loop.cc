@@ -22,10 +22,9 @@
 namespace sagitta {
 namespace {
 
-constexpr double kTinySigma = 1e-6;   // m, where none is stated: below any noise, so that nothing is held for it
-constexpr int kMostNoiseRounds = 60;  // each may leave 6/7 of the last one's change: 1e-4 after all
-constexpr double kSettledSigma =
-    1e-4;  // largest relative change of a standard deviation: 5 10^7 rows leave as much open
+constexpr double kTinySigma = 1e-6;      // m, where none is stated: below any noise, so that nothing is held for it
+constexpr int kMostNoiseRounds = 60;     // each may leave 6/7 of the last one's change: 1e-4 after all
+constexpr double kSettledSigma = 1e-4;   // largest change of a standard deviation: 5 10^7 rows leave as much open
 constexpr double kWeightSettled = 1e-4;  // largest change of the root of a weight: the same
 constexpr double kSmallWeight = 0.2;     // an outlier to variance components: Huber's at 10 deviations, Cauchy's at 5
 constexpr double kSettledResiduals = 0.01;  // eq. (14) runs a stated number of times

@@ -13,9 +13,9 @@
 namespace sagitta {
 namespace {
 
-constexpr int kMostTrimmingSteps = 20;
-constexpr size_t kFewestRows = 3;    // rows of a marker at a station
-constexpr size_t kMostShown = 1000;  // rows
+constexpr int kMostTrimmingSteps = 20;  // a guard: each lowers the sum of squares of the half
+constexpr size_t kFewestRows = 3;       // rows of a marker at a station
+constexpr size_t kMostShown = 1000;     // rows
 // Random starts, for all rows together may lead to a half that fits and is not the robot's: a third of the rows are
 // wrong and four of each of two groups are drawn: (2/3)^8 = 0.04, and one of 100 starts is free of wrong rows with
 // probability 1 - 0.96^100 = 0.98.
