@@ -26,7 +26,7 @@ namespace {
 
 constexpr double kComputed = 2e-6;  // m: no instrument and no robot agree with a nominal table so well
 constexpr double kRounded = 0.6;    // of the last digit: rounding alone is half of it
-constexpr size_t kSampleRows = 60;
+constexpr size_t kSampleRows = 60;  // spread over the table: a reading that is wrong shows in any ten
 
 // What loads weigh and where they hang stands in no table; they bend an arm by millimetres, much less than
 // kNotThisRobot.

@@ -116,7 +116,7 @@ class StopAtOptimum : public ceres::IterationCallback {
 // Ceres' steps keep a rotation's norm to round-off: many of them drift. Values that are as good as they are stay, and
 // with them what was summed there.
 void Normalise(ParameterSet* parameters) {
-  constexpr double kDrift = 1e-14;
+  constexpr double kDrift = 1e-14;  // of the square of the norm: a hundred roundings
   for (int s = 0; s < parameters->num_stations(); ++s) {
     const std::vector<double>& values = parameters->station_rotation(s).values;
     const double squares = Eigen::Map<const Eigen::Vector4d>(values.data()).squaredNorm();

@@ -16,9 +16,9 @@ namespace {
 constexpr double kTolerance = 0.01, kOnTheWay = 0.03;
 constexpr double kNextToBest = 0.95;  // efficiency from which on a plan is not chosen again from what its poses became
 constexpr double kWorthATurn = 1e-3;  // of the cost
-constexpr int kMostTurns = 5;
-constexpr int kShortList = 2000;  // candidates of the curve
-constexpr int kMostStarts = 40;   // of searches for candidates other than those drawn
+constexpr int kMostTurns = 5;         // a guard: kNextToBest and kWorthATurn end them
+constexpr int kShortList = 2000;      // candidates of the curve
+constexpr int kMostStarts = 40;       // of searches for candidates other than those drawn
 
 using CostOfRows = std::function<double(const Eigen::MatrixXd&)>;
 

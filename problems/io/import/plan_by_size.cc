@@ -13,7 +13,7 @@ double LargestOf(const TextTable& table, const PlannedColumn& column) {
   double largest = 0.0;
   for (const TextTable::Row& row : table.rows) {
     const std::optional<double> number = table.Number(row.cells[column.source]);
-    if (number && *number != -9999.0) largest = std::max(largest, std::abs(*number));
+    if (number && *number != kLostReading) largest = std::max(largest, std::abs(*number));
   }
   return largest;
 }
