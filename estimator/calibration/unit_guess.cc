@@ -12,13 +12,12 @@
 namespace sagitta {
 namespace {
 
-constexpr double kMisfit =
-    0.01;  // of the reach, of an estimate: twice what a nominal robot may miss by (reading_lint.cc)
+// Of the reach, of an estimate: twice what a nominal robot may miss by (reading_lint.cc).
+constexpr double kMisfit = 0.01;
 // A correction of a link's length by more than both is no tolerance of a robot: those are tenths of a millimetre, and a
 // few millimetres where a length was read from a drawing.
 constexpr double kOfALink = 0.1, kLargeCorrection = 5e-3;  // m
-constexpr double kUnitImprovement =
-    10.0;  // from the some tenths of the reach that a wrong unit leaves to 0.05 and less
+constexpr double kUnitImprovement = 10.0;  // from the tenths of the reach that a wrong unit leaves to kNotThisRobot
 
 struct UnitReading {
   bool is_joint = true;  // joint columns, else x, y, z

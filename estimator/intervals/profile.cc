@@ -14,8 +14,7 @@
 namespace sagitta {
 namespace {
 
-constexpr int kMaxFits =
-    40;  // four triplings lead to 30 half-widths, 20 halvings from one to 1e-6, some secants between
+constexpr int kMaxFits = 40;              // four triplings lead to 30 half-widths, 20 halvings from one to 1e-6
 constexpr double kBetterOptimum = -1e-3;  // of t^2, as the tolerance: another optimum, better than the estimate
 
 struct End {

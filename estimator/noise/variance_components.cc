@@ -371,8 +371,8 @@ Eigen::VectorXd RestrictedLikelihood::BestStart(const std::vector<bool>& is_free
   for (int i = 0; i < num_noises_; ++i) {
     if (is_free[i]) given[i] = MeanSquare(i);
   }
-  std::vector<double> starts = {
-      -1.0};  // as given; variances of 1, 10, 50 and 200 urad (um), from small arms to worn ones
+  // As given; variances of 1, 10, 50 and 200 urad (um), from small arms to worn ones.
+  std::vector<double> starts = {-1.0};
   if (std::count(is_free.begin() + num_noises_, is_free.end(), true) > 0) starts = {-1.0, 0.01, 1.0, 25.0, 400.0};
   Eigen::VectorXd best = given;
   double lowest = std::numeric_limits<double>::infinity();

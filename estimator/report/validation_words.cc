@@ -280,8 +280,8 @@ std::string MeasureAgain() { return "measure it again or leave it out"; }
 std::string ReadingIsLost() { return "x, y and z are one number, as of a lost reading: leave the three cells empty"; }
 
 std::string RepeatabilityIsLimited(const PoseRepeatability& repeatability) {
-  constexpr int kFew =
-      10;  // n arrivals are nearer to their own mean than to the true one by sqrt(1 - 1 / n), 5 % of ten
+  // n arrivals are nearer to their own mean than to the true one by sqrt(1 - 1 / n), 5 % of ten.
+  constexpr int kFew = 10;
   if (repeatability.most < 2) return "no pose was visited again";
   if (repeatability.poses == 0) {
     return "no pose was visited more than twice; two arrivals are equally far from their mean, so that their distances "
