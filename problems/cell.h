@@ -49,8 +49,8 @@ struct DirectionCone {
 
 // What an instrument reads: between two distances and two elevations (of the measurement frame, z up).
 struct SightRange {
-  double min_range = 0.0, max_range = 1e9;           // m
-  double min_elevation = -1.6, max_elevation = 1.6;  // rad
+  double min_range = 0.0, max_range = 1e9;           // m; not stated: whatever it is
+  double min_elevation = -1.6, max_elevation = 1.6;  // rad; not stated: beyond a right angle, whatever it is
 };
 
 // What poses must keep to.

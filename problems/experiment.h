@@ -178,7 +178,7 @@ struct Experiment {
   EstimateSpec estimate;
   std::map<std::string, Prior> priors;
   ValidationSpec validation;
-  double significance = 0.01;
+  double significance = 0.01;     // of a hundred sound experiments one fails a test
   bool torques_measured = false;  // `torques: measured`: the columns tau<i> drive joint-wise elastic effects
   // Of the data that an estimate was made of, where other rows are predicted with it; absent: of the rows themselves.
   std::optional<ConditionOrigins> origins = {};

@@ -9,7 +9,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kUnitDirection = 1e-6;  // of a direction, off 1
+constexpr double kUnitDirection = 1e-6;  // of a direction, off 1: components of seven digits
 
 class Checks {
  public:

@@ -16,6 +16,7 @@
 namespace sagitta {
 namespace {
 
+// Of a weight: gravity differs by 0.5 % from the equator to the poles, and masses are stated to a percent.
 constexpr double kSameWeight = 0.02;
 
 [[noreturn]] void FailAt(const Measurements& data, const Shot& shot, const std::string& key, const std::string& what,

@@ -25,7 +25,7 @@ bool RowsDiffer(const CalibrationProblem& problem) {
     low = std::min(low, sigma.minCoeff());
     high = std::max(high, sigma.maxCoeff());
   }
-  return high > low * (1.0 + 1e-9);
+  return high > low * (1.0 + 1e-9);  // beyond rounding
 }
 
 void CheckInstrument(const CalibrationProblem& problem) {

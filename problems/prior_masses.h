@@ -6,7 +6,8 @@
 namespace sagitta {
 
 // That nothing is missing, an effect of the catalogue, something outside it; further: each cause in addition to the
-// first.
+// first. Choices, for nobody counted arms: something is missing as likely as not, and a quarter of causes (0.12 / 0.5)
+// is not in the catalogue. `prior` of the experiment file replaces them, and prior.flips says where they decide.
 struct PriorMasses {
   double nothing = 0.5, catalogue = 0.38, unnamed = 0.12, further = 0.3;
 

@@ -178,6 +178,7 @@ void CheckCompensator(const CalibrationProblem& problem) {
   }
   for (const Configuration& configuration : problem.data().configurations) {
     const double angle = zero + chain.CoupledJointValues(configuration.q)[c.joint];
+    // Below a thousandth of its rest length the torque's s0 / s leaves no digit that means a spring.
     if (CompensatorSpringLength(parameters, angle) > 1e-3 * c.s0) continue;
     throw InputError({problem.experiment().robot_file, 0, "gravity_compensator"},
                      "the spring would have no length at configuration '" + configuration.id + "'",

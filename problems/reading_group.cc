@@ -12,7 +12,7 @@ namespace {
 
 using Kind = ReadingGroup::Kind;
 
-constexpr int kFewestCoordinates = 20;
+constexpr int kFewestCoordinates = 20;  // of a group and of all others: its factor is known to a sixth, 1 / sqrt(40)
 const std::vector<std::string> kAxesOfGroups = {"x", "y", "z"};
 
 std::vector<ReadingGroup> AllGroups(const Measurements& data) {

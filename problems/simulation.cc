@@ -58,7 +58,7 @@ bool Simulator::PredictShot(int s, const double* deviations, Eigen::Matrix3Xd* p
 }
 
 bool Simulator::Draw(std::uint64_t seed, Measurements* data) const {
-  constexpr std::uint64_t kOtherStream = 0x9e3779b97f4a7c15ULL;  // 2^64 / golden ratio: far from any seed in use
+  constexpr std::uint64_t kOtherStream = kGoldenBits;  // far from any seed in use
   const LatentModel& latent = problem_.latent;
   Eigen::Matrix3Xd points = exact_;
   if (!latent.empty()) {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <set>
 
+#include "models/random_bits.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/text.h"
@@ -165,7 +166,7 @@ std::uint64_t HashOf(const Eigen::VectorXd& q) {
     const double number = value + 0.0;  // -0 + 0 = 0
     std::uint64_t bits = 0;
     std::memcpy(&bits, &number, sizeof(bits));
-    hash = (hash ^ hash >> 32 ^ bits) * 0x9E3779B97F4A7C15ULL;
+    hash = (hash ^ hash >> 32 ^ bits) * kGoldenBits;
   }
   return hash;
 }

@@ -12,7 +12,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kUnitQuaternion = 1e-6;  // of its norm, off 1
+constexpr double kUnitQuaternion = 1e-6;  // of its norm, off 1: what steps leave is 1e-16 each
 
 class WholeProblem {
  public:

@@ -13,6 +13,7 @@ namespace {
 // Matrices come and go by the thousand. The C library would give the large ones back at once, and the kernel clear
 // their pages anew for the next: a tenth of the time of a diagnosis (BENCHMARKS.md).
 void KeepFreedMemory() {
+  // Matrices of up to 32 MB, the most that glibc allows, come from a heap of which 256 MB are kept.
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
   mallopt(M_TRIM_THRESHOLD, 256 << 20);
 }

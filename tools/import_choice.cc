@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "estimator/alignment/aligned_misfit.h"
+#include "estimator/calibration/unit_guess.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/inspection/rotation_lint.h"
 #include "models/constants.h"
@@ -23,12 +24,12 @@
 namespace sagitta {
 namespace {
 
-constexpr double kSuspicious = 0.05;  // of the reach: as in calibrate, such a robot did not make the readings
-constexpr double kComputed = 2e-6;    // m: no instrument and no robot agree with a nominal table so well
-constexpr double kRounded = 0.6;      // of the last digit: rounding alone is half of it
-constexpr size_t kSampleRows = 60;
+constexpr double kComputed = 2e-6;  // m: no instrument and no robot agree with a nominal table so well
+constexpr double kRounded = 0.6;    // of the last digit: rounding alone is half of it
+constexpr size_t kSampleRows = 60;  // spread over the table: a reading that is wrong shows in any ten
 
-// What loads weigh and where they hang stands in no table; they bend an arm by millimetres, much less than kSuspicious.
+// What loads weigh and where they hang stands in no table; they bend an arm by millimetres, much less than
+// kNotThisRobot.
 Experiment WithWeightlessLoads(const Measurements& data) {
   Experiment experiment;
   experiment.load_point = Vector3<double>::Zero();
@@ -129,7 +130,7 @@ Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<
   const ImportPlan& chosen = plans[fits_decide ? best : PlanBySize(table, plans)];
   RefuseRowsApart(robot, table, chosen);
   if (!fits_decide) return {chosen};
-  const double tolerance = kSuspicious * Reach(robot.chain);
+  const double tolerance = kNotThisRobot * Reach(robot.chain);
   if (misfits[best] > tolerance) RefuseRobot(robot, table, chosen, misfits[best], says_why);
   for (size_t i = 0; i < plans.size(); ++i) {
     if (i == best || misfits[i] > kBetter * std::max(misfits[best], kComputed) || misfits[i] > tolerance) continue;

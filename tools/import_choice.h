@@ -14,7 +14,8 @@
 
 namespace sagitta {
 
-constexpr double kBetter = 3.0;  // the best of several readings has to fit so much better than any other
+// The best of several readings has to fit so much better than any other: half a decade, a choice.
+constexpr double kBetter = 3.0;
 
 struct Choice {
   ImportPlan plan;

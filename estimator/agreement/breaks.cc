@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 
+#include "estimator/agreement/splits.h"
 #include "estimator/least_squares/all_joints.h"
 #include "estimator/least_squares/sample.h"
 #include "estimator/statistics/distributions.h"
@@ -18,11 +19,11 @@ namespace {
 // The most that any break explains of the measured robots next to the tree is 0.08 (UR10, series B); a frame that moves
 // by 3 standard deviations in the middle of a campaign explains 0.4.
 constexpr double kBeyondArms = 0.25;
-constexpr size_t kFewestConfigurations = 5;  // configurations before and after, as of parts that are compared
-constexpr double kLeastOfItself = 1e-6;      // of a column's square, given what is estimated: less is the same
+constexpr double kLeastOfItself = 1e-6;  // of a column's square, given what is estimated: less is the same
 
-constexpr size_t kPlaces = 200;    // of each cause, before the likeliest is looked at closely
-constexpr double kLooked = 2.5e5;  // numbers: thousands of rows show a break as well as all
+// Of each cause, before the likeliest is looked at closely: the nearest is off by 1 / 400 of the rows, which leaves 1 %
+// of what a break in the middle explains (a step that is off by the share e explains 1 - 4 e of it).
+constexpr size_t kPlaces = 200;
 
 // Columns that move together.
 struct Cause {
@@ -144,7 +145,7 @@ class BreakSearch {
   // Rows, projected off what is estimated, and their order.
   bool Prepare() {
     const std::vector<int> fitted =
-        SampleConfigurations(problem_.data(), problem_.CalibrationObservations(), columns_.size(), kLooked);
+        SampleConfigurations(problem_.data(), problem_.CalibrationObservations(), columns_.size(), kEnoughNumbers);
     NoiseRoots roots;
     for (const int i : fitted) roots.push_back(estimate_.scatter[i]);
     rows_ = Linearize(problem_, estimate_.parameters, fitted, columns_, roots, LatentTreatment::kIgnore);
@@ -178,7 +179,7 @@ class BreakSearch {
     num_configurations_ = static_cast<int>(configurations.size());
     for (const auto& [load, some] : of_load) num_states_ += static_cast<int>(some.size());
     for (const auto& [load, some] : of_load) {
-      if (some.size() >= 2 * kFewestConfigurations) loads_.push_back(load);
+      if (some.size() >= 2 * kFewestOfPart) loads_.push_back(load);
     }
     order_.resize(n);
     std::iota(order_.begin(), order_.end(), 0);
@@ -249,7 +250,7 @@ class BreakSearch {
       const Shot& shot = ShotOf(rows[at]);
       after.insert(shot.configuration);
       if (--left[shot.configuration] == 0) left.erase(shot.configuration);
-      if (&ShotOf(rows[at - 1]) == &shot || std::min(after.size(), left.size()) < kFewestConfigurations) continue;
+      if (&ShotOf(rows[at - 1]) == &shot || std::min(after.size(), left.size()) < kFewestOfPart) continue;
       if (++places % each != 0) continue;
       ++tried;
       if (!Improves(cause, sums, best)) continue;

@@ -17,7 +17,8 @@
 namespace sagitta {
 namespace {
 
-constexpr int kFewestFree = 6;  // degrees of freedom of a part: less and its noise is not known
+// Degrees of freedom of a part: with less its noise is not known even to 1 / sqrt(12) = 29 %.
+constexpr int kFewestFree = 6;
 
 Linearization RowsOfPart(const Linearization& whole, const std::vector<int>& observations,
                          const std::vector<int>& columns) {

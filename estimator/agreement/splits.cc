@@ -13,10 +13,12 @@
 namespace sagitta {
 namespace {
 
-constexpr double kDividesNothing = 0.02;  // rad or m: a joint that covers less divides nothing
-constexpr double kSmallestPart = 0.25;    // of the configurations
-constexpr size_t kFewestOfPart = 5;       // configurations of a part
-constexpr size_t kMostPairs = 4;          // stations that are compared two by two; more: each against the others
+// rad or m: a joint that covers less divides nothing; about the degree below which it has not moved (data_lint.cc).
+constexpr double kDividesNothing = 0.02;
+// Of the configurations: a quarter and the rest differ by 1 / sqrt(3/4) = 1.15 times what halves differ by.
+constexpr double kSmallestPart = 0.25;
+// Stations that are compared two by two; more: each against the others, so that there are no more than six.
+constexpr size_t kMostPairs = 4;
 
 class Splitter {
  public:

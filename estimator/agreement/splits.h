@@ -1,6 +1,7 @@
 // Ways to divide the configurations of a data set in two.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,10 @@
 #include "problems/calibration_problem.h"
 
 namespace sagitta {
+
+// Configurations of a part: with one marker 15 equations, to six numbers of a base, three of a marker and six degrees
+// of freedom (kFewestFree).
+constexpr size_t kFewestOfPart = 5;
 
 struct Split {
   SplitBy by = SplitBy::kRandom;

@@ -8,8 +8,9 @@
 namespace sagitta {
 namespace {
 
-constexpr double kFlattest = 1e-3;  // m, second principal size a marker set must have
-constexpr int kWeightedRounds = 5;
+// m, second principal size a marker set must have: on less a reading that is off by 0.05 mm turns it by 50 mrad.
+constexpr double kFlattest = 1e-3;
+constexpr int kWeightedRounds = 5;  // of Gauss-Newton: an angle of mrad that is left is squared in each
 
 }  // namespace
 

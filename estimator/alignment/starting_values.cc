@@ -14,8 +14,9 @@ namespace sagitta {
 namespace {
 
 constexpr double kEqual = 1e-6;  // relative difference of RMS below which starts count as equal
+// A choice: where a start leads shows long before an alternation is at its end (the best ones are polished).
 constexpr int kStartAlternations = 25;
-constexpr double kMarkerSpread = 0.3;  // m, of the random marker starts
+constexpr double kMarkerSpread = 0.3;  // m, of the random marker starts: about as far as tools hold them
 constexpr unsigned long long kSeedOfStarts = 1;
 
 bool AllFree(const ParameterSet& parameters, const ParameterBlock& block) {

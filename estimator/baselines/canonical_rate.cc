@@ -7,7 +7,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kRankThreshold = 1e-12;  // of column-normalised pivots
+constexpr double kRankThreshold = 1e-12;  // of column-normalised pivots: rounding of some thousand rows
 
 Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& columns) {
   const Eigen::VectorXd scale = columns.colwise().norm().cwiseMax(1e-300);

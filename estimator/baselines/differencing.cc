@@ -18,7 +18,7 @@
 namespace sagitta {
 namespace {
 
-constexpr int kMaxIterations = 200;
+constexpr int kMaxIterations = 200;                // a guard: a bent valley halves the step, 2^-200
 constexpr double kConvergedDifferenceStep = 1e-7;  // standard deviations
 
 // The points of one visit that are used, and the matrix that forms their differences.

@@ -83,7 +83,7 @@ bool SolveScaled(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, Eigen::Vect
   if (a.rows() < a.cols()) return false;
   const Eigen::VectorXd scale = a.colwise().norm().cwiseMax(1e-300);
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(a * scale.cwiseInverse().asDiagonal());
-  qr.setThreshold(1e-12);
+  qr.setThreshold(1e-12);  // of normalised columns: rounding, as in canonical_rate.cc
   if (qr.rank() < a.cols()) return false;
   *x = qr.solve(b).cwiseQuotient(scale);
   return x->allFinite();

@@ -20,7 +20,7 @@ namespace sagitta {
 namespace {
 
 constexpr double kSmallestScale = 1e-4;    // times it: 0.1 um, the scale of steps on data without noise
-constexpr double kDiverged = 1e12;         // standard deviations per step
+constexpr double kDiverged = 1e12;         // standard deviations per step: of 1 um 1000 km, beyond any coordinate
 constexpr double kRoundOffOfSteps = 1e-5;  // standard deviations: a step below it may be a rounding error
 constexpr int kRateWindow = 6;             // iterations over which the rate is measured ...
 constexpr int kStandstill = 20;            // iterations without progress that show rounding

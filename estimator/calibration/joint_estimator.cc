@@ -25,14 +25,14 @@
 namespace sagitta {
 namespace {
 
-constexpr int kMaxHoldRounds = 8;
-constexpr int kFreshRounds = 3;       // afterwards what is held stays held
-constexpr int kSomeBatches = 128;     // of each structure, a thousand shots: what moves their points most
-constexpr int kMaxPolishSteps = 60;   // a bent valley (a compensator's shape) halves the step only
+constexpr int kMaxHoldRounds = 8;  // a guard: each holds all that it finds, and what moves on shows in kConvergedSteps
+constexpr int kFreshRounds = 3;    // afterwards what is held stays held, so that it ends
+constexpr int kSomeBatches = 128;  // of each structure, a thousand shots: what moves their points most
+constexpr int kMaxPolishSteps = 60;   // a bent valley (a compensator's shape) halves the step only: 1e3 to 1e-5 are 27
 constexpr double kPolishReach = 1.0;  // standard deviations: farther off, Ceres has failed
-constexpr int kMaxBoundedSteps = 60;
-constexpr int kMaxWarmSteps = 12;
-constexpr double kWarmReach = 1e3;        // standard deviations, from the round before
+constexpr int kMaxBoundedSteps = 60;  // as the steps without bounds
+constexpr int kMaxWarmSteps = 12;     // at a time: less than one factorization of all deviations (SolveFromNear)
+constexpr double kWarmReach = 1e3;    // standard deviations, from the round before
 constexpr double kConvergedSteps = 1e-5;  // Gauss-Newton step left at the optimum, standard deviations
 constexpr double kExactFit = 1e-9;        // of the stated noise: nothing is left to explain
 
@@ -198,8 +198,8 @@ class Relaxation {
   }
 
  private:
-  static constexpr double kSwings = -0.5;  // with a smaller swing whole steps are there as soon
-  static constexpr double kLeast = 0.05;
+  static constexpr double kSwings = -0.5;  // mu > 1.5; with a smaller swing whole steps are there as soon
+  static constexpr double kLeast = 0.05;   // mu = 20: beyond, J'J is no approximation of H any more
   Eigen::VectorXd before_;
   double factor_ = 1.0;
 };

@@ -14,11 +14,11 @@
 namespace sagitta {
 namespace {
 
-constexpr double kMostPull = 500.0;  // N, of an arm that carries more (paper 003 pulls with as much)
-constexpr double kOffAxis = 0.1;     // m
-constexpr int kPulls = 3;
-constexpr int kHeadings = 8;
-constexpr size_t kMostConfigurations = 60;  // tried
+constexpr double kMostPull = 500.0;         // N, of an arm that carries more (paper 003 pulls with as much)
+constexpr double kOffAxis = 0.1;            // m, a hook next to the flange: with kMostPull a moment of 50 N m
+constexpr int kPulls = 3;                   // nine coordinates of one marker to the compliances of six joints
+constexpr int kHeadings = 8;                // the nearest is 22 degrees off at most, and pulls by 92 % of it
+constexpr size_t kMostConfigurations = 60;  // tried: all of a usual campaign
 
 // Where and how the data's loads act: the first loaded shot's own wrench.
 AppliedWrench LoadAtHand(const CalibrationProblem& problem) {

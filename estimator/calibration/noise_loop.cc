@@ -22,11 +22,11 @@
 namespace sagitta {
 namespace {
 
-constexpr double kTinySigma = 1e-6;  // m, where none is stated: below any noise, so that nothing is held for it
-constexpr int kMostNoiseRounds = 60;
-constexpr double kSettledSigma = 1e-4;      // largest relative change of a standard deviation
-constexpr double kWeightSettled = 1e-4;     // largest change of the root of a weight
-constexpr double kSmallWeight = 0.2;        // an outlier to variance components
+constexpr double kTinySigma = 1e-6;      // m, where none is stated: below any noise, so that nothing is held for it
+constexpr int kMostNoiseRounds = 60;     // each may leave 6/7 of the last one's change: 1e-4 after all
+constexpr double kSettledSigma = 1e-4;   // largest change of a standard deviation: 5 10^7 rows leave as much open
+constexpr double kWeightSettled = 1e-4;  // largest change of the root of a weight: the same
+constexpr double kSmallWeight = 0.2;     // an outlier to variance components: Huber's at 10 deviations, Cauchy's at 5
 constexpr double kSettledResiduals = 0.01;  // eq. (14) runs a stated number of times
 
 bool UsesResiduals(const Experiment& experiment) { return experiment.noise.from == NoiseSpec::From::kResiduals; }
@@ -68,7 +68,7 @@ struct Loop {
 // Huber's weight leaves a row that is d standard deviations off a square of c d: one that is 10^7 off would decide
 // alone how much the rows scatter, and with that what counts as measured. Beyond kFar its square grows no more.
 double WeightInFit(LossKind loss, double weight) {
-  constexpr double kFar = 100.0, kLeast = 1e-20;
+  constexpr double kFar = 100.0, kLeast = 1e-20;  // kFar: an arm that misses by 0.5 mm, read to 5 um
   const double there = LossWeight(LossKind::kHuber, kFar);
   if (loss == LossKind::kHuber && weight < there) weight *= weight / there;
   return std::max(kLeast, weight);

@@ -12,12 +12,12 @@
 namespace sagitta {
 namespace {
 
-constexpr double kSuspiciousUnit = 0.05;  // of the reach
-constexpr double kMisfit = 0.01;          // of the reach
+// Of the reach, of an estimate: twice what a nominal robot may miss by (reading_lint.cc).
+constexpr double kMisfit = 0.01;
 // A correction of a link's length by more than both is no tolerance of a robot: those are tenths of a millimetre, and a
 // few millimetres where a length was read from a drawing.
 constexpr double kOfALink = 0.1, kLargeCorrection = 5e-3;  // m
-constexpr double kUnitImprovement = 10.0;
+constexpr double kUnitImprovement = 10.0;  // from the tenths of the reach that a wrong unit leaves to kNotThisRobot
 
 struct UnitReading {
   bool is_joint = true;  // joint columns, else x, y, z
@@ -29,10 +29,10 @@ struct UnitReading {
 };
 
 const UnitReading kReadings[] = {
-    {true, "_deg", "_rad", "radians", 1.0 / kDegree, 0.0, 7.0},
-    {true, "_rad", "_deg", "degrees", kDegree, 7.0, 1e4},
-    {false, "_mm", "_m", "metres", 1e3, 0.0, 50.0},
-    {false, "_m", "_mm", "millimetres", 1e-3, 50.0, 1e9},
+    {true, "_deg", "_rad", "radians", 1.0 / kDegree, 0.0, kMostRadians},
+    {true, "_rad", "_deg", "degrees", kDegree, kMostRadians, 1e4},
+    {false, "_mm", "_m", "metres", 1e3, 0.0, kMostMetres},
+    {false, "_m", "_mm", "millimetres", 1e-3, kMostMetres, 1e9},
 };
 
 std::vector<std::string> ColumnsOfReading(const UnitReading& reading, const std::string& point_prefix,
@@ -117,7 +117,7 @@ UnitFinding DescribeUnits(const CalibrationProblem& problem, const UnitReading& 
 std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem, const AlignedSample& aligned,
                                           const std::string& point_prefix) {
   const double before = aligned.misfit;
-  const double tolerance = kSuspiciousUnit * Reach(problem.robot().chain);
+  const double tolerance = kNotThisRobot * Reach(problem.robot().chain);
   if (!(before > tolerance)) return std::nullopt;
   for (const UnitReading& reading : kReadings) {
     if (reading.is_joint && !point_prefix.empty()) continue;

@@ -12,6 +12,10 @@
 
 namespace sagitta {
 
+// Of the reach, RMS distance of the aligned nominal robot, beyond which it did not make the readings: ten times what no
+// arm needs (reading_lint.cc), and far below the some tenths that numbers in a wrong unit leave.
+constexpr double kNotThisRobot = 0.05;
+
 struct UnitFinding {
   std::string file;
   int line = 0;        // of the first row

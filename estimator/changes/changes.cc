@@ -18,8 +18,8 @@ namespace {
 
 // A millimetre or a milliradian leaves a nanometre after the second round; a wrong set is left within a few.
 constexpr int kRounds = 12;
-constexpr double kArrived = 0.1;  // standard deviations of the whole difference, of the last step
-constexpr double kWorthAWord = 0.05;
+constexpr double kArrived = 0.1;      // standard deviations of the whole difference, of the last step
+constexpr double kWorthAWord = 0.05;  // of the probability, of what is not named: one in twenty
 // Of what is left: less probable means that something is not explained.
 constexpr double kUnexplained = 1e-3;
 

@@ -19,6 +19,7 @@ namespace {
 
 constexpr double kFloor = 2e-6;  // m: less is no change of any robot, and keeps C regular
 // Of a covariance found from configurations: beyond, the heavy tails of so small a sample are no correction any more.
+// It asks for n = 3 p + 4 of them, three to each parameter.
 constexpr double kMostOfClusters = 1.5;
 
 // Base poses and markers were found in the old campaign's frames; moved, their directions turn.

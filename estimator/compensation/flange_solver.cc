@@ -15,7 +15,7 @@ namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr int kMostIterations = 200;
+constexpr int kMostIterations = 200;    // 16 of the longest steps are half a turn; the others are damped
 constexpr double kStandsStill = 1e-13;  // of a step in rad or m: rounding of joint values of a few rad
 constexpr double kQuadratic = 1e-7;     // rad or m: after a step this long Newton's next one is rounding
 constexpr double kLongestStep = 0.2;    // rad or m: a Newton step beyond that leaves the branch it is on
@@ -61,6 +61,7 @@ class Newton {
       if (next_error <= error || next_error < kRounding) {
         const bool slow = damping < kGentle && error - next_error < kNoFlangeGain * error && next_error > kFarOff;
         q += step, error = next_error, solution->state = next;
+        // Of squared singular values: from those of 1e-3, one near a singularity, up to steps of a thousandth.
         damping = damping < 1e-8 ? 0.0 : damping / 10.0;
         settled |= slow || (error < kRounding && step.lpNorm<Eigen::Infinity>() < kQuadratic);
       } else {
@@ -81,7 +82,7 @@ class Newton {
   }
 
  private:
-  static constexpr double kRounding = 1e-14;
+  static constexpr double kRounding = 1e-14;  // of the reach and of rad: some hundred products of 1e-16
 
   Eigen::VectorXd Step(const FlangeState& state, const Eigen::VectorXd& q, double damping) const {
     Eigen::MatrixXd jacobian = weight_.asDiagonal() * state.by_joints;
@@ -275,7 +276,8 @@ Eigen::Matrix<double, 6, 1> PoseDifference(const Pose<double>& target, const Pos
 Eigen::VectorXd SpreadStart(const Chain& chain, int k, bool within_a_turn) {
   const int n = chain.num_joints();
   double ratio = 2.0;
-  for (int i = 0; i < 60; ++i) ratio = std::pow(1.0 + ratio, 1.0 / (n + 1));
+  for (int i = 0; i < 60; ++i)  // each leaves less than half of what is wrong: all digits of a double
+    ratio = std::pow(1.0 + ratio, 1.0 / (n + 1));
   Eigen::VectorXd start(n);
   for (int j = 0; j < n; ++j) {
     const Joint& joint = chain.joints[static_cast<size_t>(j)];

@@ -12,7 +12,7 @@ namespace {
 // Newton from points spread over the joints' ranges (SpreadStart). From about one start in three it
 // reaches a solution; of at most eight (sixteen) branches each then is missed once in 10^4 (10^2) after 240.
 constexpr int kSolutionStarts = 240;
-constexpr double kSameSolution = 1e-5;  // rad or m, between two solutions
+constexpr double kSameSolution = 1e-5;  // rad or m, between two solutions: far above what a solve leaves (kOnTarget)
 // rad: what a file states of an angle that is this close to the edge of a range, or to zero, is rounding of the pose
 // (0.01 mm and 1e-6 of a quaternion are 1e-5 to 1e-4 rad). Solutions are 90 or 180 deg apart.
 constexpr double kOnEdge = 0.1 * kDegree;
@@ -21,7 +21,7 @@ constexpr double kExact = 1e-6;  // rad: solutions within that of what is stated
 constexpr double kNearStated = 45.0 * kDegree;
 // rad: controllers are reported to disregard turn bits within that of 0.
 constexpr double kTurnBitsCount = 2.0 * kDegree;
-constexpr double kMeet = 1e-3;  // m, within which wrist axes count as meeting
+constexpr double kMeet = 1e-3;  // m, within which wrist axes count as meeting: of a robot as calibrated, by some 0.1 mm
 
 // What is known of the arm's shape: wrist centre and where it lies, of six revolute joints with a spherical wrist.
 class ArmShape {
@@ -43,7 +43,7 @@ class ArmShape {
   }
   // d |wrist - joint 2|^2 / d q3: its sign is the side to which the elbow is bent, 0 where the arm is stretched.
   double ElbowSlope(const Eigen::VectorXd& q) const {
-    constexpr double h = 1e-6;
+    constexpr double h = 1e-6;  // rad: its square is off by 1e-12, rounding by 1e-10
     const Eigen::VectorXd step = h * Eigen::VectorXd::Unit(6, 2);
     const Eigen::VectorXd moved = chain_.CoupledJointValues(q);
     return (ReachSquared(moved + step) - ReachSquared(moved - step)) / (2 * h);

@@ -79,7 +79,7 @@ DiagnosedModel RefitFully(const CalibrationProblem& problem, const Estimate& sta
 // wrong is a share of 1e-2 even where effects bend by a tenth within one deviation.
 QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& start) {
   RefitOptions options;
-  options.steps.max_steps = 40;  // most need two or three
+  options.steps.max_steps = 40;  // most need two or three; a bent valley halves what is left: 2^-40 = 1e-12
   options.steps.tolerance = 0.1;
   options.steps.least_noise = 1.0;  // as stated
   Refit found = RefitFrom(problem, start, options);

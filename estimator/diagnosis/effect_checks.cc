@@ -13,15 +13,19 @@
 namespace sagitta {
 namespace {
 
-constexpr double kRank = 1e-6;  // of the largest eigenvalue: directions below are rounding
+// Of the largest eigenvalue, which is a square: a direction that moves the rows a thousandth as much is left out.
+constexpr double kRank = 1e-6;
 // Of the prior variance, what is left of a parameter that the data hardly determine. A direction that they do not
 // determine at all may lie along all four parameters of an effect: each keeps a quarter.
 constexpr double kPoorlyDetermined = 0.2;
 // Of the same: above, the prior stays in the refit. Below, a tenth of its width, it would move a value of three typical
 // sizes by less than a third of its standard deviation, and is left out.
 constexpr double kPriorMatters = 0.01;
-constexpr double kReplacesIt = 0.5;     // of what the effect explains: more than what it leaves
-constexpr size_t kRivalsOnHalves = 40;  // names that are asked on a half, the most probable ones
+constexpr double kReplacesIt = 0.5;  // of what the effect explains: more than what it leaves
+// Names that are asked on a half, the most probable ones: the next has 1 / 41 at most.
+constexpr size_t kRivalsOnHalves = 40;
+// Of the probability: two thousand explanations with less have 2e-9 together, of which nothing is said.
+constexpr double kNoProbability = 1e-12;
 
 std::vector<NamedProbability> ByName(const Evidence& evidence, const std::vector<double>& weights) {
   const double sum = LogSumExp(weights);
@@ -29,7 +33,7 @@ std::vector<NamedProbability> ByName(const Evidence& evidence, const std::vector
   std::map<std::string, double> most;
   for (size_t k = 0; k < weights.size(); ++k) {
     const double p = std::exp(weights[k] - sum);
-    if (!(p > 1e-12)) continue;
+    if (!(p > kNoProbability)) continue;
     const std::string& name = evidence.list().name[k];
     NamedProbability& entry = names.emplace(name, NamedProbability{name, static_cast<int>(k), 0.0}).first->second;
     entry.probability += p;

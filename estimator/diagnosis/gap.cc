@@ -14,8 +14,10 @@ namespace {
 
 constexpr double kWorseBeyondChance = 0.01;   // the default significance
 constexpr double kBetterBeyondChance = 0.05;  // as of an effect's interval: neither may say that it is chance
-constexpr double kShareOfHoldout = 0.1;  // of the significance: asked in addition to the posterior and to lack of fit
-constexpr int kBootstrapDraws = 400;     // of which ten lie beyond either end of an interval of 95 %
+// Of the significance: asked in addition to the posterior and to lack of fit (kShareOfLackOfFit in diagnose.cc).
+constexpr double kShareOfHoldout = 0.1;
+constexpr int kBeyondAnEnd = 10;                    // draws: they say where an end of an interval of 95 % lies ...
+constexpr int kBootstrapDraws = 40 * kBeyondAnEnd;  // ... to a third of 2.5 %
 
 std::vector<int> PointsHeldOut(const DiagnosedModel& model) {
   return model.problem->data().PointsAmong(model.problem->ValidationObservations());
@@ -136,7 +138,7 @@ GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extende
     draws.push_back(closed(picked));
   }
   std::sort(draws.begin(), draws.end());
-  gap.closed_ci95 = {draws[kBootstrapDraws / 40], draws[kBootstrapDraws - 1 - kBootstrapDraws / 40]};
+  gap.closed_ci95 = {draws[kBeyondAnEnd], draws[kBootstrapDraws - 1 - kBeyondAnEnd]};
   return gap;
 }
 

@@ -17,8 +17,9 @@ namespace {
 
 constexpr int kTimeSlices = 6;  // of a day an hour and more each
 // Of l' l: too small a part to divide by, which would draw noise.
-constexpr double kHardlySeen = 1e-3;  // of the shot (visit) that sees it best
+constexpr double kHardlySeen = 1e-3;  // of the shot (visit) that sees it best: 30 times its standard deviation
 constexpr double kUnseen = 1e-12;     // of the joint seen best: rounding
+constexpr size_t kMostShares = 10;    // listed: of excesses in descending order the next is an eleventh at most
 
 // A model's fitted rows, whitened, for its estimated coordinates; and how a deviation of each joint on its encoder side
 // moves them, per urad (um), a column per joint.
@@ -105,7 +106,7 @@ void AppendShares(const std::string& by, const std::map<std::string, Group>& gro
     if (excess > 0.0 && total > 0.0) shares.push_back({by, key, excess / total});
   }
   std::stable_sort(shares.begin(), shares.end(), [](const auto& a, const auto& b) { return a.share > b.share; });
-  if (shares.size() > 10) shares.resize(10);
+  if (shares.size() > kMostShares) shares.resize(kMostShares);
   where->insert(where->end(), shares.begin(), shares.end());
 }
 

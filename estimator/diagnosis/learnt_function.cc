@@ -14,8 +14,13 @@
 namespace sagitta {
 namespace {
 
-constexpr size_t kTableRows = 41;  // both ends and the middle among them
-constexpr int kOrders = 12;        // what ten bumps over a turn can follow, and a little more
+constexpr size_t kTableRows = 41;    // four to each of ten bumps; both ends and the middle among them
+constexpr int kOrders = 12;          // what ten bumps over a turn can follow, and a little more
+constexpr double kLeastBand = 1e-9;  // urad or um: a value that is known exactly has a finite weight
+// Times that a formula fades in: from about a row of the table, which one value would show, up to its span; the nearest
+// is off by a seventh at most. Its dead band is tried in as many parts of the range as a third of the rows.
+constexpr double kFastestFading = 1.0 / 32.0, kNextFading = 1.3;
+constexpr int kDeadbandParts = 16;
 
 std::string Rounded(double value) { return Significant(value, 3); }
 
@@ -71,7 +76,7 @@ class FormulaSearch {
       const FunctionPoint& point = learnt.table[i];
       x_[i] = point.at;
       y_[i] = point.value;
-      weights_[i] = 1.0 / std::max(1e-9, point.sigma);
+      weights_[i] = 1.0 / std::max(kLeastBand, point.sigma);
     }
   }
 
@@ -161,7 +166,7 @@ class FormulaSearch {
   void TryExponential() {
     const double first = x_.minCoeff(), span = x_.maxCoeff() - first;
     std::vector<double> times;
-    for (double t = span / 32.0; t <= span; t *= 1.3) times.push_back(t);
+    for (double t = kFastestFading * span; t <= span; t *= kNextFading) times.push_back(t);
     const Fitted fading =
         Best(times, [&](double t) -> Eigen::MatrixXd { return (-(x_.array() - first) / t).exp().matrix(); });
     const std::string since = "-(" + x_name_ + " - " + Significant(first, 4) + ")/" + Significant(fading.setting, 4);
@@ -170,7 +175,7 @@ class FormulaSearch {
 
   void TryDeadband() {
     std::vector<double> halves;
-    for (int i = 1; i < 16; ++i) halves.push_back(x_.cwiseAbs().maxCoeff() * i / 16.0);
+    for (int i = 1; i < kDeadbandParts; ++i) halves.push_back(x_.cwiseAbs().maxCoeff() * i / kDeadbandParts);
     const Fitted beyond = Best(halves, [&](double half) -> Eigen::MatrixXd {
       return (x_.array().sign() * (x_.array().abs() - half).max(0.0)).matrix();
     });

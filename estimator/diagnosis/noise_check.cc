@@ -13,7 +13,7 @@ namespace sagitta {
 namespace {
 
 constexpr int kFewestDof = 20;      // that determine a scale: to a sixth
-constexpr size_t kSharedRows = 10;  // beyond one per visit
+constexpr size_t kSharedRows = 10;  // beyond one per visit: 30 coordinates say what is shared to an eighth
 
 // One repeatability of all revolute joints, estimated, then those of the sliding ones as stated.
 std::vector<DeviationGroup> CommonDeviations(const CalibrationProblem& problem) {

@@ -21,17 +21,24 @@ namespace sagitta {
 namespace {
 
 constexpr double kMedianOfOne = 0.4549, kMedianOfTwo = 1.3863;  // of chi-square with 1 and 2 degrees of freedom
-constexpr double kOfTheWorst = 0.05;     // of its square: a fit gives its neighbours as much of it, by their leverage
-constexpr double kAloneInShot = 4.0;     // times the squares of the other markers of the shot: twice as far off
-constexpr double kSingleMarker = 3.0;    // times the limit, where no other marker decides
-constexpr double kHeldOutScatter = 1.5;  // the parameters' own uncertainty adds to the noise
+constexpr double kOfTheWorst = 0.05;  // of its square: a fit gives its neighbours as much of it, by their leverage
+constexpr double kAloneInShot = 4.0;  // times the squares of the other markers of the shot: twice as far off
+// Times the limit, where no other marker decides: 1.7 times as far off as noise makes the worst row. A choice: what the
+// arm does looks the same there.
+constexpr double kSingleMarker = 3.0;
+// The parameters' own uncertainty adds to the noise: of n equations with p unknowns p / n of its variance in the mean,
+// half of it at n = 2 p, below which a caution says that few are fitted (cautions.cc).
+constexpr double kHeldOutScatter = 1.5;
 // What the arm or the instrument does and no model has moves more than a tenth of the rows, and more than two, by a
 // fifth and more of what it moves one by: a square beyond 5^2 times what these exceed is one reading's own.
 constexpr double kShareOfACause = 0.1;
 constexpr double kBeyondOthers = 25.0;
+// Of the rows. A choice, below the tenth that a cause moves and above the 2 % that the practice cases have.
 constexpr double kMostOutliers = 0.06;
-constexpr size_t kFewOutliers = 2;                        // of held-out rows, however few
-constexpr size_t kFewestFitted = 20, kFewestHeldOut = 8;  // rows whose median says what they scatter by
+constexpr size_t kFewOutliers = 2;  // of held-out rows, however few
+// Rows whose median says what they scatter by: that of n squares is known to 2.3 / sqrt(n) of itself, to a half here.
+// Next to 20 fitted rows a hold-out of 30 % has 8.
+constexpr size_t kFewestFitted = 20, kFewestHeldOut = 8;
 // As a turn about the base, rad: ten times a joint's deviation, beyond which the evidence weighs no cause. A bump of a
 // worn sector moves a few poses alone, too.
 constexpr double kNoCause = kScales[std::size(kScales) - 1] * kTypicalTurn;
@@ -54,7 +61,7 @@ struct DirectedScatter {
   double Most() const { return std::max({along, across, by_angle, axes.maxCoeff()}); }
 };
 
-constexpr double kLeastFactor = 1e-12;  // of readings that fit exactly
+constexpr double kLeastFactor = 1e-12;  // of readings that fit exactly: a millionth of the unit they are counted in
 
 double Factor(const std::vector<double>& squares, double median, double least) {
   return squares.empty() ? 1.0 : std::max(least, Median(squares) / median);

@@ -12,7 +12,7 @@ namespace {
 
 using Kind = PhysicalBounds::Kind;
 
-constexpr double kFarthestAnchor = 3.0;  // m, of a compensator's spring
+constexpr double kFarthestAnchor = 3.0;  // m, of a compensator's spring: two of kAnchorReach (compensator_shapes.cc)
 
 // A spring within metres of the joint, with a rest length and a rate.
 PhysicalBounds BoundsOfSpring(const std::vector<ParameterEstimate>& parameters) {

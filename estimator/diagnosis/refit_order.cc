@@ -6,9 +6,11 @@
 namespace sagitta {
 namespace {
 
-// Of the best: a set that may lead once others have lost what the full model does not keep.
+// Of the best: a set that may lead once others have lost what the full model does not keep; at odds of 20, ln 20 = 3, a
+// refit would have to move it by three times kInDoubt.
 constexpr double kMayLead = 0.05;
-constexpr size_t kMostRefitted = 4;  // where the linear evidence holds
+// A choice that bounds the time, for each is a fit of the full model: fewer where the linear evidence holds.
+constexpr size_t kMostRefitted = 4;
 constexpr size_t kMostInDoubt = 10;
 
 }  // namespace

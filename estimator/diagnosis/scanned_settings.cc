@@ -17,11 +17,13 @@ namespace {
 // Steps, equal in the logarithm: a quarter of a step that leaves 1 - 0.95^2 of a chi-square leaves a sixteenth of that,
 // and the parabola through three of them less than is in doubt.
 constexpr int kBetweenListed = 4;
-constexpr double kSameSetting = 1e-6;  // relative
+constexpr double kSameSetting = 1e-6;  // relative: settings are written with seven digits (AsSetting)
 constexpr const char* kLagSetting = "lag_s";
-constexpr double kLongestLag = 1800.0, kBetweenShots = 60.0;  // s; the latter where no time is stated
-constexpr double kBeyondOwn = 2.0;  // times the lag that the effect states, where that is more
-constexpr int kScannedLags = 30;
+// s. A wall of steel of d = 5 mm follows still air, h = 10 W/(m^2 K), by rho c d / h = 7850 470 0.005 / 10 = 1800 s.
+constexpr double kLongestLag = 1800.0;
+constexpr double kBeyondOwn = 2.0;      // times the lag that the effect states, where that is more
+constexpr double kBetweenShots = 60.0;  // s, assumed where no time is stated: a pose a minute
+constexpr int kScannedLags = 30;        // a minute apart, as shots are
 constexpr int kDigits = 3;  // of a setting that is found: no rows determine a time constant or a width to 0.5 %
 
 const SettingDefinition* ScannedDefinition(const Robot& robot, const EffectSpec& spec) {

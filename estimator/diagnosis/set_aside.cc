@@ -14,8 +14,9 @@
 namespace sagitta {
 namespace {
 
-constexpr double kShareOfOutliers = 0.1;  // of the significance
-constexpr int kMostSetAsideRounds = 12;   // each sets aside all above a twentieth of the worst (noise_check.cc)
+constexpr double kShareOfOutliers = 0.1;  // of the significance, lest rows go that a cause moves
+// Each sets aside all above a twentieth of the worst (outlier_rules.cc): 20^12 = 4e15 are all digits of a double.
+constexpr int kMostSetAsideRounds = 12;
 
 bool Replace(const CalibrationProblem& problem, const JointOptions& joint, DiagnosedModel* model) {
   DiagnosedModel refit = RefitFully(problem, model->estimate, joint);

@@ -72,7 +72,7 @@ void FillTable(const CalibrationProblem& problem, Estimate* estimate) {
 }
 
 bool IsEven(const ParameterEstimate& row) {
-  constexpr double kEven = 0.02;  // of an interval's width: its arms count as equal
+  constexpr double kEven = 0.02;  // of an interval's width: its arms count as equal, for with two digits they look so
   const double down = row.value - row.ci95.low, up = row.ci95.high - row.value;
   return std::abs(up - down) <= kEven * (up + down) && !row.open_low && !row.open_high;
 }

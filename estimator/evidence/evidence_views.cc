@@ -277,6 +277,7 @@ Evidence::Trial Evidence::BestView(const NoiseView& base, const NoisePart& part,
   // The top of the parabola through three points, at most one of them away.
   const double apart = 4.0 * kSettled, up = weight(at + apart), down = weight(at - apart);
   const double slope = (up - down) / (2.0 * apart);
+  // At least that of a size whose logarithm is known to 32: to nothing.
   const double curvature = std::max((2.0 * at_weight - up - down) / (apart * apart), 1e-3);
   const double beyond = std::clamp(slope / curvature, -apart, apart);
   view = With(base, part, std::exp(at + beyond));

@@ -32,9 +32,9 @@ struct NextPoses {
   int needed = 0;                // poses like these, after which it is expected to be kWanted; 0: more than kMostNeeded
 };
 
-constexpr int kPosesProposed = 6;
-constexpr double kWanted = 0.9;
-constexpr int kMostNeeded = 60;  // as long as a usual campaign
+constexpr int kPosesProposed = 6;  // a tenth of a usual campaign
+constexpr double kWanted = 0.9;    // of the right answer: nine in ten, a choice that docs/DIAGNOSIS.md states
+constexpr int kMostNeeded = 60;    // as long as a usual campaign
 
 // None where one explanation has it all. problem, parameters: what the evidence was made of.
 std::optional<NextPoses> ProposeNext(const Evidence& evidence, const CalibrationProblem& problem,

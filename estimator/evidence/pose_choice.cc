@@ -11,7 +11,8 @@
 namespace sagitta {
 namespace {
 
-constexpr size_t kPosesKept = 80;  // the best ones by themselves, asked again after each choice
+// The best ones by themselves, asked again after each choice: a fifth of those weighed, which bounds the time.
+constexpr size_t kPosesKept = 80;
 
 }  // namespace
 

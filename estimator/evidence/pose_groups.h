@@ -44,6 +44,7 @@ class PoseGroups {
   Eigen::VectorXd ErrorsLeftOut(const WeightedSet& set) const;
 
  private:
+  // Groups: from their scatter a standard deviation is known to 1 / sqrt(2 20) = 16 %; sums of more need more memory.
   static constexpr size_t kMost = 20;
 
   const Evidence& evidence_;

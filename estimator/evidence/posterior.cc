@@ -9,7 +9,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kThreefold = 3.0;
+constexpr double kThreefold = 3.0;  // a prior three times as large or small, half a decade (docs/DIAGNOSIS.md)
 
 bool HasUnnamed(const Evidence& evidence, const WeightedModel& model) {
   return evidence.FollowsPose(model) || std::any_of(model.set.members.begin(), model.set.members.end(),

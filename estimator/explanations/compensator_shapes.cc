@@ -122,7 +122,7 @@ Eigen::MatrixXd SpringColumns(const EffectSpec& shape, const Eigen::MatrixX2d& w
   };
   const double a_x = shape.values[1], a_y = shape.values[2];
   const double a = std::hypot(a_x, a_y), ratio = a / kLever, alpha = std::atan2(a_x, a_y);
-  constexpr double kStep = 1e-4;
+  constexpr double kStep = 1e-4;  // of a derivative: off by as much of itself
   Eigen::MatrixXd columns(wave.rows(), 4);
   columns << usual(ratio, alpha), kRestDeviation * a * TorquesPerRate(shape, wave).col(1),
       kDirectionDeviation / kStep * (usual(ratio, alpha + kStep) - usual(ratio, alpha)),

@@ -103,6 +103,7 @@ Eigen::MatrixXd LeadingColumns(const Eigen::MatrixXd& products, double left) {
 // F = U S V':  basis F V = U S and mixing V' of directions above the tolerance. With F'F = L L' and L'L = W S^2 W' of
 // these few columns V = L W S^-1.
 Compressed Compress(const Eigen::MatrixXd& functions, double tolerance) {
+  // Of squares, and a tenth of what is dropped below, so that what the columns leave off decides nothing there.
   const Eigen::MatrixXd few = LeadingColumns(ProductsOf(functions), 0.1 * tolerance * tolerance);
   if (few.cols() == 0) return {Eigen::MatrixXd(functions.rows(), 0), Eigen::MatrixXd(0, functions.cols())};
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(SelfProduct(few));

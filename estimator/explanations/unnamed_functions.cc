@@ -12,7 +12,9 @@ namespace {
 constexpr size_t kJumpsInTime[] = {1, 2, 3, 4, 6, 8, 12};
 constexpr int kMostMoments = 200;  // of an eight-hour day one in 2.4 minutes, as long as a visit lasts
 
-constexpr double kAlike = 1e-3;  // of the largest: directions of functions that add less are dropped
+// Of the largest: directions of functions that add less are dropped. Rows see such a direction only where they see the
+// function with a chi-square of 10^6.
+constexpr double kAlike = 1e-3;
 
 // As the setting `by` names it; "" where none does.
 const char* SettingOf(DriverKind kind) {

@@ -157,7 +157,7 @@ class PlaceFunctions : public UnnamedList {
     for (const int s : fitted_) {
       if (is_in[s]) square += (field.places.row(s) - middle).squaredNorm() / (3.0 * count);
     }
-    const double spread = std::max(1e-3, std::sqrt(square));
+    const double spread = std::max(1e-3, std::sqrt(square));  // m: a flange that stands has no field of places
     for (size_t s = 0; s < is_in.size(); ++s) {
       auto place = field.places.row(s);
       place = is_in[s] ? Eigen::RowVector3d((place - middle) / spread) : Eigen::RowVector3d::Zero();

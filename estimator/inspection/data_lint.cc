@@ -15,17 +15,20 @@
 namespace sagitta {
 namespace {
 
-constexpr double kUnmovedAngle = 1.0 * kDegree;  // a joint that covers less has not moved
-constexpr double kUnmovedLength = 1e-3;          // m, prismatic
-constexpr double kLittleOfTheLimits = 0.2;       // share
-constexpr double kLittleTurn = 30.0 * kDegree;   // joint: covers less than that
-constexpr double kLittleLength = 0.05;           // m
-constexpr double kConstantOrientation = 0.02;    // RMS of a unit vector's tip: 1 degree
-constexpr double kOneAxis = 0.05;                // 3 degrees
-constexpr double kEqualJoints = 1e-9;            // rad or m
-constexpr double kOtherPose = 0.1 * kDegree;     // copies: the joints moved at least that much
-constexpr double kEquationsPerUnknown = 2.0;
-constexpr double kManyCopies = 0.05;  // of the rows
+// A joint that covers less has not moved: even a worn one stands within a thirtieth of a degree (500 urad).
+constexpr double kUnmovedAngle = 1.0 * kDegree;
+constexpr double kUnmovedLength = 1e-3;  // m, prismatic: slides return within some 10 um
+// Share of the limits, a choice; without limits a turn by 30 deg, over which an arc is a line to 3 % (1 - cos 15 deg),
+// or m of a slide.
+constexpr double kLittleOfTheLimits = 0.2;
+constexpr double kLittleTurn = 30.0 * kDegree;
+constexpr double kLittleLength = 0.05;
+constexpr double kConstantOrientation = 0.02;  // RMS of a unit vector's tip: 1 degree
+constexpr double kOneAxis = 0.05;              // 3 degrees
+constexpr double kEqualJoints = 1e-9;          // rad or m
+constexpr double kOtherPose = 0.1 * kDegree;   // copies: the joints moved at least that much, 1.7 mm at 1 m
+constexpr double kEquationsPerUnknown = 2.0;   // half of its own error is then left in a residual, in the mean
+constexpr double kManyCopies = 0.05;           // of the rows: a choice, more than a slip of single rows
 
 // A configuration of the calibration rows and the first of these.
 struct FirstRow {

@@ -20,8 +20,8 @@
 namespace sagitta {
 namespace {
 
-constexpr double kClose = 0.95;       // |correlation| that makes a group
-constexpr double kUnchecked = 0.999;  // leverage of a configuration that nothing else checks
+constexpr double kClose = 0.95;       // |correlation| that makes a group: each alone is known 3 times worse (1 / 0.31)
+constexpr double kUnchecked = 0.999;  // leverage of a configuration that nothing else checks: a thousandth of it shows
 
 // With the experiments that would determine compliances and spring, as an estimate proposes them.
 Identifiability IdentifiabilityOf(const LinearState& state, const LinearSolution& solution) {

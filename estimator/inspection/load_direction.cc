@@ -21,7 +21,7 @@ constexpr size_t kFewestLoaded = 6;        // each determines about as many numb
 constexpr double kTilted = 3.0 * kDegree;  // a level that is not looked at is better, and moments change by 5 %
 constexpr double kExplained = 0.25;        // of the squares that the stated direction leaves: half of the RMS
 constexpr double kSameDirection = 1e-5;    // rad, of a step
-constexpr int kSweeps = 200, kDirectionAlternations = 200;
+constexpr int kSweeps = 200, kDirectionAlternations = 200;  // guards: kSameDirection ends them
 constexpr double kLookedAt = 2e4;     // numbers: thousands of rows show a direction as well as all
 constexpr int kDirectionsTried = 60;  // over the sphere: 25 deg apart
 

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kSoftest = 1e-3;        // m/N at the flange: 1 N/mm; the lightest arms have ten times more
 constexpr double kStiffest = 1e-8;       // m/N: 100 kN/mm, a machine tool
-constexpr double kSeenDeflection = 5.0;  // deflections above the noise, where one is stated
-constexpr double kAgainst = -0.5;        // cosine between force and motion, mean over the pairs
+constexpr double kSeenDeflection = 5.0;  // times the noise, where one is stated: their direction is known to 0.2 rad
+constexpr double kAgainst = -0.5;        // cosine between force and motion, mean over the pairs: half way to opposite
 
 // Loaded minus unloaded of equal configuration, visit, station and marker, for the loads of one id.
 struct Deflections {

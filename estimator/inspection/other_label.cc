@@ -13,6 +13,7 @@
 #include "estimator/inspection/affine_in_marker.h"
 #include "estimator/inspection/moved_rows.h"
 #include "estimator/inspection/reading_lint.h"
+#include "estimator/inspection/tried_readings.h"
 #include "estimator/least_squares/linearization.h"
 #include "models/quantiles.h"
 
@@ -22,8 +23,7 @@ namespace {
 constexpr size_t kFewestOfPose = 4;    // rows: 12 numbers to a pose of six
 constexpr size_t kFewestOfMarker = 3;  // rows: 9 numbers to a point of three
 constexpr size_t kFewestPoses = 3;     // the rows of one are a pose wherever its joints are: any fits some station
-constexpr double kClearlyBetter = 5.0;
-constexpr double kOnePoint = 1e-3;  // of the reach
+constexpr double kOnePoint = 1e-3;     // of the reach: points of different poses lie tenths of it apart
 
 void SetFound(OtherLabel::Kind kind, const std::string& stated, const std::string& fits, OtherLabel* found) {
   found->kind = kind;
@@ -206,7 +206,7 @@ std::optional<OtherLabel> FindOtherFrame(const CalibrationProblem& problem) {
     const double stated = misfit_on(problem.marker_frames()[marker]);
     if (stated <= suspicious) continue;
     OtherLabel found;
-    double least = std::min(suspicious, stated / kClearlyBetter);
+    double least = std::min(suspicious, stated / kReadingImprovement);
     for (int joint = -1; joint < chain.num_joints(); ++joint) {
       const double misfit = misfit_on(joint < 0 ? 0 : chain.FrameAfterJoint(joint));
       if (!(misfit < least)) continue;

@@ -20,7 +20,9 @@ namespace {
 // Where no reading fits it may be the arm: six joints, each off by the 4 deg that no arm exceeds (kLargestError in
 // reading_lint.cc).
 constexpr double kBeyondAnArm = 24.0 * kDegree;
-constexpr double kBetterRotation = 3.0;  // a reading that fits as well as the best is named with it
+// A reading that fits as well as the best is named with it. A choice, next to the 90 and 180 deg by which wrong ones
+// miss.
+constexpr double kBetterRotation = 3.0;
 constexpr size_t kNamed = 3;
 
 // Columns that state the rotation of one row.

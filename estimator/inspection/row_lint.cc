@@ -9,15 +9,16 @@
 #include <map>
 #include <set>
 
+#include "estimator/inspection/tried_readings.h"
 #include "estimator/least_squares/row_sums.h"
 #include "models/quantiles.h"
 
 namespace sagitta {
 namespace {
 
-constexpr int kReweightings = 12;
+constexpr int kReweightings = 12;    // a guard: kStands ends them
 constexpr double kStands = 1e-4;     // of the scale: weights that move no point by more
-constexpr double kHalfWeight = 1.5;  // median distances: where a row's weight has fallen to a half
+constexpr double kHalfWeight = 1.5;  // median distances, 2.3 sigma: where a row's weight has fallen to a half
 constexpr double kGross = 10.0;      // median distances; 15 sigma of normal noise
 // Rows that stand alone are wild from half of that: of 20 to 1000 rows of normal noise none in 8000 draws is twice as
 // far off as all others; where rows have Student's distribution with five degrees, in 3 % of the draws.
@@ -25,7 +26,8 @@ constexpr double kAloneAmongRows = 5.0;  // median distances
 constexpr double kAloneBy = 2.0;         // times the farthest of the others
 constexpr double kMostRowsAlone = 0.02;  // of the rows: all markers of a visit, or one
 constexpr size_t kFewRows = 20;          // of fewer the median says little
-constexpr double kSwapGain = 25.0;       // of the squared residual when two markers are exchanged
+// Of the squared residual when two markers are exchanged: as of any other reading.
+constexpr double kSwapGain = kReadingImprovement * kReadingImprovement;
 
 std::vector<double> ResidualLengths(const Eigen::Matrix3Xd& residuals) {
   std::vector<double> distances(residuals.cols());

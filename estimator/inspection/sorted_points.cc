@@ -23,8 +23,8 @@ namespace {
 constexpr size_t kFewestSorted = 10;  // shots: in one of 10! = 4e6 orders a coordinate rises, in another it falls
 constexpr size_t kMostSorted = 2000;  // shots: of more the search would need minutes
 constexpr int kStartDirections = 60;  // starts: one lies within 15 degrees of any direction
-constexpr int kRanked = 40;           // fits along the coordinate
-constexpr int kMatched = 40;          // fits of places
+constexpr int kRanked = 40;           // fits along the coordinate: a guard, an order that comes again ends them
+constexpr int kMatched = 40;          // fits of places: a guard
 constexpr int kWithoutGain = 4;       // of places: then a start leads nowhere
 
 // The shots of one station, in the order of the files, in which a marker is seen; a row of each for every marker.

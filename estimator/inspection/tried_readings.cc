@@ -9,7 +9,8 @@
 namespace sagitta {
 namespace {
 
-constexpr double kAsGoodAReading = 1.1;  // readings that fit alike: the simplest is named
+// Readings that fit alike, the simplest of which is named: an RMS of fifty coordinates is known to a tenth.
+constexpr double kAsGoodAReading = 1.1;
 constexpr size_t kMostAlike = 2;
 
 // Some readings leave rows out. Where those were what did not fit, the others fit as stated as well.

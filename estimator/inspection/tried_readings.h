@@ -10,8 +10,10 @@
 
 namespace sagitta {
 
-constexpr double kReadingImprovement = 5.0;  // times less misfit than as stated: what was meant
-constexpr double kPerfect = 1e-4;            // of the reach: no better fit means anything
+// Times less misfit than as stated: what was meant. Of squares 25, which three coordinates against three have by chance
+// once in 80 draws, nine against nine once in 40 000 (F distribution).
+constexpr double kReadingImprovement = 5.0;
+constexpr double kPerfect = 1e-4;  // of the reach: no better fit means anything
 
 struct TriedReadings {
   std::vector<Reading> all;        // simplest first, each with its misfit

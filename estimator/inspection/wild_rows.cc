@@ -13,15 +13,15 @@
 namespace sagitta {
 namespace {
 
-constexpr int kMostTrimmingSteps = 20;
-constexpr size_t kFewestRows = 3;    // rows of a marker at a station
-constexpr size_t kMostShown = 1000;  // rows
+constexpr int kMostTrimmingSteps = 20;  // a guard: each lowers the sum of squares of the half
+constexpr size_t kFewestRows = 3;       // rows of a marker at a station
+constexpr size_t kMostShown = 1000;     // rows
 // Random starts, for all rows together may lead to a half that fits and is not the robot's: a third of the rows are
 // wrong and four of each of two groups are drawn: (2/3)^8 = 0.04, and one of 100 starts is free of wrong rows with
 // probability 1 - 0.96^100 = 0.98.
 constexpr int kRandomStarts = 100;
-constexpr size_t kDrawn = 4;  // of each marker at each station: 12 numbers to nine unknowns
-constexpr size_t kFollowed = 3;
+constexpr size_t kDrawn = 4;     // of each marker at each station: 12 numbers to nine unknowns
+constexpr size_t kFollowed = 3;  // of the starts, the best ones: a choice of time
 // The good half is looked for among so many rows of each marker at each station, and then followed on all: of 200 drawn
 // rows a share of good ones stands within 7 percent of its own in 95 of 100 draws. Drawn and not every so many-th: rows
 // that are wrong may come as regularly.

@@ -221,6 +221,7 @@ void BootstrapIntervals(const CalibrationProblem& problem, const BootstrapOption
   report.failed = options.replicates - report.replicates;
   report.seed = options.seed;
   report.words = BootstrapInWords(report, setup.num_clusters);
+  // More failed than lie beyond both ends of an interval of 95 %.
   if (report.failed > options.replicates / 20 || !here.converged) {
     report.method = CovarianceKind::kModel;
     report.words = BootstrapRefused(report.failed, options.replicates);

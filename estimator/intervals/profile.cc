@@ -14,8 +14,8 @@
 namespace sagitta {
 namespace {
 
-constexpr int kMaxFits = 40;
-constexpr double kBetterOptimum = -1e-3;  // of t^2: another optimum, better than the estimate
+constexpr int kMaxFits = 40;              // four triplings lead to 30 half-widths, 20 halvings from one to 1e-6
+constexpr double kBetterOptimum = -1e-3;  // of t^2, as the tolerance: another optimum, better than the estimate
 
 struct End {
   double distance = 0.0;  // from the estimate, SI, >= 0

@@ -150,7 +150,7 @@ void MultiplyLanes(const double* x, std::size_t stride, std::size_t rows, std::s
   }
 }
 
-constexpr int kMostTerms = 12;
+constexpr int kMostTerms = 12;  // of leverages up to a quarter, 0.25^12 = 6e-8
 // Of the residuals: what later terms would add. A score moves by as much at most, a standard deviation by half of it.
 constexpr double kNegligible = 1e-7;
 constexpr double kSurely = 10.0;  // times what the last two terms say of the next

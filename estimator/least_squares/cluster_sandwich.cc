@@ -22,9 +22,7 @@ constexpr int kHeldScores = 32;  // rows of lanes that are summed together
 constexpr Eigen::Index kSampledRowsAtOnce = 512;
 
 // In [0, 1), the same for a cluster wherever it is asked.
-double Chance(int cluster) {
-  return UnitNumber(MixedBits((static_cast<std::uint64_t>(cluster) + 1) * 0x9E3779B97F4A7C15ULL));
-}
+double Chance(int cluster) { return UnitNumber(MixedBits((static_cast<std::uint64_t>(cluster) + 1) * kGoldenBits)); }
 
 // As few rows with the same products: what a cluster is worth depends on those alone.
 RowMajorMatrix Shortened(RowMajorMatrix rows) {

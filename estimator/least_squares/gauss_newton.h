@@ -20,7 +20,7 @@ using RowsAt = std::function<FittedRows(const ParameterSet& parameters, const st
 enum class StepOutcome { kTaken, kSingular, kNoDescent, kEquilibriumDiverged };
 
 struct GaussNewtonOptions {
-  int max_steps = 30;
+  int max_steps = 30;  // quadratic convergence needs a few; a bent valley halves what is left: 2^-30 = 1e-9
   // Of the step that is left, in standard deviations: far below what any interval shows; convergence is quadratic, and
   // what comes after is 1e-8.
   double tolerance = 1e-4;

@@ -12,13 +12,13 @@
 namespace sagitta {
 namespace {
 
-constexpr double kShownComponent = 0.05;  // of the largest
-constexpr double kNumericallyZero = 1e-13;
-constexpr double kWellDetermined = 1e6;
-constexpr double kPeeled = 0.03;           // of the largest singular value, those found at once
-constexpr double kLeastSigma = 1e-9;       // of an exact fit, stated sigmas
-constexpr double kAsGoodAColumn = 0.9;     // of the largest: another column in its place costs no digit
-constexpr double kWeakPerHoldLimit = 0.2;  // 1 mm of 5 mm, 1 mrad of 5 mrad
+constexpr double kShownComponent = 0.05;    // of the largest, in words and lists
+constexpr double kNumericallyZero = 1e-13;  // of the largest singular value: rounding of 10^5 rows, 1e-16 sqrt(10^5)
+constexpr double kWellDetermined = 1e6;     // times better than its limit (HoldLimits)
+constexpr double kPeeled = 0.03;            // of the largest singular value, those found at once
+constexpr double kLeastSigma = 1e-9;        // of an exact fit, stated sigmas
+constexpr double kAsGoodAColumn = 0.9;      // of the largest: another column in its place costs no digit
+constexpr double kWeakPerHoldLimit = 0.2;   // 1 mm of 5 mm, 1 mrad of 5 mrad
 
 // Which member of a direction is held first: a geometric error has a nominal
 // value to fall back on, a marker sometimes, a base never.

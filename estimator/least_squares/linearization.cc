@@ -358,7 +358,7 @@ LinearSolution SolveLinearization(const Linearization& linearization) {
   const Eigen::MatrixXd r = qr.matrixQR().topRows(n).triangularView<Eigen::Upper>();
   const Eigen::MatrixXd inverse = r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(n, n));
   solution.condition = ConditionOf(r, inverse);
-  solution.full_rank = solution.condition < 1e12;
+  solution.full_rank = solution.condition < 1e12;  // of columns of unit norm: beyond, less than 4 of 16 digits are left
   const Eigen::VectorXd rotated = TransposedQ(qr, linearization.residual);
   solution.residual_norm_squared = rotated.tail(linearization.num_rows() - n).squaredNorm();
   if (!solution.full_rank) return solution;

@@ -65,12 +65,14 @@ ceres::Solver::Options SolverOptions(const MinimizeOptions& options) {
   solver.max_num_iterations = options.max_iterations;
   solver.num_threads = options.num_threads;
   solver.logging_type = ceres::SILENT;
+  // Ceres' own 1e4 and 1e16, or next to no damping: Levenberg-Marquardt adds 1 / radius of the diagonal of J'J.
   solver.initial_trust_region_radius = options.cautious ? 1e4 : 1e12;
   solver.max_trust_region_radius = 1e16;
   // What is left at 1e-9 of the cost is below a hundredth of a standard deviation up to 10^5 rows, and EstimateFrom
   // polishes; at 1e-12 the round-off of the equilibria keeps small problems searching. Starting values are not
   // polished.
   solver.function_tolerance = options.cautious ? 1e-12 : 1e-9;
+  // These two are at the rounding of doubles, so that they end nothing earlier.
   solver.gradient_tolerance = 1e-14;
   solver.parameter_tolerance = 1e-13;
   solver.linear_solver_type = ceres::DENSE_QR;
@@ -114,7 +116,7 @@ class StopAtOptimum : public ceres::IterationCallback {
 // Ceres' steps keep a rotation's norm to round-off: many of them drift. Values that are as good as they are stay, and
 // with them what was summed there.
 void Normalise(ParameterSet* parameters) {
-  constexpr double kDrift = 1e-14;
+  constexpr double kDrift = 1e-14;  // of the square of the norm: a hundred roundings
   for (int s = 0; s < parameters->num_stations(); ++s) {
     const std::vector<double>& values = parameters->station_rotation(s).values;
     const double squares = Eigen::Map<const Eigen::Vector4d>(values.data()).squaredNorm();

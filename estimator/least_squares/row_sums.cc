@@ -14,9 +14,9 @@
 namespace sagitta {
 namespace {
 
-constexpr int kHeldRows = 48;  // that are summed together: they stay in the cache
-constexpr double kFewEntries = 5e4;
-constexpr int kManyTimes = 4;  // rows per column
+constexpr int kHeldRows = 48;        // that are summed together: they stay in the cache
+constexpr double kFewEntries = 5e4;  // a QR factor of the rows costs a few milliseconds (docs/DECISIONS.md)
+constexpr int kManyTimes = 4;  // rows per column: with fewer a QR factor of the rows costs little more than the sums
 
 int InWholeLanes(int columns) { return (columns + kBatchLanes - 1) / kBatchLanes * kBatchLanes; }
 

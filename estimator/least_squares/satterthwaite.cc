@@ -13,7 +13,7 @@ namespace {
 // 1 - h below this: the cluster alone determines a direction, its residual there
 // is zero and says nothing (generalised inverse).
 constexpr double kNoResidualLeft = 1e-9;
-constexpr double kSmallLeverage = 0.02, kRoundOffOfSeries = 1e-17;
+constexpr double kSmallLeverage = 0.02, kRoundOffOfSeries = 1e-17;  // below, ten terms: 0.02^10 = 1e-17
 constexpr int kBlockColumns = 16, kFewTimes = 4;
 
 // |w' w|^2, by the smaller of both products.

@@ -12,9 +12,10 @@
 namespace sagitta {
 namespace {
 
-constexpr int kStride = 4;           // derivatives per automatic pass
-constexpr double kOnTheAxis = 0.01;  // of L in the file: closer to the axis the ends have no direction
-constexpr double kPlausible = 0.2;   // of the length in the robot file
+constexpr int kStride = 4;                // derivatives per automatic pass
+constexpr double kOnTheAxis = 0.01;       // of L in the file: closer to the axis the ends have no direction
+constexpr double kPlausible = 0.2;        // of the length in the robot file: levers are some 0.2 m, markers miss by mm
+constexpr double kSameCovariance = 0.05;  // of its norm: standard deviations that change by 2.5 %
 
 // Blocks: lever marker, anchor marker, then the free geometric errors between, then the free ones of L, a_x, a_y.
 struct SpringTieFunctor {
@@ -179,7 +180,7 @@ bool WeighSpringTie(ParameterSet* parameters) {
   const Eigen::Vector3d placed = GeometryOfMarkers(*parameters);
   if (!placed.allFinite() || placed[0] < kOnTheAxis * tie.stated[0]) return false;
   const Eigen::Matrix3d here = CovarianceOfEnds(placed, tie);
-  if ((here - tie.covariance).norm() <= 0.05 * here.norm()) return false;
+  if ((here - tie.covariance).norm() <= kSameCovariance * here.norm()) return false;
   tie.covariance = here;
   parameters->SetSpringTie(tie);
   return true;

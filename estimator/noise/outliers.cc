@@ -12,7 +12,8 @@
 namespace sagitta {
 namespace {
 
-constexpr double kExchanged = 0.2;          // distance left after exchanging two readings, over before
+constexpr double kExchanged = 0.2;          // distance left after exchanging two readings, over before: a fifth, as of
+                                            // other readings (tried_readings.h)
 constexpr double kMostOutlierShare = 0.25;  // of the points: more is no minority
 constexpr int kFewestEvents = 3;            // events that can show a pattern: two may agree by chance
 

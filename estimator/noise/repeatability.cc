@@ -10,9 +10,9 @@
 namespace sagitta {
 namespace {
 
-constexpr int kChoosingRounds = 3;
-constexpr double kBlind = 0.05;    // of the largest lever: a value of its own would be anybody's noise
-constexpr double kNothing = 1e-9;  // rad or m: a deviation that is none
+constexpr int kChoosingRounds = 3;  // afterwards one value or one per joint is not asked again, so that it ends
+constexpr double kBlind = 0.05;     // of the largest lever: a value of its own would be anybody's noise
+constexpr double kNothing = 1e-9;   // rad or m: a deviation that is none
 
 bool IsPrismatic(const CalibrationProblem& problem, int joint) {
   return problem.robot().chain.joints[joint].type == JointType::kPrismatic;

@@ -10,8 +10,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kLeastFreedom = 0.05;  // of a row that the fit runs through
-constexpr double kLeastKept = 0.05;     // of the information of a row whose weight follows its own residual
+constexpr double kLeastKept = 0.05;  // of the information of a row whose weight follows its own residual
 
 }  // namespace
 

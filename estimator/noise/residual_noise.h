@@ -10,6 +10,8 @@
 
 namespace sagitta {
 
+// Of a row that the fit runs through, 1 - leverage: its square then counts twenty times at most.
+constexpr double kLeastFreedom = 0.05;
 constexpr double kResidualFloor = 1e-7;  // m, of a residual read as a sigma: the last digit of the instrument
 
 // w = s0 / (s0 + lambda s), paper 003 eq. (14); s0 = 0: w = 1 / s.

@@ -13,7 +13,7 @@ namespace {
 // Of the coordinates, what weights w leave with a say: (sum w)^2 / (n sum w^2), Kish's effective sample size (Kish
 // 1965). At a quarter, weighing by what is not the noise doubles standard deviations.
 constexpr double kFewHaveASay = 0.25;
-constexpr int kMostScatterSteps = 200;
+constexpr int kMostScatterSteps = 200;      // a guard: kSettledVariance ends them
 constexpr double kSettledVariance = 1e-10;  // relative, of tau^2
 
 // Residuals along the axes of each row's stated covariance: there it is diagonal, and stays so with tau^2 added.

@@ -13,7 +13,7 @@
 namespace sagitta {
 namespace {
 
-constexpr int kAlignRounds = 6;
+constexpr int kAlignRounds = 6;         // a guard: rows that are kept once more end them
 constexpr double kFarFromMedian = 6.0;  // left out of the next alignment
 constexpr double kFollows = 0.05;       // share of its own noise that a point still shows
 

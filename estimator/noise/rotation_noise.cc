@@ -17,8 +17,7 @@ namespace {
 constexpr int kLeastDof = 30;  // a standard deviation from fewer is known worse than to an eighth
 // Of rotations alone: Student's t with less has neither mean nor, beyond any quantile, an interval.
 constexpr double kLeastOfRotations = 1.0;
-constexpr double kOwnFreedom = 0.05;  // of a reading that the fit runs through
-constexpr int kScaleSteps = 200;
+constexpr int kScaleSteps = 200;         // a guard: kSettledScale ends them
 constexpr double kSettledScale = 1e-12;  // relative, of a square
 
 bool HasRotations(const CalibrationProblem& problem) {
@@ -118,7 +117,7 @@ std::vector<double> FreedomOfReadings(const CalibrationProblem& problem, const P
   const Eigen::MatrixXd covariance = SolveLinearization(here).covariance;
   for (size_t k = 0; k < rows.size(); ++k) {
     const Eigen::MatrixXd own = here.jacobian.middleRows<3>(3 * static_cast<Eigen::Index>(k));
-    freedom[k] = std::max(kOwnFreedom, 1.0 - (own * covariance).cwiseProduct(own).sum() / 3.0);
+    freedom[k] = std::max(kLeastFreedom, 1.0 - (own * covariance).cwiseProduct(own).sum() / 3.0);
   }
   return freedom;
 }

@@ -16,11 +16,11 @@
 namespace sagitta {
 namespace {
 
-constexpr double kReference = 1e-5;  // rad or m: deviations are counted in these
-constexpr int kMaxNewton = 100;
-constexpr int kMaxHalvings = 30;
-constexpr int kMostWidenings = 40;
-constexpr double kSmallestInstrument = 1e-8;  // variance factor
+constexpr double kReference = 1e-5;           // rad or m: deviations are counted in these
+constexpr int kMaxNewton = 100;               // a guard: kConverged ends them
+constexpr int kMaxHalvings = 30;              // 2^-30 = 1e-9, as kConverged
+constexpr int kMostWidenings = 40;            // 1.5^40 = 1e7: an end beyond that is open
+constexpr double kSmallestInstrument = 1e-8;  // variance factor: a ten-thousandth of the stated sigma
 constexpr double kConverged = 1e-9;           // of the deviance
 
 // Every joint deviates by the reference.
@@ -371,6 +371,7 @@ Eigen::VectorXd RestrictedLikelihood::BestStart(const std::vector<bool>& is_free
   for (int i = 0; i < num_noises_; ++i) {
     if (is_free[i]) given[i] = MeanSquare(i);
   }
+  // As given; variances of 1, 10, 50 and 200 urad (um), from small arms to worn ones.
   std::vector<double> starts = {-1.0};
   if (std::count(is_free.begin() + num_noises_, is_free.end(), true) > 0) starts = {-1.0, 0.01, 1.0, 25.0, 400.0};
   Eigen::VectorXd best = given;
@@ -407,6 +408,7 @@ void RestrictedLikelihood::ProfileInterval(const RemlFit& fit, bool estimate_ins
   const double center = std::sqrt(optimum[i]);
   // sd(sigma) = sd(sigma^2) / (2 sigma).
   const double spread = center > 0.0 ? std::sqrt(fit.covariance(i, i)) / (unit * unit) / (2.0 * center) : 0.0;
+  // A little beyond the 1.96 deviations where a parabola's end would be.
   const double guess = spread > 0.0 ? 2.5 * spread : std::max(0.2 * center, 0.05);
   double inside = center, outside = std::max(0.0, center - guess);
   double there = excess(outside);

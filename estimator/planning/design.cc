@@ -17,6 +17,8 @@
 namespace sagitta {
 namespace {
 
+// These two, and the counts and shares of the functions below, are choices of how long the search needs: how far it
+// came says the certificate.
 constexpr int kFewCandidates = 600;  // that many are all worked on at once
 constexpr int kJoining = 100;        // of more, so many join at a time
 
@@ -359,7 +361,7 @@ std::vector<int> Foremost(const Eigen::VectorXd& values, int most) {
 
 ApproximateDesign SolveApproximate(const CandidateSet& set, const Eigen::MatrixXd& known, const Criterion& criterion,
                                    double poses, double tolerance, int max_iterations, const Eigen::VectorXd* start) {
-  constexpr int kJoins = 60;
+  constexpr int kJoins = 60;  // a guard: the certificate ends them
   // Without a slope of its own a criterion searches among what D favours.
   Criterion guide = criterion;
   if (!criterion.HasCertificate()) guide.kind = CriterionKind::kD;

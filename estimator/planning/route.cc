@@ -42,7 +42,7 @@ class Route {
   }
 
   void Improve() {
-    constexpr int kRounds = 50;
+    constexpr int kRounds = 50;  // a guard: each shortens the way, and one that does not is the last
     for (int round = 0; round < kRounds; ++round) {
       if (!Reverse() && !Shift()) break;
     }

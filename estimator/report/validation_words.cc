@@ -280,6 +280,7 @@ std::string MeasureAgain() { return "measure it again or leave it out"; }
 std::string ReadingIsLost() { return "x, y and z are one number, as of a lost reading: leave the three cells empty"; }
 
 std::string RepeatabilityIsLimited(const PoseRepeatability& repeatability) {
+  // n arrivals are nearer to their own mean than to the true one by sqrt(1 - 1 / n), 5 % of ten.
   constexpr int kFew = 10;
   if (repeatability.most < 2) return "no pose was visited again";
   if (repeatability.poses == 0) {

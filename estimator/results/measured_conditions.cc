@@ -15,9 +15,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kBeyond = 0.1;       // of the largest load: as of ranges (OutsideBy)
-constexpr double kLeastKelvin = 0.1;  // a thermometer of a workshop says no less
-constexpr double kLeastSeconds = 60.0;
+constexpr double kBeyond = 0.1;         // of the largest load: as of ranges (OutsideBy)
+constexpr double kLeastKelvin = 0.1;    // a thermometer of a workshop says no less
+constexpr double kLeastSeconds = 60.0;  // nothing that drifts or cools changes within a minute
 
 void Widen(double value, std::optional<MeasuredInterval>* range) {
   if (!*range) *range = MeasuredInterval{value, value};

@@ -6,6 +6,7 @@
 
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/inspection/row_lint.h"
+#include "estimator/inspection/tried_readings.h"
 #include "estimator/inspection/wild_rows.h"
 #include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/linearization.h"
@@ -17,7 +18,6 @@
 namespace sagitta {
 namespace {
 
-constexpr double kGain = 5.0;  // times nearer than as stated: what was meant
 // What fits lies where other rows do, or is nearer by the digits that a point in metres or inches has at least.
 constexpr double kFits = 10.0;  // median distances
 constexpr double kFitsShare = 1e-3;
@@ -41,7 +41,8 @@ class Proposals {
  public:
   // median: of the distances of all rows.
   Proposals(double as_stated, double median, const Vector3<double>& predicted)
-      : least_(std::min(as_stated / kGain, std::max(kFits * median, kFitsShare * as_stated))), predicted_(predicted) {}
+      : least_(std::min(as_stated / kReadingImprovement, std::max(kFits * median, kFitsShare * as_stated))),
+        predicted_(predicted) {}
   void TryPoint(const Vector3<double>& point, const std::string& words) {
     TryDistance((point - predicted_).norm(), words);
   }

@@ -21,7 +21,7 @@ namespace {
 
 // Two files may state the same angle in two units.
 constexpr double kSameJointValue = 1e-9;  // rad or m
-constexpr double kLongShot = 600.0;       // s
+constexpr double kLongShot = 600.0;       // s: markers are read one after the other within minutes
 
 int IndexOf(std::string_view name, IdsByText* words, std::vector<std::string>* names) {
   const int index = words->IndexOf(name);
@@ -40,7 +40,7 @@ size_t HashOf(const Ids& ids) {
 
 std::vector<size_t> HashesOf(const std::vector<std::string>& names) {
   std::vector<size_t> hashes;
-  for (const std::string& name : names) hashes.push_back(std::hash<std::string>()(name) * 0x9E3779B97F4A7C15ULL);
+  for (const std::string& name : names) hashes.push_back(std::hash<std::string>()(name) * kSpread);
   return hashes;
 }
 
@@ -51,7 +51,7 @@ size_t RowHash(const MeasurementFile::Row& row, const std::vector<size_t>& heade
   for (size_t c = 0; c < header.size(); ++c) {
     size_t h = hash(row.cells[c]) ^ header[c];
     h ^= h >> 29;
-    sum += h * 0xBF58476D1CE4E5B9ULL;
+    sum += h * 0xBF58476D1CE4E5B9ULL;  // of SplitMix64 (models/random_bits.h)
   }
   return sum;
 }
@@ -306,7 +306,7 @@ void MeasurementsBuilder::CheckApproach(const MeasurementRow& row, const Shot& s
 // Room for what so many rows may be. What is not used is never touched: it costs addresses and no memory; the tables of
 // hashes, which are cleared, are for rows of three markers.
 void MeasurementsBuilder::Reserve(size_t rows) {
-  constexpr size_t kRowsOfShot = 3;
+  constexpr size_t kRowsOfShot = 3;  // a guess: memory that is reserved, and grows where it is not enough
   data_.observations.reserve(rows);
   data_.shots.reserve(rows);
   data_.configurations.reserve(rows);

@@ -12,7 +12,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kRatio = 1e6;  // of a coupling
+constexpr double kRatio = 1e6;  // of a coupling: three gears of a hundred in series
 
 void CheckName(const std::string& name, const std::string& file) {
   if (HasControlCharacter(name)) {

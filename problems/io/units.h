@@ -22,6 +22,10 @@ struct Unit {
 
 enum class Dimension { kLength, kSmallLength, kAngle };
 
+// Where the size of numbers alone says their unit: angles of joints are less in rad (a turn and a bit), coordinates of
+// arms are less in m (longer than any arm on its track that one instrument sees). Beyond they are deg, and mm.
+constexpr double kMostRadians = 7.0, kMostMetres = 50.0;
+
 // The allowed ones, the usual one first.
 const std::vector<Unit>& UnitsOf(Dimension dimension);
 const Unit& UnitNamed(const std::string& suffix);

@@ -106,7 +106,7 @@ std::string PlanInWords(const Plan& plan) {
 
 // Where the normal distribution's factor is a few per cent too small.
 std::string CoverageInWords(double noise_dof) {
-  constexpr double kWorthSaying = 1.03;
+  constexpr double kWorthSaying = 1.03;  // with fewer than 40 degrees of freedom
   const double factor = noise_dof > 0.0 ? StudentQuantile(0.975, noise_dof) : 0.0;
   if (!(factor > kWorthSaying * NormalQuantile(0.975))) return "";
   return "The noise was found from the residuals with " + Fixed(noise_dof, 0) +

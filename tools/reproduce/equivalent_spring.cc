@@ -6,7 +6,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kSingular = 1e-10;
+constexpr double kSingular = 1e-10;  // of the largest singular value: six of 16 digits are left
 
 // One row of eq. (14): the derivatives of 1/k2 by (K0, Kc, Kc s0).
 Eigen::RowVector3d StiffnessRow(const SpringMounting& geometry, double q) {

@@ -53,7 +53,7 @@ MaxwellFit FitMaxwell(std::vector<double> lengths) {
   }
   // Kolmogorov: P = 2 sum (-1)^(k-1) exp(-2 k^2 t^2) of a sigma that is known. This one is of the same lengths, which
   // the gap is then smaller to: an upper bound of P.
-  const double t = fit.gap * (std::sqrt(n) + 0.12 + 0.11 / std::sqrt(n));
+  const double t = fit.gap * (std::sqrt(n) + 0.12 + 0.11 / std::sqrt(n));  // Stephens 1970
   double p = 0.0;
   for (int k = 1; k <= 100; ++k) p += (k % 2 == 1 ? 2.0 : -2.0) * std::exp(-2.0 * k * k * t * t);
   fit.p_value = std::clamp(p, 0.0, 1.0);

@@ -9,6 +9,7 @@
 namespace sagitta {
 namespace {
 
+// Of published figures: within a tenth they are reproduced, within half a decade in their order of magnitude. Choices.
 constexpr double kNearPublished = 0.10;
 constexpr double kFactor = 3.0;
 

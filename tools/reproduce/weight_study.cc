@@ -14,7 +14,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double k95 = 1.959963984540054;
+constexpr double k95 = 1.959963984540054;  // quantile of the normal distribution at 0.975
 
 // (B' diag(v) B)^-1 with columns scaled to unit norm first: units differ by 1e3.
 Eigen::MatrixXd InverseNormal(const Eigen::MatrixXd& rows, const Eigen::VectorXd& v) {

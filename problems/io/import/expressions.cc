@@ -26,7 +26,8 @@ bool Multiplies(const std::string& text) {
   return SearchPattern(text, kProduct);
 }
 
-// 1.57, 3.1416: no angle in degrees is meant by these digits.
+// 1.57, 3.1416: no angle in degrees is meant by these digits. With two decimals pi / 2 and pi are off by 0.0008,
+// 0.0016.
 bool IsRightAngleInRad(double size) {
   const double quarters = std::round(size / (0.5 * kPi));
   return quarters > 0.0 && std::abs(size - quarters * 0.5 * kPi) < 2e-3;

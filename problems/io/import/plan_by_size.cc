@@ -4,6 +4,7 @@
 
 #include "problems/io/import/import_plan.h"
 #include "problems/io/import/mapped_columns.h"
+#include "problems/io/units.h"
 
 namespace sagitta {
 namespace {
@@ -12,7 +13,7 @@ double LargestOf(const TextTable& table, const PlannedColumn& column) {
   double largest = 0.0;
   for (const TextTable::Row& row : table.rows) {
     const std::optional<double> number = table.Number(row.cells[column.source]);
-    if (number && *number != -9999.0) largest = std::max(largest, std::abs(*number));
+    if (number && *number != kLostReading) largest = std::max(largest, std::abs(*number));
   }
   return largest;
 }
@@ -20,7 +21,7 @@ double LargestOf(const TextTable& table, const PlannedColumn& column) {
 }  // namespace
 
 size_t PlanBySize(const TextTable& table, const std::vector<ImportPlan>& plans) {
-  // Angles beyond a turn and a bit are degrees, points beyond 50 are mm: the bounds of the check in calibrate.
+  // The bounds of the check in calibrate (unit_guess.cc).
   for (size_t i = 0; i < plans.size(); ++i) {
     double angle = 0.0, length = 0.0;
     std::string angle_unit, length_unit;
@@ -34,8 +35,8 @@ size_t PlanBySize(const TextTable& table, const std::vector<ImportPlan>& plans) 
         length_unit = column.unit;
       }
     }
-    const bool angles_fit = angle_unit.empty() || (angle > 7.0) == (angle_unit == "deg");
-    const bool lengths_fit = (length > 50.0) == (length_unit == "mm");
+    const bool angles_fit = angle_unit.empty() || (angle > kMostRadians) == (angle_unit == "deg");
+    const bool lengths_fit = (length > kMostMetres) == (length_unit == "mm");
     if (angles_fit && lengths_fit) return i;
   }
   return 0;

@@ -35,6 +35,7 @@ bool StartsWith(const std::string& bytes, const char* start, size_t length) {
 int ParityOfZeros(const std::string& bytes) {
   size_t zeros[2] = {0, 0};
   for (size_t i = 0; i < bytes.size(); ++i) zeros[i % 2] += bytes[i] == '\0';
+  // Of UTF-16 in Latin letters one half is zeros, every second byte; with other letters among them a third at least.
   for (const int parity : {0, 1}) {
     if (3 * zeros[parity] > bytes.size() && 20 * zeros[1 - parity] < bytes.size()) return parity;
   }

@@ -375,7 +375,7 @@ bool IsLostCell(const std::string& cell) {
   if (std::find(kWords.begin(), kWords.end(), lower) != kWords.end()) return true;
   for (const bool comma : {false, true}) {
     const std::optional<double> number = ParseLocalNumber(cell, comma);
-    if (number && *number == -9999.0) return true;
+    if (number && *number == kLostReading) return true;
   }
   return false;
 }

@@ -50,7 +50,8 @@ std::string DecodeText(const std::string& bytes, const std::string& path, std::s
 // the other groups by three. Nothing where a single sign could mean either.
 std::optional<double> ParseLocalNumber(const std::string& cell, bool decimal_comma);
 
-// A reading that is none: empty, NaN, n/a, -, or the number -9999.
+constexpr double kLostReading = -9999.0;
+// A reading that is none: empty, NaN, n/a, -, or that number.
 bool IsLostCell(const std::string& cell);
 
 }  // namespace sagitta

@@ -15,7 +15,7 @@
 namespace sagitta {
 namespace {
 
-constexpr size_t kLongestLine = 2000;  // bytes
+constexpr size_t kLongestLine = 2000;  // bytes, as of a word (program_text.cc)
 
 class KrlReader {
  public:

@@ -94,7 +94,7 @@ ProgramCode::ProgramCode(const RobotProgram& program, const std::string& comment
 }
 
 void ProgramCode::CheckLengths(const std::string& path, size_t longest_line) const {
-  constexpr size_t kLongestWord = 2000;
+  constexpr size_t kLongestWord = 2000;  // bytes: std::regex, which searches them, ends its stack at 32 kB (limits.h)
   size_t word = 0, line = 0;
   for (size_t i = 0; i < text_.size(); ++i) {
     if (std::string_view(" \n,;()[]{}").find(text_[i]) != std::string_view::npos) word = i + 1;
