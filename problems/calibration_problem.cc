@@ -149,6 +149,9 @@ void SetPriors(CalibrationProblem* problem) {
     coordinate.prior_value = prior.value * TraitsOf(coordinate.quantity).si_per_unit;
     coordinate.prior_sigma = prior.sigma * TraitsOf(coordinate.quantity).si_per_unit;
     coordinate.effect_prior = 0.0;  // the experiment's is asked for
+    if (coordinate.free) continue;
+    problem->mutable_data()->warnings.push_back(
+        key + ": '" + name + "' is held, so that its prior counts for nothing; " + "--free=" + name + " estimates it");
   }
 }
 

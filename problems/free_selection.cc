@@ -52,6 +52,13 @@ std::vector<std::string> FreeErrors(CalibrationProblem* problem) {
   }
   const EstimateSpec& estimate = problem->experiment().estimate;
   FreeSet set = DefaultFreeSet(problem->robot().chain, {estimate.base, estimate.markers});
+  // A prior is one more reading of its parameter, of which nothing is redundant.
+  const auto states_prior = [problem](const std::string& error) {
+    return problem->experiment().priors.count(GeometryName(error)) > 0;
+  };
+  const auto stated = std::stable_partition(set.redundant.begin(), set.redundant.end(), std::not_fn(states_prior));
+  set.free.insert(set.free.end(), stated, set.redundant.end());
+  set.redundant.erase(stated, set.redundant.end());
   problem->redundant_errors = set.redundant;
   return set.free;
 }

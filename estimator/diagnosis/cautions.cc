@@ -325,12 +325,10 @@ void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, bool is
                       std::vector<std::string>* cautions) {
   if (has_unexplained) CautionOfAFew(final, significance, cautions);
   const double rms = final.estimate.validation.rms, floor = final.estimate.noise_floor;
-  const int held_out = CountHeldOut(final);
-  if (held_out < kFewHeldOut) return;
+  if (CountHeldOut(final) < kFewHeldOut) return;
   if (!has_unexplained && IsFarFromFloor(final, is_sigma_stated, significance))
     cautions->push_back(HoldoutFarAboveFloor(rms, floor));
-  // Relative scatter of an RMS of n numbers: 1 / sqrt(2 n). Markers of one configuration may share theirs.
-  const double scatter = 1.0 / std::sqrt(2.0 * 3.0 * held_out);
+  const double scatter = 1.0 / std::sqrt(2.0 * FreedomOfHoldout(final));  // of an RMS, relative
   if (is_sigma_stated && rms < (1.0 - kFarBelowFloor * scatter) * floor)
     cautions->push_back(HoldoutBelowFloor(rms, floor));
 }

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 
 #include "estimator/least_squares/linearization.h"
 #include "estimator/statistics/distributions.h"
+#include "estimator/validation/trust.h"
 #include "models/constants.h"
 #include "problems/split.h"
 
@@ -93,13 +95,19 @@ bool MakesHoldoutWorse(const DiagnosedModel& before, const DiagnosedModel& after
   return now.sum() > growth * growth * then.sum();
 }
 
+double FreedomOfHoldout(const DiagnosedModel& model) {
+  const double apart = 3.0 * static_cast<double>(CountHeldOut(model));
+  if (model.estimate.covariance.size() == 0) return apart;  // not judged
+  const std::optional<PredictedSquares> predicted = PredictedOfHoldout(*model.problem, model.estimate);
+  return predicted && predicted->trace > 0.0 ? std::min(apart, predicted->Freedom()) : apart;
+}
+
 double ChanceOfHoldout(const DiagnosedModel& model, bool is_sigma_stated) {
   const Estimate& estimate = model.estimate;
   const int held_out = CountHeldOut(model);
   if (held_out < kFewHeldOut || !(estimate.noise_floor > 0.0)) return kNotKnown;
   const double ratio = std::pow(estimate.validation.rms / estimate.noise_floor, 2);
-  // Rows of one configuration may share what they deviate by: three coordinates each count.
-  const double freedom = 3.0 * static_cast<double>(held_out);
+  const double freedom = FreedomOfHoldout(model);
   return is_sigma_stated ? ChiSquareSurvival(freedom * ratio, freedom)
                          : FSurvival(ratio, freedom, std::max(1, estimate.dof));
 }

@@ -33,6 +33,9 @@ bool IsBeyondChance(double gain);
 // Whether the second model predicts untouched configurations worse than the first, beyond chance (1 %, one-sided): by
 // the scatter of the differences between configurations, or by how much their root mean square has grown.
 bool MakesHoldoutWorse(const DiagnosedModel& before, const DiagnosedModel& after);
+// Degrees of freedom of the squares of the points held out: nu of predicted_squares.h, whose few configurations share the
+// errors of the parameters; at most three for each configuration, whose points may share what they deviate by.
+double FreedomOfHoldout(const DiagnosedModel& model);
 // P that untouched rows scatter as much although noise and parameters are all that moves them; not a number with fewer
 // than kFewHeldOut configurations.
 double ChanceOfHoldout(const DiagnosedModel& model, bool is_sigma_stated);

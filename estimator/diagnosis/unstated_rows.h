@@ -18,8 +18,8 @@ struct DrivingColumn {
 std::vector<DrivingColumn> DrivingColumns(int joints);
 
 // The problem without the rows of a few shots that leave such a column empty, so that what it drives can be looked for;
-// nothing where no shot does, or more than a quarter do, which are worth more than the column. `cautions`: says what is
-// left out.
+// nothing where no shot does, or more than a quarter of all or half of those of a station, a load, a marker or the
+// hold-out do, which are worth more than the column. `cautions`: says what is left out.
 std::optional<CalibrationProblem> WithoutUnstatedRows(const CalibrationProblem& problem,
                                                       std::vector<std::string>* cautions);
 

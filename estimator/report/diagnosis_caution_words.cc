@@ -86,8 +86,8 @@ std::string PartlyStated(const std::string& column, long empty, size_t rows) {
 
 std::string ColumnsArePartlyStated(const std::vector<std::string>& columns) {
   return "Columns that some rows do not state: " + Enumerate(columns, kNamesListed) +
-         ". What they drive is looked for only where three shots of four state it: fill the cells, or leave those "
-         "rows out.";
+         ". What they drive is looked for only where three shots of four, and half of those of each "
+         "station, load and marker, state it: fill the cells, or leave those rows out.";
 }
 
 std::string RowsThatStateLessAreLeftOut(size_t shots, size_t all, const std::vector<std::string>& columns) {

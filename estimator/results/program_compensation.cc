@@ -10,6 +10,7 @@
 #include "estimator/report/compensation_words.h"
 #include "estimator/report/results_words.h"
 #include "estimator/results/measured_conditions.h"
+#include "estimator/results/measured_joints.h"
 #include "estimator/results/program_loads.h"
 #include "estimator/results/program_names.h"
 #include "models/constants.h"
@@ -342,7 +343,9 @@ CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram progr
   const CompensationInput input = MakeCompensationInput(loaded, result.targets, TargetsFrom::kProgram);
   result.beyond = BeyondMeasuredInWords(loaded, input.problem);
   result.solved = Compensate(input, result.targets.rows, threads, progress);
+  AddOutsideMeasured(known, &result.solved);
   std::vector<CorrectedPoint> corrected;
+  std::vector<Configuration> arrived;
   for (size_t row = 0; row < result.solved.size(); ++row) {
     const CompensatedTarget& target = result.solved[row];
     ProgramPointResult& of_point = result.results[static_cast<size_t>(prepared.points[row])];
@@ -350,6 +353,8 @@ CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram progr
     const ProgramPoint& asked = read.points[static_cast<size_t>(prepared.points[row])];
     Judge(nominal, asked, BranchOf(asked, scene), prepared.meant[row], &of_point);
     if (!of_point.untouched.empty()) continue;
+    of_point.outside = Enumerate(OutsideMeasured(known, target.solution.q));
+    arrived.push_back({asked.name, target.solution.q});
     CorrectedPoint point;
     point.point = prepared.points[row];
     for (const double value : target.solution.q) point.joints.push_back(value);
@@ -357,6 +362,8 @@ CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram progr
     point.tool_in_frame = Product(Inverse(prepared.frame[row]), tool_in_base);
     corrected.push_back(point);
   }
+  const std::string outside = OutsideMeasuredInWords(known, arrived);
+  if (!outside.empty()) result.beyond.push_back(outside);
   result.text = WithCorrectedPoints(read, corrected);
   return result;
 }
@@ -398,7 +405,7 @@ std::string ListOf(std::vector<LineWords> lines) {
 std::string SummaryOf(const CompensatedProgram& result) {
   int corrected = 0;
   double before = 0.0, u95 = 0.0, u95_rotation = 0.0;
-  std::vector<LineWords> untouched, moves, leaves;
+  std::vector<LineWords> untouched, moves, leaves, outside;
   for (const ProgramPointResult& point : result.results) {
     const ProgramPoint& read = result.program.points[static_cast<size_t>(point.point)];
     if (!point.untouched.empty()) {
@@ -408,6 +415,7 @@ std::string SummaryOf(const CompensatedProgram& result) {
     ++corrected;
     if (!point.moves.empty()) moves.emplace_back(read.line, read.name + ": " + point.moves);
     if (!point.leaves.empty()) leaves.emplace_back(read.line, read.name + ": " + point.leaves);
+    if (!point.outside.empty()) outside.emplace_back(read.line, read.name + ": " + point.outside);
     before = std::max(before, point.solution->before_position);
     if (std::isfinite(point.solution->u95_position)) u95 = std::max(u95, point.solution->u95_position);
     if (std::isfinite(point.solution->u95_rotation))
@@ -420,6 +428,7 @@ std::string SummaryOf(const CompensatedProgram& result) {
   if (!untouched.empty()) text += "Left as they are\n" + ListOf(untouched);
   if (!moves.empty()) text += PosesWithLargeMoves(kLargestMove) + "\n" + ListOf(moves);
   if (!leaves.empty()) text += PosesWithOtherTurns() + "\n" + ListOf(leaves);
+  if (!outside.empty()) text += "Outside the measured joint ranges\n" + ListOf(outside);
   for (const std::string& note : result.program.notes) text += "Note: " + note + "\n";
   const auto& calls = result.program.calls_elsewhere;
   if (!calls.empty()) text += "Note: " + CallsElsewhereInWords(calls) + "\n";

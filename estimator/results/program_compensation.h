@@ -51,6 +51,7 @@ struct ProgramPointResult {
   std::optional<CompensatedTarget> solution;  // where there was something to solve
   std::string moves;                          // of a corrected pose: the joint that moves far; "": none
   std::string leaves;                         // ... joints that left what status, turn or quadrant state; "": none
+  std::string outside;                        // of a corrected point: joints beyond where they were measured; "": none
 };
 
 struct CompensatedProgram {

@@ -47,22 +47,8 @@ UnseenPoints JudgeHoldout(const CalibrationProblem& problem, const Estimate& est
   const std::vector<int> observations = problem.data().PointsAmong(problem.ValidationObservations());
   UnseenPoints holdout = MeasureUnseen(
       problem, observations, ResidualsOf(problem.data(), observations, estimate.predicted(Eigen::all, observations)));
-  if (observations.empty()) return holdout;
-  std::vector<int> columns = estimate.estimated;
-  columns.insert(columns.end(), estimate.held.coordinates.begin(), estimate.held.coordinates.end());
-  PredictedSums sums(static_cast<int>(columns.size()));
-  const RowStream stream = StreamOfArrivals(problem, observations);
-  const bool valid = stream.ForEach(estimate.parameters, columns, [&](const RowPiece& piece) {
-    ForEachArrival(
-        problem, piece, observations, [](int) { return true; },
-        [&](const std::vector<int>& positions, const RowMajorMatrix& jacobian, const Eigen::MatrixXd& latent) {
-          std::vector<int> listed;
-          for (const int k : positions) listed.push_back(observations[k]);
-          sums.AddArrival(InstrumentOf(estimate, listed), jacobian, TimesStated(estimate) * latent);
-        });
-  });
-  if (!valid) return holdout;
-  ComparePrediction(sums.Squares(RootWithHeld(estimate)), estimate, &holdout, DofOfSizes(problem.repeat_scatter));
+  const std::optional<PredictedSquares> predicted = PredictedOfHoldout(problem, estimate);
+  if (predicted) ComparePrediction(*predicted, estimate, &holdout, DofOfSizes(problem.repeat_scatter));
   return holdout;
 }
 
@@ -326,6 +312,26 @@ std::vector<std::string> LimitsOf(const CalibrationProblem& problem, const Estim
 }
 
 }  // namespace
+
+std::optional<PredictedSquares> PredictedOfHoldout(const CalibrationProblem& problem, const Estimate& estimate) {
+  const std::vector<int> observations = problem.data().PointsAmong(problem.ValidationObservations());
+  if (observations.empty()) return std::nullopt;
+  std::vector<int> columns = estimate.estimated;
+  columns.insert(columns.end(), estimate.held.coordinates.begin(), estimate.held.coordinates.end());
+  PredictedSums sums(static_cast<int>(columns.size()));
+  const RowStream stream = StreamOfArrivals(problem, observations);
+  const bool valid = stream.ForEach(estimate.parameters, columns, [&](const RowPiece& piece) {
+    ForEachArrival(
+        problem, piece, observations, [](int) { return true; },
+        [&](const std::vector<int>& positions, const RowMajorMatrix& jacobian, const Eigen::MatrixXd& latent) {
+          std::vector<int> listed;
+          for (const int k : positions) listed.push_back(observations[k]);
+          sums.AddArrival(InstrumentOf(estimate, listed), jacobian, TimesStated(estimate) * latent);
+        });
+  });
+  if (!valid) return std::nullopt;
+  return sums.Squares(RootWithHeld(estimate));
+}
 
 Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, const FoldPlan& folds,
                  Estimate* estimate, const BetweenParts& between) {

@@ -49,6 +49,10 @@ struct Trust {
   const UnseenPoints& Quoted() const { return holdout.points > 0 ? holdout : cross_validation.unseen; }
 };
 
+// What squares of the errors of the points held out are expected by a judged estimate, at the noise that it goes by.
+// Nothing where no point is held out or the arm has no equilibrium.
+std::optional<PredictedSquares> PredictedOfHoldout(const CalibrationProblem& problem, const Estimate& estimate);
+
 // Of a judged estimate with its intervals; between: what CheckAgreement found. Widens the intervals of its table by the
 // model error.
 Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, const FoldPlan& folds,

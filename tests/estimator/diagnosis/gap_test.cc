@@ -89,6 +89,39 @@ TEST(Gap, FarFromTheFloorIsATestOfSquares) {
   EXPECT_TRUE(far_of_scatter(3.22));
 }
 
+// Twelve configurations for over thirty unknowns: what three untouched ones are off by is the parameters' more than the
+// noise, and goes together. (tr V)^2 / tr V^2 with V = J C J' + s^2, J by differences.
+TEST(Gap, FewConfigurationsLeaveLittleFreedom) {
+  const Measurements data = test::MeasuredAfter(test::CampaignOf(12, 1, 2e-5, 7), 107, [](Eigen::VectorXd*) {});
+  Experiment experiment;
+  experiment.validation.kind = ValidationSpec::Kind::kFraction;
+  experiment.validation.fraction = 0.25;
+  const DiagnosedModel model = FitFully(MakeCalibrationProblem(test::Kr270Robot(), data, experiment), JointOptions());
+  const std::vector<int> held_out = model.problem->ValidationObservations();
+  const auto n = static_cast<Eigen::Index>(held_out.size());
+  ASSERT_TRUE(model.estimate.held.coordinates.empty());
+  Eigen::MatrixXd jacobian(3 * n, static_cast<Eigen::Index>(model.estimate.estimated.size()));
+  const auto points_at = [&](int coordinate, double step) {
+    ParameterSet parameters = model.estimate.parameters;
+    Eigen::VectorXd move = Eigen::VectorXd::Zero(parameters.num_coordinates());
+    move[coordinate] = step;
+    parameters.Plus(move);
+    return Eigen::MatrixXd(PredictPoints(*model.problem, parameters, held_out)).reshaped().eval();
+  };
+  for (Eigen::Index p = 0; p < jacobian.cols(); ++p) {
+    const int c = model.estimate.estimated[static_cast<size_t>(p)];
+    jacobian.col(p) = (points_at(c, 1e-7) - points_at(c, -1e-7)) / 2e-7;
+  }
+  Eigen::MatrixXd v = jacobian * model.estimate.covariance * jacobian.transpose();
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Matrix3<double>& noise = model.estimate.noise[static_cast<size_t>(held_out[static_cast<size_t>(k)])];
+    v.block<3, 3>(3 * k, 3 * k) += noise * noise.transpose();
+  }
+  const double freedom = v.trace() * v.trace() / v.squaredNorm();
+  ASSERT_LT(freedom, 0.7 * 3.0 * CountHeldOut(model));
+  EXPECT_NEAR(FreedomOfHoldout(model), freedom, 1e-4 * freedom);
+}
+
 // Loads on one pose under names of their own share what the model lacks there: ten poses are ten, however many names.
 TEST(Gap, ConfigurationsWithEqualJointValuesCountOnce) {
   DiagnosedModel model = OffBy([](int) { return 1e-3; });

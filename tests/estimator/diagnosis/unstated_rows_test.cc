@@ -45,5 +45,41 @@ TEST(UnstatedRows, OfManyShotsOrNoneStay) {
   EXPECT_THAT(cautions, ElementsAre());
 }
 
+// A quarter of all and less, but all that there is of a station, of a marker or of the hold-out: what is calibrated
+// would no longer be determined, or no longer judged.
+TEST(UnstatedRows, OfOnePartStay) {
+  std::vector<std::string> cautions;
+  const Measurements timed = WithTimes(0).data();
+  const int all = static_cast<int>(timed.shots.size()), few = all / 6;
+  const auto problem_of = [&](const std::function<void(Measurements*)>& change) {
+    Measurements data = timed;
+    for (int s = 0; s < few; ++s) data.shots[s].has_time = false;
+    change(&data);
+    return test::Kr270ProblemOf(data, Experiment());
+  };
+  EXPECT_TRUE(WithoutUnstatedRows(problem_of([](Measurements*) {}), &cautions));
+  EXPECT_EQ(cautions.size(), 1u);
+  const std::function<void(Measurements*)> changes[] = {[few](Measurements* data) {
+                                                          for (int s = 0; s < static_cast<int>(data->shots.size()); ++s)
+                                                            data->shots[s].station = s < few ? 0 : 1;
+                                                        },
+                                                        [few](Measurements* data) {
+                                                          for (Observation& row : data->observations)
+                                                            row.excluded =
+                                                                row.excluded || (row.marker == 1 && row.shot >= few);
+                                                        }};
+  for (const auto& change : changes) EXPECT_FALSE(WithoutUnstatedRows(problem_of(change), &cautions));
+  Experiment experiment;
+  experiment.validation.kind = ValidationSpec::Kind::kFraction;
+  experiment.validation.fraction = 0.2;
+  CalibrationProblem held_out = test::Kr270ProblemOf(timed, experiment);
+  for (Shot& shot : held_out.mutable_data()->shots) {
+    shot.has_time = !held_out.data().configurations[shot.configuration].is_validation;
+  }
+  held_out.RenewShots();
+  EXPECT_FALSE(WithoutUnstatedRows(held_out, &cautions));
+  EXPECT_EQ(cautions.size(), 1u);
+}
+
 }  // namespace
 }  // namespace sagitta::unstated_rows_test

@@ -172,6 +172,21 @@ TEST_F(ProgramLoadTest, LoadsBeyondTheMeasuredOnesAreSaid) {
   EXPECT_TRUE(Compensated(known, ReadAs(".src", "$LOAD=X\n" + move)).beyond.empty());  // nothing is corrected
 }
 
+// As those of a table of targets are, with the line of the program.
+TEST_F(ProgramLoadTest, PointsOutsideTheMeasuredJointRangesAreSaid) {
+  KnownRobot known = TrueRobot(measured_);
+  for (int j = 0; j < 6; ++j) known.measured_joints.push_back({-120.0 * kDegree, 120.0 * kDegree});
+  known.measured_joints[0] = {-20.0 * kDegree, 20.0 * kDegree};
+  const std::string load = "$LOAD={M 250,CM {X 280,Y 60,Z -150}}\n";
+  const auto compensated = [&](const std::string& moves) { return Compensated(known, ReadAs(".src", load + moves)); };
+  const std::string inside = "PTP {A1 5,A2 -95,A3 90,A4 0,A5 10,A6 0}\n";
+  const CompensatedProgram far = compensated(inside + "PTP {A1 80,A2 -95,A3 90,A4 0,A5 10,A6 0}\n");
+  EXPECT_THAT(far.beyond, Contains(HasSubstr("1 of 2 configurations lies outside the measured joint ranges")));
+  EXPECT_THAT(SummaryOf(far), HasSubstr("Outside the measured joint ranges\n  line 3, PTP of line 3: A1 by 60 deg\n"));
+  EXPECT_THAT(far.solved[1].words, HasSubstr("A1 by 60 deg"));
+  EXPECT_EQ(SummaryOf(compensated(inside)).find("Outside the measured"), std::string::npos);
+}
+
 TEST_F(ProgramLoadTest, RapidAddsWhatTheToolGrips) {
   scene_.tools.erase("GUN");
   const std::vector<double> tool = NumbersOf(PoseNotation::kQuaternion, kToolInFlange);
