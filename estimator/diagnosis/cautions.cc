@@ -15,7 +15,6 @@
 #include "estimator/diagnosis/outlier_rules.h"
 #include "estimator/diagnosis/stated_effects.h"
 #include "estimator/diagnosis/unstated_rows.h"
-#include "estimator/evidence/next_poses.h"
 #include "estimator/explanations/drivers.h"
 #include "estimator/inspection/load_lint.h"
 #include "estimator/inspection/reading_lint.h"
@@ -37,7 +36,6 @@ constexpr double kStandingJoint = 5.0 * kDegree;
 constexpr double kStandingSlide = 0.05;  // m, prismatic: as far as 5 deg move what is 0.6 m away
 constexpr int kFewConfigurations = 15;   // with three markers 135 equations, for some fifty parameters
 constexpr double kInOrder = 0.9;         // rank correlation: of 15 values in random order one in 80 000 has more
-constexpr double kProbable = kWanted;    // as where the next poses count as decisive
 constexpr double kFarBelowFloor = 3.1;   // standard deviations, one in a thousand
 
 // Configurations with equal joint values count once.
@@ -313,7 +311,7 @@ void CautionOfNotNamed(const std::vector<std::pair<EffectSpec, double>>& unconfi
   }
   std::vector<std::pair<EffectSpec, double>> in_leading, elsewhere;
   for (const auto& [spec, probability] : posterior.explanations) {
-    if (probability <= kProbable || said.count(spec.Path()) > 0) continue;
+    if (probability <= kEvenOdds || said.count(spec.Path()) > 0) continue;
     (leading.count(spec.Path()) > 0 ? in_leading : elsewhere).emplace_back(spec, probability);
   }
   const Robot& robot = diagnosis->final.problem->robot();

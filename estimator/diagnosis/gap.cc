@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <random>
 
@@ -18,6 +19,9 @@ constexpr double kWorseBeyondChance = 0.01;   // the default significance
 constexpr double kBetterBeyondChance = 0.05;  // as of an effect's interval: neither may say that it is chance
 // Of the significance: asked in addition to the posterior and to lack of fit (kShareOfLackOfFit in diagnose.cc).
 constexpr double kShareOfHoldout = 0.1;
+constexpr int kSignDraws = 1999;    // a chance of 5 % is known to 0.5 % ...
+constexpr int kSignsAsLarge = 200;  // ... and one of 10 % and more is known enough
+constexpr unsigned kSeedOfSigns = 1;
 constexpr int kBeyondAnEnd = 10;                    // draws: they say where an end of an interval of 95 % lies ...
 constexpr int kBootstrapDraws = 40 * kBeyondAnEnd;  // ... to a third of 2.5 %
 
@@ -26,6 +30,25 @@ std::vector<int> PointsHeldOut(const DiagnosedModel& model) {
 }
 
 int Count(const HoldoutSums& sums) { return static_cast<int>((sums.coordinates.array() > 0.0).count()); }
+
+// P that the sum would be as large if each difference had either sign alike (Fisher 1935, The Design of Experiments,
+// section 21), from draws of which kSignsAsLarge are enough (Besag and Clifford, Biometrika 78 (1991) 301).
+double ChanceBySigns(const Eigen::VectorXd& differences) {
+  std::mt19937_64 random(kSeedOfSigns);
+  const double sum = differences.sum();
+  int as_large = 0;
+  for (int draw = 0; draw < kSignDraws; ++draw) {
+    double drawn = 0.0;
+    std::uint64_t signs = 0;
+    for (Eigen::Index k = 0; k < differences.size(); ++k) {
+      if (k % 64 == 0) signs = random();
+      drawn += (signs >> (k % 64)) % 2 == 0 ? differences[k] : -differences[k];
+    }
+    as_large += drawn >= sum ? 1 : 0;
+    if (as_large == kSignsAsLarge) return static_cast<double>(as_large) / (1.0 + draw);
+  }
+  return (1.0 + as_large) / (1.0 + kSignDraws);
+}
 
 // Of picked configurations: max(0, sum |r|^2 / n - floor^2), n coordinates.
 double SquaredGap(const HoldoutSums& sums, const std::vector<int>& picked, double floor) {
@@ -77,7 +100,10 @@ DiagnosedModel PredictingHoldout(DiagnosedModel model) {
 double HoldoutGain(const DiagnosedModel& before, const DiagnosedModel& after) {
   const Eigen::VectorXd gains = SumHoldout(before).squares - SumHoldout(after).squares;
   const double scatter = gains.norm();
-  return scatter > 0.0 ? gains.sum() / scatter : 0.0;
+  if (!(scatter > 0.0)) return 0.0;
+  const double by_scatter = gains.sum() / scatter;
+  if (by_scatter <= 0.0 || IsBeyondChance(by_scatter)) return by_scatter;
+  return std::max(by_scatter, NormalQuantile(1.0 - ChanceBySigns(gains)));
 }
 
 bool IsBeyondChance(double gain) { return gain > NormalQuantile(1.0 - kBetterBeyondChance); }

@@ -26,15 +26,16 @@ double HoldoutRms(const DiagnosedModel& model);
 // With a prediction of these points, where the model is asked for them several times.
 DiagnosedModel PredictingHoldout(DiagnosedModel model);
 
-// By how much the second model predicts untouched configurations better than the first, in units of the scatter of the
-// differences between configurations; whether that is beyond chance (5 %, one-sided).
+// By how much the second model predicts untouched configurations better than the first, in standard deviations of a
+// normal distribution: by the scatter of the differences between configurations, or by their signs where one
+// configuration that shows the effect most is most of that scatter. Whether that is beyond chance (5 %, one-sided).
 double HoldoutGain(const DiagnosedModel& before, const DiagnosedModel& after);
 bool IsBeyondChance(double gain);
 // Whether the second model predicts untouched configurations worse than the first, beyond chance (1 %, one-sided): by
 // the scatter of the differences between configurations, or by how much their root mean square has grown.
 bool MakesHoldoutWorse(const DiagnosedModel& before, const DiagnosedModel& after);
-// Degrees of freedom of the squares of the points held out: nu of predicted_squares.h, whose few configurations share the
-// errors of the parameters; at most three for each configuration, whose points may share what they deviate by.
+// Degrees of freedom of the squares of the points held out: nu of predicted_squares.h, whose few configurations share
+// the errors of the parameters; at most three for each configuration, whose points may share what they deviate by.
 double FreedomOfHoldout(const DiagnosedModel& model);
 // P that untouched rows scatter as much although noise and parameters are all that moves them; not a number with fewer
 // than kFewHeldOut configurations.

@@ -68,9 +68,8 @@ std::vector<ProposedPose> DrawPoses(const CalibrationProblem& problem) {
 CalibrationProblem WithPoses(const CalibrationProblem& problem, const std::vector<ProposedPose>& poses) {
   Measurements data = problem.data();
   NoiseRoots roots = problem.resolved_noise;
-  const std::vector<std::vector<int>> shots = ShotsByConfiguration(problem.data());
   for (const ProposedPose& pose : poses) {
-    const std::vector<int>& own = shots[pose.like];
+    const std::vector<int> own = ShotsOfProposal(problem.data(), pose.like);
     const std::string id = "next" + std::to_string(data.configurations.size());
     AppendConfiguration(problem.data(), pose.like, own, pose.q, id, &data);
     data.configurations.back().is_validation = true;
@@ -341,6 +340,20 @@ std::optional<PoseChoice> ChoiceOf(const Evidence& evidence, const std::vector<R
 }
 
 }  // namespace
+
+std::vector<int> ShotsOfProposal(const Measurements& data, int configuration) {
+  std::vector<int> picked;
+  for (size_t s = 0; s < data.shots.size(); ++s) {
+    const Shot& shot = data.shots[s];
+    const bool is_elsewhen = std::any_of(picked.begin(), picked.end(), [&](int p) {
+      const Shot& other = data.shots[p];
+      return other.station == shot.station && other.load == shot.load && other.wrench.force == shot.wrench.force &&
+             other.wrench.moment == shot.wrench.moment && other.visit != shot.visit;
+    });
+    if (shot.configuration == configuration && !is_elsewhen) picked.push_back(static_cast<int>(s));
+  }
+  return picked;
+}
 
 std::optional<NextPoses> ProposeNext(const Evidence& evidence, const CalibrationProblem& problem,
                                      const ParameterSet& parameters) {

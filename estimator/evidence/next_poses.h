@@ -36,6 +36,10 @@ constexpr int kPosesProposed = 6;  // a tenth of a usual campaign
 constexpr double kWanted = 0.9;    // of the right answer: nine in ten, a choice that docs/DIAGNOSIS.md states
 constexpr int kMostNeeded = 60;    // as long as a usual campaign
 
+// Shots that a proposed pose is measured with, among those of the configuration that it is like: of each station and
+// load those of the first visit that has it, for a home pose is not visited ten times more.
+std::vector<int> ShotsOfProposal(const Measurements& data, int configuration);
+
 // None where one explanation has it all. problem, parameters: what the evidence was made of.
 std::optional<NextPoses> ProposeNext(const Evidence& evidence, const CalibrationProblem& problem,
                                      const ParameterSet& parameters);

@@ -63,9 +63,10 @@ class PoseGroups {
 // of that is chance, and say the same on other data (Huggins and Miller, Bayesian Analysis 18 (2023) 79; Reproducible
 // model selection using bagged posteriors).
 //
-// The evidence's models, averaged with the most probable set of each of kResamples resamples in the leading model's
-// view; all poses as they are count as one of them. The search begins with nothing on each, among what the groups ask
-// for. Where the leading set holds nothing, or poses are too few, these are the evidence's models as they are.
+// The evidence's models, averaged with what shares the probability on each of kResamples resamples in the leading
+// model's view; all poses as they are count as one of them. The search begins with nothing on each, among what the
+// groups ask for. Where the leading set holds nothing, or poses are too few, these are the evidence's models as they
+// are.
 std::vector<WeightedModel> BaggedModels(const Evidence& evidence, const WeightedModel& leading,
                                         const PoseGroups& groups);
 

@@ -49,4 +49,13 @@ const WeightedSet* FoundSets::Find(const std::vector<int>& members) const {
   return known == by_members_.end() ? nullptr : &known->second;
 }
 
+std::vector<WeightedSet> FoundSets::Within(double within) const {
+  std::vector<WeightedSet> sets;
+  BestFirst(within, [&sets](const WeightedSet& set) {
+    sets.push_back(set);
+    return true;
+  });
+  return sets;
+}
+
 }  // namespace sagitta

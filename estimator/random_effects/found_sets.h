@@ -37,7 +37,9 @@ class FoundSets {
   void Put(WeightedSet set);
   const WeightedSet* Find(const std::vector<int>& members) const;
   const WeightedSet& Best() const { return *by_weight_.begin()->set; }
-  // Best first, down to so many log units below the best; calls until `see` is false.
+  // Best first, down to so many log units below the best.
+  std::vector<WeightedSet> Within(double within) const;
+  // The same, one after the other; calls until `see` is false.
   template <typename See>
   void BestFirst(double within, const See& see) const {
     for (const Place& place : by_weight_) {

@@ -481,13 +481,9 @@ std::vector<WeightedSet> SetSearch::Explore() {
   if (!explanations_.empty()) Climb(Best());
   SettleAll();
   place_.reset();
-  std::vector<WeightedSet> sets;
-  bool holds_nothing = false;
-  found_.BestFirst(kWorthKeeping, [&](const WeightedSet& set) {
-    sets.push_back(set);
-    holds_nothing |= set.members.empty();
-    return true;
-  });
+  std::vector<WeightedSet> sets = found_.Within(kWorthKeeping);
+  const bool holds_nothing =
+      std::any_of(sets.begin(), sets.end(), [](const WeightedSet& set) { return set.members.empty(); });
   if (!holds_nothing) sets.push_back(Empty());
   return sets;
 }

@@ -34,6 +34,8 @@ class SetSearch {
   // first; the empty one is always among them.
   std::vector<WeightedSet> Explore();
   const WeightedSet& Best() const { return found_.Best(); }
+  // Sets within so many log units of the best that were met so far, best first; neighbours by what a move says.
+  std::vector<WeightedSet> Met(double within) const { return found_.Within(within); }
   const WeightedSet& Empty() const { return *found_.Find({}); }
   // One set; scales start where they are given.
   WeightedSet Evaluate(const std::vector<int>& members, const std::vector<double>& scales = {}) const;

@@ -151,10 +151,32 @@ std::string ImplausibleInWords(const Diagnosis& d) {
   return words;
 }
 
+// Of what is named together, that it is not all; "" where that is less than even odds.
+std::string MoreInWords(const Diagnosis& d) {
+  double more = 0.0;
+  for (const NamedSet& set : d.posterior.sets) {
+    if (set.specs.size() + set.unnamed.size() > d.effects.size()) more += set.probability;
+  }
+  if (more <= kEvenOdds) return "";
+  const auto is_named = [&d](const EffectSpec& spec) {
+    return std::any_of(d.effects.begin(), d.effects.end(),
+                       [&](const FoundEffect& effect) { return effect.candidate.spec.Path() == spec.Path(); });
+  };
+  std::string words = "There is probably more (" + Percent(more) + ")";
+  for (const auto& [spec, probability] : d.posterior.explanations) {
+    if (is_named(spec)) continue;
+    if (probability >= kWorthSaying)
+      words += ", most likely " + Title(d.baseline.problem->robot(), spec) + " with " + Percent(probability);
+    break;
+  }
+  return words + ", but these data do not show it surely enough to name it.";
+}
+
 std::string RestInWords(const Diagnosis& d) {
   const std::string given = GivenTheStated(d.final.problem->robot(), d.effects);
   if (d.verdict == DiagnosisVerdict::kExplained) {
-    return "Nothing significant is left." + ImplausibleInWords(d) + given;
+    const std::string more = MoreInWords(d);
+    return (more.empty() ? "Nothing significant is left." : more) + ImplausibleInWords(d) + given;
   }
   const std::string share = std::isnan(d.gap.closed) ? "" : ShareOfGap(d, 1.0 - d.gap.closed);
   return "A significant rest has no name in the catalogue" + (share.empty() ? "" : " (" + share + ")") + "." + given;

@@ -60,16 +60,16 @@ std::vector<std::string> HeaderOfNext(const Measurements& data, const Chain& cha
   return header;
 }
 
-// Observations that a pose is measured with: those of the configuration's first visit. A pose's two readings are one
+// Points that a pose is measured with; one that is visited again as in its first visit. A pose's two readings are one
 // row.
-std::vector<int> RowsLike(const Measurements& data, int configuration) {
+std::vector<int> RowsLike(const Measurements& data, int configuration, bool again) {
   std::vector<int> rows;
+  const std::vector<int> shots = ShotsOfProposal(data, configuration);
   for (size_t i = 0; i < data.observations.size(); ++i) {
     const Observation& row = data.observations[i];
-    const Shot& shot = data.shots[row.shot];
-    if (shot.configuration != configuration || !row.is_point()) continue;
-    if (rows.empty() || shot.visit == data.shots[data.observations[rows[0]].shot].visit)
-      rows.push_back(static_cast<int>(i));
+    if (!row.is_point() || !std::binary_search(shots.begin(), shots.end(), row.shot)) continue;
+    if (again && data.shots[row.shot].visit != data.shots[shots.front()].visit) continue;
+    rows.push_back(static_cast<int>(i));
   }
   return rows;
 }
@@ -129,7 +129,7 @@ std::string NextToCsv(const Diagnosis& d) {
     std::map<std::string, std::string> own;
     if (d.next->again) own[kVisitColumn] = VisitAfter(data, pose.like);
     if (!d.next->again) own[kConfigColumn] = names[k];
-    for (const int i : RowsLike(data, pose.like)) text += NextRow(data, i, header, d, pose, own);
+    for (const int i : RowsLike(data, pose.like, d.next->again)) text += NextRow(data, i, header, d, pose, own);
   }
   return text;
 }

@@ -69,6 +69,19 @@ TEST(Gap, UntouchedRowsSpeakForAnEffectBeyondChance) {
   EXPECT_TRUE(IsBeyondChance(1.646));
 }
 
+// All ten gain, one of them most: by the scatter 1.39, by the signs 1 of 2^10, at 3.097 of a normal distribution. One
+// that gains while the others lose as much together as half of it is chance: its own sign is P = 1/2.
+TEST(Gap, OneConfigurationThatShowsMostIsNotAgainstTheOthers) {
+  const DiagnosedModel before = OffBy([](int) { return 1e-3; });
+  const auto gains = [&](double of_one, double of_others) {
+    return HoldoutGain(before, OffBy([=](int k) { return 1e-3 * std::sqrt(1.0 - (k == 4 ? of_one : of_others)); }));
+  };
+  const double by_scatter = (0.9 + 9 * 0.04) / std::hypot(0.9, 3 * 0.04);
+  ASSERT_LT(by_scatter, 1.6449);
+  EXPECT_NEAR(gains(0.9, 0.04), 3.097, 0.4);  // of 2000 draws 2 +- 1.4
+  EXPECT_LT(gains(0.9, -0.05), 0.7);
+}
+
 // Ten configurations held out count 30: chi-square's upper thousandth is 59.703.
 TEST(Gap, FarFromTheFloorIsATestOfSquares) {
   DiagnosedModel model = OffBy([](int) { return 1e-3; });

@@ -116,7 +116,7 @@ TEST(DiagnosisWords, WhyAProbableEffectIsNotNamedIsACaution) {
   const EffectSpec named = d.effects[0].candidate.spec;
   const EffectSpec left{"link_gravity", "A2", {}, {}}, refused{"encoder_gain", "A3", {}, {}};
   const EffectSpec unconfirmed{"joint_coupling", "A5", {{"driver", "A4"}}, {}}, doubtful{"payload", "L1", {}, {}};
-  d.posterior.explanations = {{named, 0.99}, {left, 0.95}, {refused, 0.93}, {unconfirmed, 0.97}, {doubtful, 0.8}};
+  d.posterior.explanations = {{named, 0.99}, {left, 0.95}, {refused, 0.93}, {unconfirmed, 0.97}, {doubtful, 0.45}};
   d.posterior.sets = {{0.6, {named, refused}, {}}, {0.4, {left}, {}}};
   CautionOfNotNamed({{unconfirmed, 0.97}}, &d);
   ASSERT_EQ(d.cautions.size(), 2u);
@@ -417,6 +417,23 @@ TEST(DiagnosisWords, OneEffectIsOneSentence) {
   EXPECT_EQ(VerdictLines(d).size(), 1u);
   EXPECT_THAT(VerdictInWords(d), AllOf(StartsWith("Found: "), HasSubstr("(joint_harmonic, A1, order 1), 99 %"),
                                        EndsWith(". Nothing significant is left.")));
+}
+
+// A verdict holds itself to the probability that is printed next to it.
+TEST(DiagnosisWords, WhereMoreIsProbableNotNothingIsLeft) {
+  Diagnosis d = Large();
+  d.verdict = DiagnosisVerdict::kExplained;
+  d.effects.resize(1);
+  d.groups = {{"joint_harmonic", {0}, 1.0}};
+  const EffectSpec named = d.effects[0].candidate.spec, other{"backlash", "A2", {}, {}};
+  d.posterior.explanations = {{named, 0.99}, {other, 0.55}};
+  d.posterior.sets = {{0.40, {named, other}, {}}, {0.26, {named}, {}}, {0.34, {named}, {"a deviation of A4"}}};
+  EXPECT_THAT(VerdictInWords(d), AllOf(Not(HasSubstr("Nothing significant")),
+                                       HasSubstr("There is probably more (74 %), most likely backlash"),
+                                       HasSubstr("(backlash, A2) with 55 %")));
+  d.posterior.sets[1].probability = 0.6;
+  d.posterior.sets[2].probability = 0.0;
+  EXPECT_THAT(VerdictInWords(d), EndsWith("Nothing significant is left."));
 }
 
 TEST(DiagnosisWords, WithoutAHoldOutNoShareIsSaid) {

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "estimator/evidence/next_poses.h"
 #include "estimator/results/next_csv.h"
 #include "models/constants.h"
 #include "tests/support/kr270_experiment.h"
@@ -60,6 +61,24 @@ TEST(NextFile, WhatIsReadWhenMeasuringIsEmpty) {
 TEST(NextFile, APoseThatIsVisitedAgainIsThatPose) {
   const std::string row = "C,P1,S1,none,1,2,3,4,5,6,,,,0.1,,,,,,2\n";
   EXPECT_EQ(Proposed(true), std::string(kHeader) + ",visit\n" + row + row + row);
+}
+
+// A load that was hung at a later visit is hung at a proposed pose, too; what was visited once more alike is not.
+TEST(NextFile, APoseIsMeasuredUnderEveryLoadOnce) {
+  Measurements data = test::DesignMeasurements(test::Kr270Design());
+  data.shots.resize(4);
+  const char* const visits[] = {"1", "2", "3", "2"};
+  const char* const loads[] = {"none", "V1", "none", "V1"};
+  for (size_t s = 0; s < data.shots.size(); ++s) {
+    data.shots[s].configuration = data.shots[s].station = 0;
+    data.shots[s].visit = visits[s];
+    data.shots[s].load = loads[s];
+  }
+  EXPECT_EQ(ShotsOfProposal(data, 0), (std::vector<int>{0, 1, 3}));
+  data.shots[2].wrench.force.z() = -10.0;  // not the same pull
+  EXPECT_EQ(ShotsOfProposal(data, 0), (std::vector<int>{0, 1, 2, 3}));
+  data.shots[3].configuration = 1;
+  EXPECT_EQ(ShotsOfProposal(data, 1), (std::vector<int>{3}));
 }
 
 }  // namespace
