@@ -62,6 +62,7 @@ class PlaceFunctions : public UnnamedList {
   void AddStations() {
     for (int s = 0; s < static_cast<int>(problem_.data().stations.size()); ++s) {
       AddInTime(s);
+      AddWithTemperature(s);
       AddField(s);
       AddBase(s);
     }
@@ -76,11 +77,7 @@ class PlaceFunctions : public UnnamedList {
     GroupedFunctions of_scale = functions;
     AppendRamps(time.of_shot, kFineBumps, &functions);
     AppendRamps(time.of_shot, kRamps, &of_scale);
-    const auto motion = [&](const std::string& moves) {
-      EffectSpec spec = Over(time, "learnt_station_motion", station);
-      spec.settings["moves"] = moves;
-      return spec;
-    };
+    const auto motion = [&](const std::string& moves) { return MotionOf(owner, moves, time); };
     const auto add = [&](const GroupedFunctions& each, const std::string& words, const std::vector<Source>& sources,
                          const EffectSpec& effect) {
       AddFunctions(each, UnnamedFunction(station, {"time"}, words, sources, {effect}, time), "station in time");
@@ -89,21 +86,47 @@ class PlaceFunctions : public UnnamedList {
                               scale = {{Source::Kind::kStationScale, owner, 0}};
     add(WavesOf(time.of_shot, axes), StationMoves(station), axes, motion("point"));
     add(WithJumps(functions, axes), StationMoves(station), axes, motion("point"));
-    EffectSpec turn = motion("turn");
-    turn.settings.merge(VectorSettings("about_", 1e3 * parameters_.BaseInStation(owner).translation, "_mm"));
     const std::vector<Source> turns = Axes(Source::Kind::kStationTurn, owner);
-    add(WithJumps(functions, turns), BaseTurnsInStation(station), turns, turn);
+    add(WithJumps(functions, turns), BaseTurnsInStation(station), turns, motion("turn"));
     // A tripod that was knocked, or set anew in a pause: it moves as a body, at once.
-    std::vector<Source> body = axes;
-    body.insert(body.end(), turns.begin(), turns.end());
-    AddFunctions(WithJumps({}, body),
-                 UnnamedFunction(station, {"time"}, StationMovesAsABody(station), body, {motion("point"), turn}, time),
-                 "station in time");
+    const std::vector<Source> body = BodyOf(owner);
+    AddFunctions(WithJumps({}, body), BodyMoves(owner, time, "time", StationMovesAsABody(station)), "station in time");
     add(WithJumps(of_scale, scale), StationGrows(station), scale, motion("scale"));
     for (const Source& axis : axes) {
       const char name = "xyz"[axis.axis];
       add(functions, StationMovesAlong(station, name), {axis}, motion(std::string(1, name)));
     }
+  }
+
+  // A base plate or a tripod that warms: as a body, with the thermometer.
+  void AddWithTemperature(int owner) {
+    const Driver temperature = TemperatureOf(problem_);
+    if (!RangeOf(temperature.of_shot).Varies()) return;
+    GroupedFunctions functions;
+    AppendBumps(temperature.of_shot, "smooth", kUnnamedBumps[0], &functions);
+    const std::string words = StationMovesWithTemperature(problem_.data().stations[owner]);
+    AddFunctions(functions, BodyMoves(owner, temperature, "temperature", words), "station in time");
+  }
+
+  static std::vector<Source> BodyOf(int station) {
+    std::vector<Source> body = Axes(Source::Kind::kStation, station);
+    for (const Source& turn : Axes(Source::Kind::kStationTurn, station)) body.push_back(turn);
+    return body;
+  }
+
+  // As learnt_station_motion; a body turns about its base.
+  EffectSpec MotionOf(int station, const std::string& moves, const Driver& driver) const {
+    EffectSpec spec = Over(driver, "learnt_station_motion", problem_.data().stations[station]);
+    spec.settings["moves"] = moves;
+    if (moves == "turn")
+      spec.settings.merge(VectorSettings("about_", 1e3 * parameters_.BaseInStation(station).translation, "_mm"));
+    return spec;
+  }
+
+  UnnamedFunction BodyMoves(int station, const Driver& driver, const std::string& driven_by,
+                            const std::string& words) const {
+    const std::vector<EffectSpec> effects = {MotionOf(station, "point", driver), MotionOf(station, "turn", driver)};
+    return UnnamedFunction(problem_.data().stations[station], {driven_by}, words, BodyOf(station), effects, driver);
   }
 
   GroupedFunctions WithJumps(GroupedFunctions functions, const std::vector<Source>& sources) const {

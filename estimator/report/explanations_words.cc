@@ -44,6 +44,10 @@ std::string ForcePulls() { return "a force pulls at the flange"; }
 
 std::string StationMoves(const std::string& station) { return "station " + station + " moves with time"; }
 
+std::string StationMovesWithTemperature(const std::string& station) {
+  return "the base moves and turns in station " + station + " with temperature";
+}
+
 std::string StationMovesAsABody(const std::string& station) {
   return "station " + station + " moves and turns at once";
 }

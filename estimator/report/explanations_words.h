@@ -24,6 +24,7 @@ std::string TorqueOnIt();
 std::string HeatOfItsMotion();
 std::string ForcePulls();
 std::string StationMoves(const std::string& station);
+std::string StationMovesWithTemperature(const std::string& station);
 std::string StationMovesAsABody(const std::string& station);
 std::string BaseTurnsInStation(const std::string& station);
 std::string BaseTurnsWith(const std::string& station, const std::string& driver);
