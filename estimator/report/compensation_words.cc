@@ -94,4 +94,11 @@ std::string TurnsInWords() {
 
 std::string PoseOutOfReach() { return "the nominal robot does not reach it; is its frame or tool another?"; }
 
+std::string ControllersFlangeFacesTheArm() {
+  return "as 'flange' is stated, the z axis of the controller's flange points back into the arm; those of controllers "
+         "point away from it. Where the robot file ends in a frame that faces the arm, as tables of KUKA and FANUC do, "
+         "flange=same is wrong: compare a pose that the controller shows with its joint values "
+         "(flange=0,0,0,180,0,0 is half a turn about x, flange=0,0,0,0,180,0 about y)";
+}
+
 }  // namespace sagitta

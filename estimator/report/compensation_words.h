@@ -30,5 +30,6 @@ std::string SolutionsAreSeveral(size_t found);
 std::string NoSolutionAsStated();
 std::string TurnsInWords();  // poses whose whole turns may be of several joints
 std::string PoseOutOfReach();
+std::string ControllersFlangeFacesTheArm();  // by how it is stated
 
 }  // namespace sagitta

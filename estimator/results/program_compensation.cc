@@ -9,6 +9,7 @@
 #include "estimator/compensation/joint_solutions.h"
 #include "estimator/report/compensation_words.h"
 #include "estimator/report/results_words.h"
+#include "estimator/results/flange_side.h"
 #include "estimator/results/measured_conditions.h"
 #include "estimator/results/measured_joints.h"
 #include "estimator/results/program_loads.h"
@@ -361,6 +362,10 @@ CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram progr
     const Pose<double> tool_in_base = Product(target.commanded, Inverse(prepared.from_tool[row]));
     point.tool_in_frame = Product(Inverse(prepared.frame[row]), tool_in_base);
     corrected.push_back(point);
+  }
+  const auto flange = scene.tools.find(kFlangeName);
+  if (flange != scene.tools.end() && FacesTheArm(nominal, flange->second)) {
+    result.beyond.push_back(ControllersFlangeFacesTheArm());
   }
   const std::string outside = OutsideMeasuredInWords(known, arrived);
   if (!outside.empty()) result.beyond.push_back(outside);
