@@ -181,7 +181,7 @@ CalibrationProblem::CalibrationProblem(ForwardModel model, SharedValue<Measureme
       data_(std::move(data)),
       experiment_(std::move(experiment)),
       marker_frames_(ResolveMarkerFrames(model_->robot().chain, *data_, *experiment_)) {
-  RenewShots();
+  shot_inputs_ = MakeShotInputs(*model_, *data_, *experiment_);
   latent = MakeLatentModel(robot().chain, *data_, *experiment_);
 }
 

@@ -1,9 +1,11 @@
 #include "problems/latent_model.h"
 
-#include <map>
+#include <functional>
+#include <string_view>
 #include <utility>
 
 #include "problems/input_error.h"
+#include "problems/io/ids_by_text.h"
 #include "problems/problem_checks.h"
 
 namespace sagitta {
@@ -58,13 +60,18 @@ LatentModel MakeLatentModel(const Chain& chain, const Measurements& data, const 
 }
 
 void RenewVisits(const Measurements& data, LatentModel* latent) {
-  std::map<std::pair<int, std::string>, int> visits;
+  const auto key_of = [&](int s) {
+    return std::make_pair(data.shots[s].configuration, std::string_view(data.shots[s].visit));
+  };
+  PlacesByHash firsts;  // the first shot of each visit
   latent->visit_of_shot.clear();
-  for (const Shot& shot : data.shots) {
-    const auto key = std::make_pair(shot.configuration, shot.visit);
-    latent->visit_of_shot.push_back(visits.emplace(key, static_cast<int>(visits.size())).first->second);
+  latent->num_visits = 0;
+  for (int s = 0; s < static_cast<int>(data.shots.size()); ++s) {
+    const auto key = key_of(s);
+    const size_t hash = (std::hash<std::string_view>()(key.second) ^ static_cast<size_t>(key.first)) * kSpread;
+    const int first = firsts.FindOrPut(hash, s, [&](int other) { return key_of(other) == key; });
+    latent->visit_of_shot.push_back(first == s ? latent->num_visits++ : latent->visit_of_shot[first]);
   }
-  latent->num_visits = static_cast<int>(visits.size());
 }
 
 }  // namespace sagitta

@@ -32,7 +32,7 @@ void CheckJoints(const Chain& chain) {
 void CheckCouplings(const Chain& chain) {
   for (size_t c = 0; c < chain.couplings.size(); ++c) {
     const Coupling& coupling = chain.couplings[c];
-    const std::string item = Numbered("coupling", c);
+    const ItemName item("coupling", c);
     CheckIndex(coupling.joint, chain.joints.size(), item, "joint");
     CheckIndex(coupling.driver, chain.joints.size(), item, "driver");
     CheckIsNumber(coupling.ratio, item, "its ratio");
@@ -52,7 +52,7 @@ void CheckChain(const Chain& chain) {
   const size_t joints = chain.joints.size();
   for (size_t e = 0; e < chain.transforms.size(); ++e) {
     const ElementaryTransform& transform = chain.transforms[e];
-    const std::string item = Numbered("transform", e);
+    const ItemName item("transform", e);
     if (transform.has_joint()) CheckIndex(transform.joint, joints, item, "joint");
     CheckIsNumber(transform.nominal, item, "its nominal value");
     if (std::abs(transform.sign) != 1.0) FailStructure(item, "its sign is neither 1 nor -1");
@@ -80,7 +80,7 @@ void CheckTable(const Robot& robot) {
                 "change the table and make the chain of it (ChainFromDhTable), or reset dh");
 }
 
-void CheckNodes(const JointCompliance& compliance, const std::string& item) {
+void CheckNodes(const JointCompliance& compliance, const ItemName& item) {
   if (compliance.nodes.empty()) FailStructure(item, "it has no value");
   if (!compliance.is_table && compliance.nodes.size() > 1) FailStructure(item, "it has several values and is no table");
   for (size_t n = 0; n < compliance.nodes.size(); ++n) {
@@ -119,7 +119,7 @@ void CheckElasticity(const Robot& robot) {
   std::set<int> compliant;
   for (size_t c = 0; c < robot.compliances.size(); ++c) {
     const JointCompliance& compliance = robot.compliances[c];
-    const std::string item = Numbered("compliance", c);
+    const ItemName item("compliance", c);
     CheckIndex(compliance.joint, robot.chain.joints.size(), item, "joint");
     CheckNodes(compliance, item);
     if (compliant.insert(compliance.joint).second) continue;

@@ -4,13 +4,12 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <set>
 
-#include "models/random_bits.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/io/ids_by_text.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -159,39 +158,27 @@ void SplitByFraction(const ValidationSpec& spec, Measurements* data) {
   }
 }
 
-// By its upper bits; equal values have equal ones, 0 and -0 among them.
 std::uint64_t HashOf(const Eigen::VectorXd& q) {
   auto hash = static_cast<std::uint64_t>(q.size());
-  for (const double value : q) {
-    const double number = value + 0.0;  // -0 + 0 = 0
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &number, sizeof(bits));
-    hash = (hash ^ hash >> 32 ^ bits) * kGoldenBits;
-  }
+  for (const double value : q) hash = HashWith(value, hash);
   return hash;
 }
 
 }  // namespace
 
 std::vector<int> GroupsOfConfigurations(const Measurements& data) {
-  // A table that is half empty at least, of the first configuration of each group: by the upper bits of its hash, or
-  // behind that.
   const size_t count = data.configurations.size();
-  int bits = 1;
-  while (size_t{1} << bits < 2 * count) ++bits;
-  std::vector<int> table(size_t{1} << bits, -1), group_of(count);
+  PlacesByHash firsts;  // the first configuration of each group
+  firsts.Reserve(count);
+  std::vector<int> group_of(count);
   int groups = 0;
   for (size_t c = 0; c < count; ++c) {
     const Eigen::VectorXd& q = data.configurations[c].q;
-    const auto is_alike = [&](int other) {
+    const int first = firsts.FindOrPut(HashOf(q), static_cast<int>(c), [&](int other) {
       const Eigen::VectorXd& values = data.configurations[static_cast<size_t>(other)].q;
       return q.size() == values.size() && q == values;
-    };
-    size_t at = HashOf(q) >> (64 - bits);
-    while (table[at] >= 0 && !is_alike(table[at])) at = (at + 1) & (table.size() - 1);
-    const bool is_new = table[at] < 0;
-    if (is_new) table[at] = static_cast<int>(c);
-    group_of[c] = is_new ? groups++ : group_of[static_cast<size_t>(table[at])];
+    });
+    group_of[c] = first == static_cast<int>(c) ? groups++ : group_of[static_cast<size_t>(first)];
   }
   return group_of;
 }

@@ -15,7 +15,7 @@ namespace sagitta {
 namespace {
 
 // As many as there are joints, or none.
-void CheckOnePerJoint(Eigen::Index count, int joints, const std::string& item, const char* what) {
+void CheckOnePerJoint(Eigen::Index count, int joints, const ItemName& item, const char* what) {
   if (count == joints) return;
   FailStructure(item, std::to_string(count) + " " + what + ", the robot has " + std::to_string(joints) + " joints");
 }
@@ -56,7 +56,7 @@ void CheckHeldJoints(const Chain& chain, const Measurements& data, const Shot& s
 
 void CheckShot(const Measurements& data, size_t s, int joints) {
   const Shot& shot = data.shots[s];
-  const std::string item = Numbered("shot", s);
+  const ItemName item("shot", s);
   CheckIndex(shot.configuration, data.configurations.size(), item, "configuration");
   CheckIndex(shot.station, data.stations.size(), item, "station");
   CheckCanBeWritten(shot.visit, item, "its visit");
@@ -77,21 +77,20 @@ void CheckShot(const Measurements& data, size_t s, int joints) {
   for (const int i : shot.observations) {
     CheckIndex(i, data.observations.size(), item, "observation");
     if (data.observations[i].shot != static_cast<int>(s)) {
-      FailStructure(
-          item, Numbered("it lists observation", i) + ", which is of " + Numbered("shot", data.observations[i].shot));
+      FailStructure(item, fmt::format("it lists observation {}, which is of shot {}", i, data.observations[i].shot));
     }
   }
 }
 
 // 0: none is stated.
-void CheckSigmas(const Vector3<double>& sigmas, double least, double largest, const std::string& item) {
+void CheckSigmas(const Vector3<double>& sigmas, double least, double largest, const ItemName& item) {
   for (const double sigma : sigmas) {
     if (sigma == 0.0 || (sigma >= least && sigma <= largest)) continue;  // not so: NaN
     FailStructure(item, "a standard deviation is none of a measurement", "m or rad; 0: none is stated");
   }
 }
 
-void CheckRotation(const ObservedRotation& rotation, const std::string& item) {
+void CheckRotation(const ObservedRotation& rotation, const ItemName& item) {
   CheckSigmas(rotation.sigma, limits::kLeastRotationSigma, limits::kLargestRotationSigma, item);
   if (rotation.in_station.array().isNaN().any()) return;  // not measured
   CheckIsRotation(rotation.in_station, item, "its rotation");
@@ -99,7 +98,7 @@ void CheckRotation(const ObservedRotation& rotation, const std::string& item) {
 
 void CheckObservation(const Measurements& data, size_t i, MarkerlessRows markerless) {
   const Observation& row = data.observations[i];
-  const std::string item = Numbered("observation", i);
+  const ItemName item("observation", i);
   CheckIndex(row.shot, data.shots.size(), item, "shot");
   const bool is_of_flange = markerless == MarkerlessRows::kAllowed && data.markers.empty() && row.marker < 0;
   if (!is_of_flange) CheckIndex(row.marker, data.markers.size(), item, "marker");
@@ -121,9 +120,9 @@ void CheckListed(const Measurements& data) {
   }
   for (size_t i = 0; i < listed.size(); ++i) {
     if (listed[i] == 1) continue;
-    FailStructure(Numbered("observation", i),
-                  (listed[i] == 0 ? "its shot does not list it: " : "its shot lists it more than once: ") +
-                      Numbered("shot", data.observations[i].shot),
+    FailStructure({"observation", i},
+                  fmt::format("its shot {}: shot {}", listed[i] == 0 ? "does not list it" : "lists it more than once",
+                              data.observations[i].shot),
                   "Shot::observations has each observation of the shot once");
   }
 }

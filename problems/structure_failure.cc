@@ -17,37 +17,38 @@ bool IsPlainText(const std::string& text) {
 
 }  // namespace
 
-void FailStructure(const std::string& item, const std::string& what, const std::string& hint) {
-  throw InputError({"", 0, item}, what, hint);
+std::string ItemName::words() const { return std::string(what_) + (is_numbered_ ? " " + std::to_string(index_) : ""); }
+
+void FailStructure(const ItemName& item, const std::string& what, const std::string& hint) {
+  throw InputError({"", 0, item.words()}, what, hint);
 }
 
-std::string Numbered(const char* what, size_t index) { return std::string(what) + " " + std::to_string(index); }
-
-void CheckIsNumber(double value, const std::string& item, const char* what) {
+void CheckIsNumber(double value, const ItemName& item, const char* what) {
   if (std::abs(value) <= kLargestSi) return;  // false of NaN
   FailStructure(item, std::string(what) + " is no number below 10^9 (SI)");
 }
 
-void CheckIndex(int index, size_t size, const std::string& item, const char* what) {
+void CheckIndex(int index, size_t size, const ItemName& item, const char* what) {
   if (index >= 0 && index < static_cast<int>(size)) return;
   FailStructure(item, std::string(what) + " " + std::to_string(index) + " does not exist, there are " +
                           std::to_string(size) + " (numbers begin at 0)");
 }
 
-void CheckIsRotation(const Eigen::Matrix3d& rotation, const std::string& item, const char* what) {
+void CheckIsRotation(const Eigen::Matrix3d& rotation, const ItemName& item, const char* what) {
   const double off = (rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (off < kOrthogonal && rotation.allFinite() && rotation.determinant() > 0.0) return;
   FailStructure(item, std::string(what) + " is no rotation matrix");
 }
 
-void CheckCanBeWritten(const std::string& text, const std::string& item, const char* what) {
+void CheckCanBeWritten(const std::string& text, const ItemName& item, const char* what) {
   if (IsPlainText(text)) return;
   if (HasControlCharacter(text)) {
-    FailStructure(Printable(ValidUtf8(item)),
+    FailStructure(Printable(ValidUtf8(item.words())),
                   std::string(what) + " '" + Printable(ValidUtf8(text)) + "' holds a control character");
   }
   if (ValidUtf8(text) != text) {
-    FailStructure(Printable(ValidUtf8(item)), std::string(what) + " '" + ValidUtf8(text) + "' is no text in UTF-8");
+    FailStructure(Printable(ValidUtf8(item.words())),
+                  std::string(what) + " '" + ValidUtf8(text) + "' is no text in UTF-8");
   }
 }
 

@@ -22,6 +22,6 @@ double TuneSettings(const Evidence& evidence, const JointOptions& joint, Refitte
 // joined with the interval that the row has, of which q is. Values stay. Returns what numbers are possible, where the
 // effect has such a setting and the rows determine a value of it at all.
 std::optional<PossibleNumbers> AllowForSetting(const DiagnosedModel& final, const EffectSpec& spec,
-                                          std::vector<ParameterEstimate>* rows);
+                                               std::vector<ParameterEstimate>* rows);
 
 }  // namespace sagitta

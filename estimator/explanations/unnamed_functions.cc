@@ -1,9 +1,11 @@
 #include "estimator/explanations/unnamed_functions.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "estimator/explanations/driver_functions.h"
 #include "estimator/explanations/unnamed_list.h"
+#include "models/effects/pose_functions.h"
 
 namespace sagitta {
 namespace {
@@ -77,6 +79,29 @@ Settings VectorSettings(const std::string& before, const Vector3<double>& vector
 
 UnnamedList::UnnamedList(const CalibrationProblem& problem, EvidenceColumns* columns)
     : problem_(problem), columns_(columns), fitted_(FittedShots(problem)) {}
+
+UnnamedList::Field UnnamedList::FieldOf(const std::vector<bool>& is_in) const {
+  Field field{Eigen::MatrixXd::Zero(is_in.size(), 3), {}};
+  Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
+  double count = 0.0, square = 0.0;
+  for (size_t s = 0; s < is_in.size(); ++s) {
+    field.places.row(s) = FlangePlace(problem_.robot().chain, problem_.shot_inputs()[s].conditions.q).transpose();
+  }
+  for (const int s : fitted_) {
+    if (is_in[s]) middle += (field.places.row(s) - middle) / ++count;
+  }
+  for (const int s : fitted_) {
+    if (is_in[s]) square += (field.places.row(s) - middle).squaredNorm() / (3.0 * count);
+  }
+  const double spread = std::max(1e-3, std::sqrt(square));  // m: a flange that stands has no field of places
+  for (size_t s = 0; s < is_in.size(); ++s) {
+    auto place = field.places.row(s);
+    place = is_in[s] ? Eigen::RowVector3d((place - middle) / spread) : Eigen::RowVector3d::Zero();
+  }
+  field.settings = VectorSettings("", 1e3 * middle.transpose(), "_mm");
+  field.settings["spread_mm"] = AsSetting(1e3 * spread);
+  return field;
+}
 
 bool UnnamedList::Smooth(const Eigen::VectorXd& x, const std::string& kind, GroupedFunctions* functions) const {
   if (!RangeOf(x).Varies()) return false;

@@ -67,6 +67,14 @@ class UnnamedList {
   std::string JointName(int j) const { return problem_.robot().chain.joints[j].name; }
   int joints() const { return problem_.robot().num_joints(); }
 
+  // Where the nominal flange is, from the middle of the fitted ones of some shots and in units of their spread; zero of
+  // the others.
+  struct Field {
+    Eigen::MatrixXd places;  // shots x 3
+    Settings settings;
+  };
+  Field FieldOf(const std::vector<bool>& is_in) const;
+
   // Smooth functions of x over the range of the fitted shots. False: it does not vary.
   bool Smooth(const Eigen::VectorXd& x, const std::string& kind, GroupedFunctions* functions) const;
   void AppendBumps(const Eigen::VectorXd& x, const std::string& kind, int count, GroupedFunctions* functions) const;

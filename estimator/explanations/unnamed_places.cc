@@ -77,24 +77,23 @@ class PlaceFunctions : public UnnamedList {
     GroupedFunctions of_scale = functions;
     AppendRamps(time.of_shot, kFineBumps, &functions);
     AppendRamps(time.of_shot, kRamps, &of_scale);
-    const auto motion = [&](const std::string& moves) { return MotionOf(owner, moves, time); };
     const auto add = [&](const GroupedFunctions& each, const std::string& words, const std::vector<Source>& sources,
                          const EffectSpec& effect) {
       AddFunctions(each, UnnamedFunction(station, {"time"}, words, sources, {effect}, time), "station in time");
     };
     const std::vector<Source> axes = Axes(Source::Kind::kStation, owner),
                               scale = {{Source::Kind::kStationScale, owner, 0}};
-    add(WavesOf(time.of_shot, axes), StationMoves(station), axes, motion("point"));
-    add(WithJumps(functions, axes), StationMoves(station), axes, motion("point"));
+    add(WavesOf(time.of_shot, axes), StationMoves(station), axes, MotionOf(owner, "point", time));
+    add(WithJumps(functions, axes), StationMoves(station), axes, MotionOf(owner, "point", time));
     const std::vector<Source> turns = Axes(Source::Kind::kStationTurn, owner);
-    add(WithJumps(functions, turns), BaseTurnsInStation(station), turns, motion("turn"));
+    add(WithJumps(functions, turns), BaseTurnsInStation(station), turns, TurnOf(owner, time));
     // A tripod that was knocked, or set anew in a pause: it moves as a body, at once.
-    const std::vector<Source> body = BodyOf(owner);
-    AddFunctions(WithJumps({}, body), BodyMoves(owner, time, "time", StationMovesAsABody(station)), "station in time");
-    add(WithJumps(of_scale, scale), StationGrows(station), scale, motion("scale"));
+    AddFunctions(WithJumps({}, BodyOf(owner)), BodyMoves(owner, time, "time", StationMovesAsABody(station)),
+                 "station in time");
+    add(WithJumps(of_scale, scale), StationGrows(station), scale, MotionOf(owner, "scale", time));
     for (const Source& axis : axes) {
       const char name = "xyz"[axis.axis];
-      add(functions, StationMovesAlong(station, name), {axis}, motion(std::string(1, name)));
+      add(functions, StationMovesAlong(station, name), {axis}, MotionOf(owner, std::string(1, name), time));
     }
   }
 
@@ -104,8 +103,9 @@ class PlaceFunctions : public UnnamedList {
     if (!RangeOf(temperature.of_shot).Varies()) return;
     GroupedFunctions functions;
     AppendBumps(temperature.of_shot, "smooth", kUnnamedBumps[0], &functions);
-    const std::string words = StationMovesWithTemperature(problem_.data().stations[owner]);
-    AddFunctions(functions, BodyMoves(owner, temperature, "temperature", words), "station in time");
+    const std::string& station = problem_.data().stations[owner];
+    AddFunctions(functions, BodyMoves(owner, temperature, "temperature", StationMovesWithTemperature(station)),
+                 "station in time");
   }
 
   static std::vector<Source> BodyOf(int station) {
@@ -114,18 +114,22 @@ class PlaceFunctions : public UnnamedList {
     return body;
   }
 
-  // As learnt_station_motion; a body turns about its base.
   EffectSpec MotionOf(int station, const std::string& moves, const Driver& driver) const {
     EffectSpec spec = Over(driver, "learnt_station_motion", problem_.data().stations[station]);
     spec.settings["moves"] = moves;
-    if (moves == "turn")
-      spec.settings.merge(VectorSettings("about_", 1e3 * parameters_.BaseInStation(station).translation, "_mm"));
+    return spec;
+  }
+
+  // About the base.
+  EffectSpec TurnOf(int station, const Driver& driver) const {
+    EffectSpec spec = MotionOf(station, "turn", driver);
+    spec.settings.merge(VectorSettings("about_", 1e3 * parameters_.BaseInStation(station).translation, "_mm"));
     return spec;
   }
 
   UnnamedFunction BodyMoves(int station, const Driver& driver, const std::string& driven_by,
                             const std::string& words) const {
-    const std::vector<EffectSpec> effects = {MotionOf(station, "point", driver), MotionOf(station, "turn", driver)};
+    const std::vector<EffectSpec> effects = {MotionOf(station, "point", driver), TurnOf(station, driver)};
     return UnnamedFunction(problem_.data().stations[station], {driven_by}, words, BodyOf(station), effects, driver);
   }
 
@@ -159,35 +163,6 @@ class PlaceFunctions : public UnnamedList {
                        "learnt_station_wave", listed);
     }
     return functions;
-  }
-
-  // Where the nominal flange is, from the middle of the fitted ones of some shots and in units of their spread; zero of
-  // the others.
-  struct Field {
-    Eigen::MatrixXd places;  // shots x 3
-    Settings settings;
-  };
-  Field FieldOf(const std::vector<bool>& is_in) const {
-    Field field{Eigen::MatrixXd::Zero(is_in.size(), 3), {}};
-    Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
-    double count = 0.0, square = 0.0;
-    for (size_t s = 0; s < is_in.size(); ++s) {
-      field.places.row(s) = FlangePlace(problem_.robot().chain, problem_.shot_inputs()[s].conditions.q).transpose();
-    }
-    for (const int s : fitted_) {
-      if (is_in[s]) middle += (field.places.row(s) - middle) / ++count;
-    }
-    for (const int s : fitted_) {
-      if (is_in[s]) square += (field.places.row(s) - middle).squaredNorm() / (3.0 * count);
-    }
-    const double spread = std::max(1e-3, std::sqrt(square));  // m: a flange that stands has no field of places
-    for (size_t s = 0; s < is_in.size(); ++s) {
-      auto place = field.places.row(s);
-      place = is_in[s] ? Eigen::RowVector3d((place - middle) / spread) : Eigen::RowVector3d::Zero();
-    }
-    field.settings = VectorSettings("", 1e3 * middle.transpose(), "_mm");
-    field.settings["spread_mm"] = AsSetting(1e3 * spread);
-    return field;
   }
 
   // Where the readings of a station are is where the flange is: linear and quadratic functions of that.

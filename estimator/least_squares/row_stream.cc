@@ -202,8 +202,11 @@ class StepLanes {
     steps_.assign(static_cast<size_t>(columns_ - first_ + markers_ * first_) * kBatchLanes, 0.0);
   }
 
-  void Set(size_t lane, const Eigen::VectorXd& step) {
-    for (const Place& place : places_) steps_[place.to + lane] = step[place.from];
+  // steps: of each lane.
+  void Set(const std::array<const double*, kBatchLanes>& steps) {
+    for (const Place& place : places_) {
+      for (size_t lane = 0; lane < kBatchLanes; ++lane) steps_[place.to + lane] = steps[lane][place.from];
+    }
   }
   void Visit(const std::array<RowBatches::Unit, kBatchLanes>& units, const double* rows,
              const std::function<void(int position, const Vector3<double>& moved)>& visit) const {
@@ -382,10 +385,12 @@ bool FittedStream::ForEachMoved(const ParameterSet& parameters, const std::vecto
           return;
         }
         std::array<RowBatches::Unit, kBatchLanes> units;
+        std::array<const double*, kBatchLanes> own;
         for (int lane = 0; lane < kBatchLanes; ++lane) {
           units[lane] = batches_->UnitOf(g, b, lane);
-          if (!units[lane].empty()) steps.Set(static_cast<size_t>(lane), step_of(units[lane][0]));
+          own[lane] = step_of(units[units[lane].empty() ? 0 : lane][0]).data();  // the first lane is always filled
         }
+        steps.Set(own);
         steps.Visit(units, rows, visit);
       }
     });

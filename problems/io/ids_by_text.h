@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <string_view>
 #include <vector>
+
+#include "models/random_bits.h"
 
 namespace sagitta {
 
@@ -60,7 +63,15 @@ class PlacesByHash {
 };
 
 // Fibonacci hashing (Knuth 6.4): the highest bits depend on all of them.
-constexpr std::uint64_t kSpread = 0x9E3779B97F4A7C15ULL;
+constexpr std::uint64_t kSpread = kGoldenBits;
+
+// The hash of one more number: by its upper bits; equal numbers have equal ones, 0 and -0 among them.
+inline std::uint64_t HashWith(double number, std::uint64_t hash) {
+  const double own = number + 0.0;  // -0 + 0 = 0
+  std::uint64_t bits = 0;
+  std::memcpy(&bits, &own, sizeof(bits));
+  return (hash ^ hash >> 32 ^ bits) * kSpread;
+}
 
 // Ids by number, in order of appearance. Most rows say what the row before said, or what followed that when it was
 // said last.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <tuple>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "models/quantiles.h"
+#include "problems/io/ids_by_text.h"
 #include "problems/split.h"
 #include "problems/text.h"
 
@@ -53,32 +55,27 @@ void WarnOfSingleRows(const std::string& what, const std::vector<std::string>& l
   }
 }
 
-// Pairs (row, the earlier one that it equals): of one marker and station, at the same joint values, all digits alike.
+// Pairs (row, the first one that it equals): of one marker and station, at the same joint values, all digits alike.
 std::vector<std::pair<int, int>> EqualReadings(const Measurements& data) {
-  std::vector<std::pair<double, int>> by_x;  // the rows, side by side where x is the same
-  for (size_t i = 0; i < data.observations.size(); ++i) {
-    const Observation& row = data.observations[i];
-    if (row.is_point() && row.point_in_station.allFinite()) {  // a plan's row has none yet
-      by_x.emplace_back(row.point_in_station.x(), static_cast<int>(i));
-    }
-  }
-  std::sort(by_x.begin(), by_x.end());
+  const std::vector<int> group_of = GroupsOfConfigurations(data);
+  const auto labels_of = [&](const Observation& row) {
+    const Shot& shot = data.shots[row.shot];
+    return std::make_tuple(group_of[shot.configuration], shot.station, row.marker);
+  };
   std::vector<std::pair<int, int>> equal;
-  using Reading = std::tuple<double, double, int, int, std::vector<double>>;  // y, z, marker, station, joint values
-  for (size_t first = 0, end = 0; first < by_x.size(); first = end) {
-    while (end < by_x.size() && by_x[end].first == by_x[first].first) ++end;
-    std::map<Reading, int> seen;
-    for (size_t k = first; end - first > 1 && k < end; ++k) {
-      const Observation& row = data.observations[by_x[k].second];
-      const Vector3<double>& p = row.point_in_station;
-      const Eigen::VectorXd& q = data.ConfigurationOf(row).q;
-      const int station = data.shots[row.shot].station;
-      const auto [earlier, is_new] =
-          seen.try_emplace({p.y(), p.z(), row.marker, station, {q.begin(), q.end()}}, by_x[k].second);
-      if (!is_new) equal.emplace_back(by_x[k].second, earlier->second);
-    }
+  PlacesByHash firsts;
+  firsts.Reserve(data.observations.size());
+  for (int i = 0; i < static_cast<int>(data.observations.size()); ++i) {
+    const Observation& row = data.observations[i];
+    if (!row.is_point() || !row.point_in_station.allFinite()) continue;  // a plan's row has no point yet
+    std::uint64_t hash = static_cast<std::uint64_t>(std::get<0>(labels_of(row)));
+    for (const double coordinate : row.point_in_station) hash = HashWith(coordinate, hash);
+    const int first = firsts.FindOrPut(hash, i, [&](int other) {
+      const Observation& earlier = data.observations[other];
+      return earlier.point_in_station == row.point_in_station && labels_of(earlier) == labels_of(row);
+    });
+    if (first != i) equal.emplace_back(i, first);
   }
-  std::sort(equal.begin(), equal.end());
   return equal;
 }
 

@@ -70,8 +70,8 @@ std::size_t TakeDigits(std::string_view text, std::uint64_t* whole) {
 bool ParseShortDecimal(std::string_view text, double* value) {
   constexpr std::size_t kMostDigits = 18;                     // below 2^64
   constexpr std::uint64_t kLargest = std::uint64_t{1} << 53;  // a double without loss, as 10^22 is
-  constexpr double kPowers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8, 1e9,
-                                1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18};
+  static constexpr double kPowers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8, 1e9,
+                                       1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18};
   const bool is_negative = !text.empty() && text.front() == '-';
   if (is_negative) text.remove_prefix(1);
   if (text.size() > kMostDigits + 1) return false;

@@ -1,4 +1,4 @@
-// Makers' tables: KUKA's and FANUC's end in a frame that faces the arm, whose controllers show a flange that faces away.
+// Tables of KUKA and FANUC end in a frame that faces the arm; their controllers show a flange that faces away.
 #include "estimator/results/flange_side.h"
 
 #include <gtest/gtest.h>

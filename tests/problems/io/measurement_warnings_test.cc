@@ -67,6 +67,9 @@ TEST_F(MeasurementWarnings, ReadingsThatWerePastedAreNoRepeats) {
   for (size_t r = 0; r < 12; ++r) rows[r].point_mm = rows[r - r % 3].point_mm;  // four poses of forty
   EXPECT_THAT(WarningsOf(rows), Contains(HasSubstr("8 readings equal an earlier one")));
   EXPECT_THAT(WarningsOf(rows), Contains(HasSubstr("m.csv:3, that of")));
+  rows = Honest(1e-4);
+  for (size_t r = 0; r < rows.size(); ++r) rows[r].point_mm = rows[r % 3].point_mm;  // a marker that does not move
+  EXPECT_THAT(WarningsOf(rows), IsEmpty());
 }
 
 TEST_F(MeasurementWarnings, AClockThatGoesBackIsSaid) {
