@@ -118,8 +118,8 @@ CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double s
   return with;
 }
 
-RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                  bool sigma_is_open) {
+RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters, bool sigma_is_open,
+                                  bool with_interval) {
   const std::vector<DeviationGroup> joints = CommonDeviations(problem);
   const RestrictedLikelihood reml(problem, parameters);
   RepeatabilityFit fit;
@@ -127,7 +127,7 @@ RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const Param
   const RemlFit both = reml.Maximise(sigma_is_open, joints);
   fit.instrument = std::sqrt(both.variances[0]);
   fit.sigma = std::sqrt(both.variances[1]);
-  reml.ProfileInterval(both, sigma_is_open, joints, 1, &fit.low, &fit.high);
+  if (with_interval) reml.ProfileInterval(both, sigma_is_open, joints, 1, &fit.low, &fit.high);
   return fit;
 }
 

@@ -34,15 +34,15 @@ CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double fa
 // The problem with one common repeatability on every revolute joint, rad, instead of what it states of them.
 CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double sigma);
 
-// One repeatability of all revolute joints (rad, 95 % interval by the profile) by REML (variance_components.h), given
-// the sigmas at hand or, where sigma_is_open, together with the instrument's.
+// One repeatability of all revolute joints (rad, where asked for with a 95 % interval by the profile) by REML
+// (variance_components.h), given the sigmas at hand or, where sigma_is_open, together with the instrument's.
 struct RepeatabilityFit {
   double instrument = 1.0;  // times the sigma that is assumed, where that is open
   double sigma = 0.0;
   double low = 0.0, high = 0.0;
 };
-RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                  bool sigma_is_open);
+RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters, bool sigma_is_open,
+                                  bool with_interval);
 
 // Whether rows share arrivals (markers of one shot, repeats, loads): what deviating joints do to all of them alike can
 // be separated from what the instrument does to each.

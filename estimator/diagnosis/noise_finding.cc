@@ -38,7 +38,7 @@ double AppliedFactor(const Evidence& evidence, const WeightedModel& model) {
 // found again.
 void FindRepeatability(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& stated,
                        const DiagnosedModel& final, NoiseFinding* noise) {
-  const RepeatabilityFit fit = FitRepeatability(*final.problem, final.estimate.parameters, !noise->is_stated);
+  const RepeatabilityFit fit = FitRepeatability(*final.problem, final.estimate.parameters, !noise->is_stated, true);
   const double stated_size = MeanStated(stated);
   if (stated_size > 0.0 && fit.sigma > 0.0) {
     const double off = std::log(stated_size / fit.sigma);
@@ -143,7 +143,7 @@ DiagnosedModel WithOwnRepeatability(const DiagnosedModel& model, bool is_sigma_s
   DiagnosedModel own = model;
   double last = 0.0;
   for (int round = 0; round < kMostScatterRounds; ++round) {
-    const RepeatabilityFit fit = FitRepeatability(*own.problem, own.estimate.parameters, !is_sigma_stated);
+    const RepeatabilityFit fit = FitRepeatability(*own.problem, own.estimate.parameters, !is_sigma_stated, false);
     if (!(fit.sigma > 0.0) || !(fit.instrument > 0.0)) return own;
     if (last > 0.0 && std::abs(std::log(fit.sigma / last)) < kSettledSize) return own;
     last = fit.sigma;

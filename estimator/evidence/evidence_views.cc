@@ -264,13 +264,12 @@ Evidence::Trial Evidence::BestView(const NoiseView& base, const NoisePart& part,
     near_weight = here;
   }
   // Counted from the nearest of them: the precision is relative.
-  const auto offset = boost::math::tools::brent_find_minima([&](double at) { return -among_some(near + at); },
-                                                            std::max(low - near, -spacing),
-                                                            std::min(high - near, spacing), kBitsOfRepeatability)
-                          .first;
+  const auto [offset, least] = boost::math::tools::brent_find_minima(
+      [&](double at) { return -among_some(near + at); }, std::max(low - near, -spacing), std::min(high - near, spacing),
+      kBitsOfRepeatability);
   const auto [base_known, is_new] = weights_.try_emplace({SizesOf(base), set.members, set.scales});
   if (is_new) base_known->second = weight_of(base, 1);
-  const double at = near + offset, at_weight = weight(at), base_weight = base_known->second;
+  const double at = near + offset, at_weight = every == 1 ? -least : weight(at), base_weight = base_known->second;
   NoiseView view = With(base, part, std::exp(at));
   const double gain = at_weight - LogPriorOf(view, set) - (base_weight - LogPriorOf(base, set));
   if (gain < kLeastGain) return {base, base_weight};

@@ -109,7 +109,9 @@ std::string StandingColumn(const CalibrationProblem& problem, const EffectDefini
 }
 
 std::string MissingFor(const CalibrationProblem& problem, const EffectDefinition& definition, const EffectSpec& spec) {
+  const bool asks_any = definition.missing != nullptr || definition.DrivenBy(spec) != EffectDriver::kJoint;
   for (const ShotInput& shot : problem.shot_inputs()) {
+    if (!asks_any) break;
     const EffectContext context{&problem.robot(), &spec, &shot.conditions, &problem.data().markers, 0};
     const std::string column = MissingColumn(definition, context);
     if (!column.empty()) return column;

@@ -271,6 +271,9 @@ void EvidenceColumns::SetBlocks() {
     pose_of_observation_[i] = entry.first->second;
   }
   for (const std::set<int>& own : visits) has_revisits_ |= own.size() > 1;
+  fitted_shots_ = FittedShots(extended_);
+  place_of_shot_.assign(data.shots.size(), -1);
+  for (size_t k = 0; k < fitted_shots_.size(); ++k) place_of_shot_[fitted_shots_[k]] = static_cast<int>(k);
   for (const std::vector<int>& pose : poses_) {
     if (observations_of_block_.empty() || 3 * observations_of_block_.back().size() > kRowsPerBlock) {
       observations_of_block_.emplace_back();

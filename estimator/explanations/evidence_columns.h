@@ -220,6 +220,8 @@ class EvidenceColumns {
     return source_of_family_[family_of_column_[static_cast<size_t>(column) - catalogue_.size()]];
   }
   double TypicalSizeOf(const Source& source) const { return UnitOf(source, extended_.robot().chain).typical; }
+  // Place of a fitted observation's shot among those that are fitted.
+  int FittedShotOf(int observation) const { return place_of_shot_[extended_.data().observations[observation].shot]; }
   // What a unit of the source moves: coordinates, and by how much, SI.
   std::vector<std::pair<int, double>> MovedBy(const Source& source) const;
   Eigen::VectorXd SourceRows(const Block& block, const Source& source) const;
@@ -268,6 +270,7 @@ class EvidenceColumns {
   std::vector<std::vector<int>> poses_;  // observations of each
   std::vector<std::vector<int>> observations_of_block_;
   std::vector<int> pose_of_observation_;
+  std::vector<int> fitted_shots_, place_of_shot_;  // ascending; of each shot of the data among those
   bool has_revisits_ = false;
   std::vector<Block> stored_;  // of the first blocks
 };

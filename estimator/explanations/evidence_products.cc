@@ -51,7 +51,7 @@ class EvidenceColumns::ShotProducts {
   struct Part {
     size_t source = 0;
     std::vector<long> places;   // in the list
-    Eigen::MatrixXd functions;  // shots x columns
+    Eigen::MatrixXd functions;  // fitted shots x columns
   };
 
   std::vector<Part> PartsOf(const std::vector<int>& listed) const {
@@ -61,12 +61,12 @@ class EvidenceColumns::ShotProducts {
     for (const auto& [source, own] : places) {
       std::vector<int> columns;
       for (const long k : own) columns.push_back(listed[k]);
-      parts.push_back({source, own, columns_.FunctionOf(columns)});
+      parts.push_back({source, own, columns_.FunctionOf(columns)(columns_.fitted_shots_, Eigen::all)});
     }
     return parts;
   }
 
-  // S of two sources, shots x shots; what lies off the diagonal is of poses with several shots.
+  // S of two sources, fitted shots x fitted shots; what lies off the diagonal is of poses with several shots.
   struct ByShot {
     Eigen::VectorXd diagonal;
     Eigen::SparseMatrix<double> off_diagonal;
@@ -82,7 +82,7 @@ class EvidenceColumns::ShotProducts {
     const auto [known, is_new] = known_.try_emplace({one, other});
     ByShot& products = known->second;
     if (!is_new) return products;
-    const auto shots = static_cast<long>(columns_.extended_.data().shots.size());
+    const auto shots = static_cast<long>(columns_.fitted_shots_.size());
     products.diagonal.setZero(shots);
     products.off_diagonal.resize(shots, shots);
     std::vector<Eigen::Triplet<double>> off_diagonal;
@@ -104,7 +104,7 @@ class EvidenceColumns::ShotProducts {
   void AddBlock(size_t b, size_t one, size_t other, const std::function<void(int, int, double)>& add) const {
     const Block& block = columns_.stored_[b];
     const Eigen::VectorXd &s = block.sources[one], &t = block.sources[other];
-    const auto shot_of = [&](size_t o) { return columns_.extended_.data().observations[block.observations[o]].shot; };
+    const auto shot_of = [&](size_t o) { return columns_.FittedShotOf(block.observations[o]); };
     if (roots_[b].empty()) {
       for (size_t o = 0; o < block.observations.size(); ++o) {
         const long top = static_cast<long>(3 * o);
@@ -245,24 +245,23 @@ GivenBelieved EvidenceColumns::ProjectAll(const RowScatter& scatter, const std::
           out.log_constant};
 }
 
-// (u's)(shot) of each source, a column for each shot, zero where it is held out; of some rows of u', zeros below. Most
-// sources move the readings of some shots or markers only.
+// (u's)(shot) of each source, a column for each shot that is fitted; of some rows of u', zeros below. Most sources move
+// the readings of some shots or markers only.
 std::vector<Eigen::MatrixXd> EvidenceColumns::SumsOfShots(const std::vector<Eigen::MatrixXd>& along, long first,
                                                           long rows) const {
-  using Columns = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, kRowsTogether, 3>;
-  const std::vector<Observation>& data = extended_.data().observations;
-  const auto shots = static_cast<long>(extended_.data().shots.size()), own = std::min(rows, along[0].rows() - first);
-  std::vector<Eigen::MatrixXd> sums(sources_.size(), Eigen::MatrixXd::Zero(rows, shots));
-  Columns u = Columns::Zero(rows, 3);
+  const long own = std::min(rows, along[0].rows() - first);
+  std::vector<Eigen::MatrixXd> sums(sources_.size(), Eigen::MatrixXd::Zero(rows, fitted_shots_.size()));
   for (size_t b = 0; b < stored_.size(); ++b) {
     const Block& block = stored_[b];
-    for (size_t o = 0; o < block.observations.size(); ++o) {
-      const long top = static_cast<long>(3 * o), shot = data[block.observations[o]].shot;
-      u.topRows(own) = along[b].block(first, top, own, 3);
-      for (size_t s = 0; s < sources_.size(); ++s) {
+    Eigen::MatrixXd u = Eigen::MatrixXd::Zero(rows, along[b].cols());
+    u.topRows(own) = along[b].middleRows(first, own);
+    for (size_t s = 0; s < sources_.size(); ++s) {
+      for (size_t o = 0; o < block.observations.size(); ++o) {
+        const long top = static_cast<long>(3 * o);
         const Vector3<double> moved = block.sources[s].segment<3>(top);
         if (moved.isZero(0.0)) continue;
-        sums[s].col(shot) += moved[0] * u.col(0) + moved[1] * u.col(1) + moved[2] * u.col(2);
+        sums[s].col(FittedShotOf(block.observations[o])) +=
+            moved[0] * u.col(top) + moved[1] * u.col(top + 1) + moved[2] * u.col(top + 2);
       }
     }
   }
@@ -272,20 +271,28 @@ std::vector<Eigen::MatrixXd> EvidenceColumns::SumsOfShots(const std::vector<Eige
 // With u of each block:  u'A = sum over shots of (u's)(shot) f(shot). So many rows of u' at a time as fill whole
 // vectors, and what follows the same functions one after the other: sums and functions stay in the cache.
 Eigen::MatrixXd EvidenceColumns::AlongFamilies(const std::vector<Eigen::MatrixXd>& along) const {
-  std::map<const Eigen::MatrixXd*, std::vector<std::pair<size_t, long>>> followers;  // sources, and columns of products
+  struct Followers {
+    Eigen::MatrixXd functions;                     // of the fitted shots
+    std::vector<std::pair<size_t, long>> sources;  // and columns of products
+  };
+  std::map<const Eigen::MatrixXd*, Followers> followers;
   long columns = 0;
   for (size_t f = 0; f < families_.size(); ++f) {
-    followers[families_[f].functions.get()].emplace_back(source_of_family_[f], columns);
-    columns += families_[f].functions->cols();
+    const Eigen::MatrixXd& functions = *families_[f].functions;
+    Followers& own = followers[&functions];
+    if (own.sources.empty()) own.functions = functions(fitted_shots_, Eigen::all);
+    own.sources.emplace_back(source_of_family_[f], columns);
+    columns += functions.cols();
   }
   Eigen::MatrixXd products(along[0].rows(), columns);
   for (long row = 0; row < products.rows(); row += kRowsTogether) {
     const long own = std::min(kRowsTogether, products.rows() - row);
     const long wide = (own + kBatchLanes - 1) / kBatchLanes * kBatchLanes;
     const std::vector<Eigen::MatrixXd> of_shots = SumsOfShots(along, row, wide);
-    for (const auto& [functions, sources] : followers) {
-      for (const auto& [source, first] : sources) {
-        products.block(row, first, own, functions->cols()) = TallProduct(of_shots[source], *functions).topRows(own);
+    for (const auto& [key, all] : followers) {
+      for (const auto& [source, first] : all.sources) {
+        products.block(row, first, own, all.functions.cols()) =
+            TallProduct(of_shots[source], all.functions).topRows(own);
       }
     }
   }

@@ -16,6 +16,14 @@ namespace {
 // Of J'J scaled to a unit diagonal: below, a direction is rounding.
 constexpr double kRankOfSums = 1e-13;
 
+// x <- L^-1 x. A pose has a few rows: a solver that packs blocks costs several times as much.
+void SolveForward(const Eigen::MatrixXd& root, double* x) {
+  for (long i = 0; i < root.rows(); ++i) {
+    x[i] /= root(i, i);
+    for (long k = i + 1; k < root.rows(); ++k) x[k] -= root(k, i) * x[i];
+  }
+}
+
 }  // namespace
 
 std::vector<EvidenceColumns::PoseRows> EvidenceColumns::PosesAmong(const std::vector<int>& observations) const {
@@ -74,10 +82,9 @@ EvidenceColumns::BlockRoots EvidenceColumns::RootsOf(const std::vector<int>& obs
 
 double EvidenceColumns::Whiten(const BlockRoots& roots, Eigen::MatrixXd* rows) {
   double log_det = 0.0;
-  for (const PoseRoot& pose : roots) {
-    auto own = rows->middleRows(pose.top, pose.root.rows());
-    own = pose.root.matrixL().solve(Eigen::MatrixXd(own));
-    log_det += LogDeterminant(pose.root);
+  for (const PoseRoot& pose : roots) log_det += LogDeterminant(pose.root);
+  for (long c = 0; c < rows->cols(); ++c) {
+    for (const PoseRoot& pose : roots) SolveForward(pose.root.matrixLLT(), &(*rows)(pose.top, c));
   }
   return log_det;
 }
@@ -110,7 +117,16 @@ std::vector<RowSums> EvidenceColumns::SumEach(const RowScatter& scatter, const s
     const Block& block = BlockOf(b, &scratch);
     FillRows(block, columns, &rows);
     const BlockRoots roots = RootsOf(block.observations, block.here.latent, scatter);
-    Whiten(roots, &rows);
+    const double log_det = Whiten(roots, &rows);
+    const auto add = [](const Eigen::MatrixXd& own, RowSums* to) {
+      to->products += SelfProduct(own);
+      to->rows += static_cast<int>(own.rows());
+    };
+    if (groups == 1) {
+      add(rows, &sums[0]);
+      sums[0].log_det += log_det;
+      continue;
+    }
     std::vector<std::vector<long>> of_group(sums.size());
     const std::vector<PoseRows> poses = PosesAmong(block.observations);
     for (size_t k = 0; k < poses.size(); ++k) {
@@ -119,11 +135,7 @@ std::vector<RowSums> EvidenceColumns::SumEach(const RowScatter& scatter, const s
       for (long row = 0; row < poses[k].height; ++row) of_group[group].push_back(poses[k].top + row);
       if (!roots.empty()) sums[group].log_det += LogDeterminant(roots[k].root);
     }
-    for (size_t group = 0; group < sums.size(); ++group) {
-      const Eigen::MatrixXd own = rows(of_group[group], Eigen::all);
-      sums[group].products += SelfProduct(own);
-      sums[group].rows += static_cast<int>(own.rows());
-    }
+    for (size_t group = 0; group < sums.size(); ++group) add(rows(of_group[group], Eigen::all), &sums[group]);
   }
   return sums;
 }

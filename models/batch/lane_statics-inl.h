@@ -207,11 +207,7 @@ class LaneStatics {
     if (!p_.has_base_loads) return;
     SumLoads(own_, /*with_those_in_base=*/false);
     for (int s = 0; s < slots_; ++s) turned_[s] = Fma(flexibility_[s], Before(own_, s), turned_[s]);
-    for (const ShotProgram::Loads& sag : p_.sags) {
-      if (at_.theta[sag.parameter] == 0.0) continue;
-      SumSag(sag, /*with_those_in_base=*/false);
-      turned_[sag.slot] = Fma(Of(at_.theta[sag.parameter]), Before(own_, sag.slot), turned_[sag.slot]);
-    }
+    ForEachSag(/*with_those_in_base=*/false, [&](int s) HWY_ATTR { turned_[s] = turned_[s] + Before(own_, s); });
   }
 
  private:
@@ -263,10 +259,24 @@ class LaneStatics {
     }
     Accumulate(sums);
   }
-  void SumSag(const ShotProgram::Loads& sag, bool with_those_in_base) {
-    Clear(own_);
-    Sum(sag, 1.0, with_those_in_base, own_);
-    Accumulate(own_);
+  // The weights that make a slot sag, times their parameters, all in one sum, which `see` finds in own_: the law is
+  // linear in them. Those of one slot follow each other.
+  template <typename See>
+  void ForEachSag(bool with_those_in_base, const See& see) {
+    const std::vector<ShotProgram::Loads>& sags = p_.sags;
+    for (size_t first = 0, last = 0; first < sags.size(); first = last) {
+      bool any = false;
+      for (; last < sags.size() && sags[last].slot == sags[first].slot; ++last) {
+        const double theta = at_.theta[sags[last].parameter];
+        if (theta == 0.0) continue;
+        if (!any) Clear(own_);
+        any = true;
+        Sum(sags[last], theta, with_those_in_base, own_);
+      }
+      if (!any) continue;
+      Accumulate(own_);
+      see(sags[first].slot);
+    }
   }
   void Clear(Sums* sums) const {
     for (int k = 0; k <= p_.num_levels; ++k) sums[k] = {Zero3(), Zero3(), Zero33(), Of(0.0)};
@@ -378,13 +388,10 @@ class LaneStatics {
   static HWY_INLINE V3 Turned(const Sums& sums, V3 z) { return Fnma(sums.trace, z, sums.q * z); }
 
   void AddSags(bool with_derivatives) {
-    for (const ShotProgram::Loads& sag : p_.sags) {
-      if (at_.theta[sag.parameter] == 0.0) continue;
-      const V theta = Of(at_.theta[sag.parameter]);
-      SumSag(sag, /*with_those_in_base=*/true);
-      law_[sag.slot] = Fma(theta, TorqueBy(own_, sag.slot), law_[sag.slot]);
-      if (with_derivatives) AddAnswer(own_, sag.slot, theta);
-    }
+    ForEachSag(/*with_those_in_base=*/true, [&](int s) HWY_ATTR {
+      law_[s] = hn::Add(law_[s], TorqueBy(own_, s));
+      if (with_derivatives) AddAnswer(own_, s, Of(1.0));
+    });
   }
 
   // Adds how the slots answer the value of a transform: those before it to wrenches beyond, those after it to where it

@@ -11,9 +11,10 @@ std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
   const double phase = context.spec->IntegerSetting("order", 1) * context.shot->q[context.joint()];
-  const double sign = context.joint_sign();
-  terms->slots.push_back({context.joint_slot(), context.first_parameter, sign * std::cos(phase)});
-  terms->slots.push_back({context.joint_slot(), context.first_parameter + 1, sign * std::sin(phase)});
+  const int slot = context.joint_slot();
+  const double sign = context.chain().transforms[slot].sign;
+  terms->slots.push_back({slot, context.first_parameter, sign * std::cos(phase)});
+  terms->slots.push_back({slot, context.first_parameter + 1, sign * std::sin(phase)});
 }
 
 }  // namespace joint_harmonic

@@ -97,7 +97,7 @@ TEST(Diagnosis, UndeclaredRepeatabilityIsMeasured) {
       for (double& joint : *q) joint += rest(random);
     });
     const Estimate estimate = EstimateJointly(problem, JointOptions());
-    const RepeatabilityFit fit = FitRepeatability(problem, estimate.parameters, false);
+    const RepeatabilityFit fit = FitRepeatability(problem, estimate.parameters, false, true);
     inside += fit.low <= kTruth && kTruth <= fit.high;
     sum += fit.sigma;
   }
