@@ -21,7 +21,9 @@ std::vector<std::string> SelectFrom(const std::vector<std::string>& all, const S
   if (selection.kind != Selection::Kind::kList) return {};
   for (const std::string& name : selection.names) {
     if (std::find(all.begin(), all.end(), name) != all.end()) continue;
-    const std::string hint = hint_of ? hint_of(name) : "";
+    const std::string without_kind = NameWithinKind(name);
+    std::string hint = hint_of ? hint_of(name) : "";
+    if (std::count(all.begin(), all.end(), without_kind) > 0) hint = "names have no kind here: '" + without_kind + "'";
     throw InputError({experiment.file, LineOf(experiment, key), key}, "the robot has no " + what + " '" + name + "'",
                      hint.empty() ? SpellingHint(name, all) : hint);
   }

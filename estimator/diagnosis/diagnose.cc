@@ -144,6 +144,7 @@ class Session {
       SayFound();
     }
     d_.has_unexplained |= posterior_.MoreThan(selected_.size()) > NamingGate();
+    d_.has_unexplained |= !selected_.empty() && weighed_.unnamed > kEvenOdds;
     aside_.FromHeldOut(!named_, &d_.baseline, &d_.final, &lacking_, &prefixes_);
     FindRest();
     // The most probable set may be noise alone, and those that hold a cause more probable together.

@@ -107,6 +107,9 @@ class _Data:
                             "`configurations`; to_dataframe() has them in every row.", read_only=True)
     points_m = _of_core("points_m", "As measured, in the station's frame, one row per reading.", read_only=True)
 
+    def __reduce__(self):
+        raise TypeError("rows and experiments are not pickled: hand over the arguments of sagitta.read, and read there")
+
     def to_csv(self, path):
         with open(path, "w", encoding="utf-8") as file:
             file.write(self._core.csv())
@@ -142,6 +145,9 @@ class Known:
 
     robot_name = _of_core("robot_name")
     robot_yaml = _of_core("robot_yaml")
+
+    def __reduce__(self):
+        raise TypeError("a known robot is not pickled: hand over the path of its estimate.json, and sagitta.load it there")
 
     def predict(self, rows, *, force=False):
         return Prediction(self._core, rows, force)

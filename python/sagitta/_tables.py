@@ -108,6 +108,9 @@ def _array(name, values):
         raise _input_error("'%s' is no array: %s" % (name, error), name) from error
     if array.dtype.kind == "c":
         raise _input_error("'%s' holds complex numbers" % name, name)
+    if array.dtype.kind in "mM" and _parted(name)[1] == "_s":
+        raise _input_error("'%s' holds dates, and not seconds" % name, name, "(%s) / np.timedelta64(1, 's')" % (
+            "times" if array.dtype.kind == "m" else "times - times.min()"))
     if np.ma.isMaskedArray(array):
         array = _unmasked(array)
     array = np.asarray(array)

@@ -487,7 +487,8 @@ class WhatWasOnceNamedWrong(WithFolder):
         said = {(e['effect'], e['target']): e['probability'] for e in diagnosis['posterior']['explanations']}
         self.assertLess(said['base_compliance', 'base'], 0.5)
         self.assertGreater(diagnosis['posterior']['unnamed'], 0.9)
-        self.assertEqual((diagnosis['verdict'], diagnosis['steps']), ('unknown', []))
+        self.assertIn(diagnosis['verdict'], ('unknown', 'partly'), diagnosis['words'])
+        self.assertTrue(all(step['probability'] < said['unnamed'] for step in diagnosis['steps']), diagnosis['words'])
         cautions = ' '.join(diagnosis['cautions'])
         self.assertRegex(cautions, r'base_compliance, base\) with \d+ % is not named')
         self.assertIn('resamples', cautions)
@@ -537,13 +538,14 @@ class WhatWasOnceNamedWrong(WithFolder):
         low, high = rate[0]['ci95']
         self.assertTrue(low < 15 < high, rate)
 
-    def test_what_is_less_probable_than_no_name_is_not_named(self):
-        """A stand twists: no effect of the catalogue does that."""
+    def test_what_is_less_probable_than_no_name_explains_nothing(self):
+        """A stand twists: no effect of the catalogue does that. What is named with even odds is not all of it."""
         diagnosis, _ = self.diagnosed({'study': 10201, 'case': 6, 'kinds': 'stand_twist', 'scales': 2.4096050283902546,
                                        'robot': 'kr270', 'configurations': 60, 'stations': 1, 'repeatability_urad': 8})
         said = diagnosis['posterior']
         self.assertLess(max(e['probability'] for e in said['explanations']), said['unnamed'])
-        self.assertEqual((diagnosis['verdict'], diagnosis['steps']), ('unknown', []))
+        self.assertIn(diagnosis['verdict'], ('unknown', 'partly'), diagnosis['words'])
+        self.assertTrue(all(step['probability'] < said['unnamed'] for step in diagnosis['steps']), diagnosis['words'])
 
     def test_a_slip_is_found_whichever_moment_explains_most_at_first(self):
         """Every second moment is weighed first: of these the nearest to the slip explained less than a later one."""

@@ -687,10 +687,24 @@ class Arrays(unittest.TestCase):
                 with self.assertRaises(ValueError, msg=name):
                     getattr(result, name)[0] = 1.0
 
+    def test_dates_are_no_seconds(self):
+        rows = {"config": ["a", "b"], "q_deg": np.zeros((2, 6)), "xyz_mm": np.ones((2, 3)),
+                "time_s": np.array(["2024-01-01T00:00", "2024-01-01T00:01"], dtype="datetime64[s]")}
+        robot = KR270 / "robot.yaml"
+        for times, how in ((rows["time_s"], r"times - times.min\(\)"), (rows["time_s"] - rows["time_s"][0], r"\(times\) /")):
+            with self.assertRaisesRegex(sagitta.InputError, "time_s.*not seconds.*" + how):
+                sagitta.read(robot, {**rows, "time_s": times})
+
     def test_estimates_are_written_and_loaded_instead_of_pickled(self):
-        estimate = sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))
+        experiment = sagitta.read(KR270 / "experiment.yaml")
+        estimate = sagitta.calibrate(experiment)
         with self.assertRaises(TypeError):
             pickle.dumps(estimate)
+        with self.assertRaisesRegex(TypeError, "arguments of sagitta.read"):
+            pickle.dumps(experiment)
+        estimate.write(self.folder / "pickled")
+        with self.assertRaisesRegex(TypeError, "path of its estimate.json"):
+            pickle.dumps(sagitta.load(self.folder / "pickled" / "estimate.json"))
         parameter = pickle.loads(pickle.dumps(estimate["geometry/p_x1"]))
         self.assertEqual(repr(parameter), repr(estimate["geometry/p_x1"]))
 
