@@ -310,7 +310,7 @@ Interpretation Interpret(const std::vector<TextTable>& tables, const RobotReadin
     const auto plans = PossiblePlans(tables[t], reading.robot.chain.joints, columns);
     Choice choice = ChoosePlan(reading.robot, tables[t], plans, true);
     ConfirmOrder(reading.robot, tables[t], choice);
-    RefuseComputedPoints(tables[t], choice, is_point_stated);
+    RefuseComputedPoints(reading.robot, tables[t], choice, is_point_stated);
     DecideRotation(reading.robot, tables[t], rotation, &choice);
     for (const std::string& words : choice.plan.guesses) read.Guess(words);
     read.rows.Add(tables[t], choice.plan, DefaultsOf(t, labels, choice.plan, &read));

@@ -19,57 +19,14 @@
 #include "problems/io/measurement_file.h"
 #include "problems/io/units.h"
 #include "problems/text.h"
+#include "tools/import_misfit.h"
 #include "tools/report/command_words.h"
 
 namespace sagitta {
 namespace {
 
 constexpr double kComputed = 2e-6;  // m: no instrument and no robot agree with a nominal table so well
-constexpr double kRounded = 0.6;    // of the last digit: rounding alone is half of it
-constexpr size_t kSampleRows = 60;  // spread over the table: a reading that is wrong shows in any ten
-
-// What loads weigh and where they hang stands in no table; they bend an arm by millimetres, much less than
-// kNotThisRobot.
-Experiment WithWeightlessLoads(const Measurements& data) {
-  Experiment experiment;
-  experiment.load_point = Vector3<double>::Zero();
-  for (const std::string& load : LoadsOf(data)) experiment.loads[load].mass = 0.0;
-  return experiment;
-}
-
-// The plan's joint values and points, and what names them.
-ImportPlan GeometryOf(const ImportPlan& plan) {
-  ImportPlan geometry = plan;
-  geometry.columns.clear();
-  for (const PlannedColumn& column : plan.columns) {
-    const bool is_geometry = column.stem.size() == 1 || column.stem[0] == 'q' || column.stem == "config" ||
-                             column.stem == "marker" || column.stem == "station";
-    if (is_geometry) geometry.columns.push_back(column);
-  }
-  return geometry;
-}
-
-// How far the aligned nominal robot misses; infinite where that cannot be said.
-double Misfit(const Robot& robot, const std::string& csv) {
-  try {
-    const Measurements data = ReadMeasurementsText(robot, csv, "measurements.csv");
-    const CalibrationProblem problem = MakeCalibrationProblem(robot, data, WithWeightlessLoads(data));
-    return AlignedMisfit(problem, SampleOfRows(problem));
-  } catch (const InputError&) {  // too few rows: nothing can be said
-    return std::numeric_limits<double>::infinity();
-  }
-}
-
-double MisfitOf(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
-  const auto misfit_of = [&](const ImportPlan& some) {
-    ImportedRows rows;
-    rows.Add(table, some, {}, std::max<size_t>(1, table.rows.size() / kSampleRows));
-    return Misfit(robot, rows.ToCsv(robot.num_joints()));
-  };
-  // Nothing else that a table has may keep a robot from being compared with its points.
-  const double misfit = misfit_of(plan);
-  return std::isfinite(misfit) ? misfit : misfit_of(GeometryOf(plan));
-}
+constexpr double kRounded = 1.2;    // of what rounding makes on average, for what few rows may have more
 
 }  // namespace
 
@@ -160,32 +117,19 @@ void ConfirmOrder(const Robot& robot, const TextTable& table, const Choice& choi
                    "the names of the poses next to the readings");
 }
 
-namespace {
-
-// m: what the numbers of the points are rounded to, zeros behind that left out.
-double LastDigit(const TextTable& table, const ImportPlan& plan) {
-  size_t decimals = 0;
-  const PlannedColumn& x = *plan.Find("x");
-  for (const TextTable::Row& row : table.rows) {
-    const std::string& cell = row.cells[x.source];
-    const size_t sign = cell.rfind(table.decimal_comma ? ',' : '.');
-    const size_t last = cell.find_last_not_of('0');
-    if (sign != std::string::npos && last > sign) decimals = std::max(decimals, last - sign);
-  }
-  return UnitNamed(x.unit).ToSi(std::pow(10.0, -static_cast<double>(decimals)));
-}
-
-}  // namespace
-
-// Positions that the nominal robot reproduces were computed from its joints. Rounded to a step h they are off by h /
-// sqrt 12 along each axis, by h / 2 (RMS of distances) in all.
-void RefuseComputedPoints(const TextTable& table, const Choice& choice, bool is_mapped) {
+// Positions that the nominal robot reproduces were computed from its joints.
+void RefuseComputedPoints(const Robot& robot, const TextTable& table, const Choice& choice, bool is_mapped) {
   if (is_mapped || !std::isfinite(choice.misfit)) return;
-  if (choice.misfit > std::max(kComputed, kRounded * LastDigit(table, choice.plan))) return;
-  throw InputError({table.path, table.header_line, ""},
-                   "the points agree with the nominal robot to " + InMillimetres(choice.misfit) +
-                       ": they were computed, not measured",
-                   "name the measured columns: --map=x_mm=HEADER,y_mm=HEADER,z_mm=HEADER; if these are, name them");
+  const std::string agree = "the points agree with the nominal robot to " + InMillimetres(choice.misfit);
+  const std::string hint =
+      "name the measured columns: --map=x_mm=HEADER,y_mm=HEADER,z_mm=HEADER; if these are, name them";
+  const InputError::Where where = {table.path, table.header_line, ""};
+  if (choice.misfit <= kComputed) throw InputError(where, agree + ": they were computed, not measured", hint);
+  if (choice.misfit > SuspiciousMisfit(robot.chain)) return;  // far more than digits that are left out
+  const double rounding = kRounded * MisfitOfRounding(robot, table, choice.plan);
+  if (!std::isfinite(rounding) || choice.misfit > rounding) return;
+  throw InputError(
+      where, agree + ", as far as the digits of joint values and points go: they were computed, not measured", hint);
 }
 
 std::string InDegrees(double radians) { return Significant(radians / kDegree, 3) + " deg"; }
@@ -234,11 +178,7 @@ class RotationFit {
   }
 
  private:
-  Measurements Sample(const ImportPlan& plan) const {
-    ImportedRows rows;
-    rows.Add(table_, plan, {}, std::max<size_t>(1, table_.rows.size() / kSampleRows));
-    return ReadMeasurementsText(robot_, rows.ToCsv(robot_.num_joints()), "measurements.csv");
-  }
+  Measurements Sample(const ImportPlan& plan) const { return SampleOfTable(robot_, table_, plan); }
 
   const Robot& robot_;
   const TextTable& table_;

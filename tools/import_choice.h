@@ -42,8 +42,9 @@ void ConfirmOrder(const Robot& robot, const TextTable& table, const Choice& choi
 // Throws InputError where what the user said does not fit.
 void DecideRotation(const Robot& robot, const TextTable& table, const std::string& stated, Choice* choice);
 
-// Positions that the nominal robot reproduces were computed from its joints.
-void RefuseComputedPoints(const TextTable& table, const Choice& choice, bool is_mapped);
+// Positions that the nominal robot reproduces, as far as the digits of the table go, were computed from its joints: an
+// InputError, unless the user names the columns.
+void RefuseComputedPoints(const Robot& robot, const TextTable& table, const Choice& choice, bool is_mapped);
 
 // The robot of a file; of a DH table that does not say its convention the one with which it can have made the readings.
 RobotReading ReadRobotWithReadings(const std::string& path, const RobotReadOptions& options, const TextTable& table,

@@ -1,0 +1,127 @@
+#include "tools/import_misfit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "estimator/alignment/aligned_misfit.h"
+#include "models/constants.h"
+#include "problems/calibration_problem.h"
+#include "problems/input_error.h"
+#include "problems/io/import/imported_rows.h"
+#include "problems/io/measurement_file.h"
+#include "problems/io/units.h"
+#include "tools/import_choice.h"
+
+namespace sagitta {
+namespace {
+
+constexpr size_t kSampleRows = 60;
+constexpr double kNothing = std::numeric_limits<double>::infinity();
+// rad and m: controllers show joint values to a hundredth of a degree or of a millimetre at least. Values of fewer
+// digits are those of poses that somebody wrote down, and the arm was driven to just these.
+constexpr double kCoarsestAngle = 0.01 * kDegree, kCoarsestLength = 1e-5;
+
+// The plan's joint values and points, and what names them.
+ImportPlan GeometryOf(const ImportPlan& plan) {
+  ImportPlan geometry = plan;
+  geometry.columns.clear();
+  for (const PlannedColumn& column : plan.columns) {
+    const bool is_geometry = column.stem.size() == 1 || column.stem[0] == 'q' || column.stem == "config" ||
+                             column.stem == "marker" || column.stem == "station";
+    if (is_geometry) geometry.columns.push_back(column);
+  }
+  return geometry;
+}
+
+CalibrationProblem ProblemOf(const Robot& robot, const Measurements& data) {
+  return MakeCalibrationProblem(robot, data, WithWeightlessLoads(data));
+}
+
+// How far the aligned nominal robot misses; infinite where that cannot be said.
+double Misfit(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
+  try {
+    const CalibrationProblem problem = ProblemOf(robot, SampleOfTable(robot, table, plan));
+    return AlignedMisfit(problem, SampleOfRows(problem));
+  } catch (const InputError&) {  // too few rows: nothing can be said
+    return kNothing;
+  }
+}
+
+// Digits behind the decimal sign, zeros at the end left out; fewer by what an exponent says.
+int DecimalsOf(const std::string& cell, char decimal_sign) {
+  const size_t exponent = cell.find_first_of("eE");
+  const std::string digits = cell.substr(0, exponent);
+  const size_t sign = digits.rfind(decimal_sign), last = digits.find_last_not_of('0');
+  const int behind =
+      sign != std::string::npos && last != std::string::npos && last > sign ? static_cast<int>(last - sign) : 0;
+  return behind - (exponent == std::string::npos ? 0 : std::atoi(cell.c_str() + exponent + 1));
+}
+
+// m or rad: what the numbers of a column are rounded to.
+double LastDigit(const TextTable& table, const PlannedColumn& column) {
+  int decimals = 0;
+  for (const TextTable::Row& row : table.rows) {
+    const std::string& cell = row.cells[static_cast<size_t>(column.source)];
+    if (table.Number(cell)) decimals = std::max(decimals, DecimalsOf(cell, table.decimal_comma ? ',' : '.'));
+  }
+  return UnitNamed(column.unit).ToSi(std::pow(10.0, -decimals));
+}
+
+// m: where the aligned robot has the points of these rows.
+Eigen::Matrix3Xd PointsWithJointMoved(CalibrationProblem problem, const AlignedSample& aligned,
+                                      const std::vector<int>& points, int joint, double by) {
+  for (Configuration& configuration : problem.mutable_data()->configurations) configuration.q[joint] += by;
+  problem.RenewJoints();
+  return PredictPoints(problem, aligned.parameters, points);
+}
+
+}  // namespace
+
+Experiment WithWeightlessLoads(const Measurements& data) {
+  Experiment experiment;
+  experiment.load_point = Vector3<double>::Zero();
+  for (const std::string& load : LoadsOf(data)) experiment.loads[load].mass = 0.0;
+  return experiment;
+}
+
+Measurements SampleOfTable(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
+  ImportedRows rows;
+  rows.Add(table, plan, {}, std::max<size_t>(1, table.rows.size() / kSampleRows));
+  return ReadMeasurementsText(robot, rows.ToCsv(robot.num_joints()), "measurements.csv");
+}
+
+double MisfitOf(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
+  // Nothing else that a table has may keep a robot from being compared with its points.
+  const double misfit = Misfit(robot, table, plan);
+  return std::isfinite(misfit) ? misfit : Misfit(robot, table, GeometryOf(plan));
+}
+
+// A number that is rounded to a step h is off by h / sqrt 12 (RMS): a point along each axis, a joint by that times how
+// fast it moves the point.
+double MisfitOfRounding(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
+  try {
+    const CalibrationProblem problem = ProblemOf(robot, SampleOfTable(robot, table, GeometryOf(plan)));
+    const AlignedSample aligned(problem);
+    const std::vector<int> points = problem.data().PointsAmong(aligned.rows);
+    const Eigen::Matrix3Xd at_rest = PointsWithJointMoved(problem, aligned, points, 0, 0.0);
+    const double of_points = LastDigit(table, *plan.Find("x"));
+    double squares = 3.0 * of_points * of_points;
+    for (int j = 0; j < robot.num_joints(); ++j) {
+      const bool turns = robot.chain.joints[static_cast<size_t>(j)].type == JointType::kRevolute;
+      const double step = LastDigit(table, *plan.Find("q" + std::to_string(j + 1)));
+      // Written as 0.01 degrees: a bit more or less.
+      if (step > 1.001 * (turns ? kCoarsestAngle : kCoarsestLength)) continue;
+      const Eigen::Matrix3Xd moved = PointsWithJointMoved(problem, aligned, points, j, step);
+      squares += (moved - at_rest).squaredNorm() / static_cast<double>(points.size());
+    }
+    return std::sqrt(squares / 12.0);
+  } catch (const InputError&) {
+    return kNothing;
+  }
+}
+
+}  // namespace sagitta
