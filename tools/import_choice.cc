@@ -26,7 +26,8 @@ namespace sagitta {
 namespace {
 
 constexpr double kComputed = 2e-6;  // m: no instrument and no robot agree with a nominal table so well
-constexpr double kRounded = 1.2;    // of what rounding makes on average, for what few rows may have more
+const std::string kNotTheseReadings = "this robot cannot have made these readings: ";
+constexpr double kRounded = 1.2;  // of what rounding makes on average, for what few rows may have more
 
 }  // namespace
 
@@ -63,7 +64,7 @@ std::optional<Finding> WhyNot(const Robot& robot, const TextTable& table, const 
 
 [[noreturn]] void RefuseRobot(const Robot& robot, const TextTable& table, const ImportPlan& plan, double misfit,
                               bool says_why) {
-  const std::string words = "this robot cannot have made these readings: ";
+  const std::string words = kNotTheseReadings;
   const std::optional<Finding> why = says_why ? WhyNot(robot, table, plan) : std::nullopt;
   if (why) throw InputError({table.path, table.header_line, ""}, words + why->words, why->remedy);
   if (table.joined_in_order) {
@@ -79,16 +80,47 @@ std::optional<Finding> WhyNot(const Robot& robot, const TextTable& table, const 
 
 }  // namespace
 
-Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<ImportPlan>& plans, bool says_why) {
+namespace {
+
+// Another reading of the numbers explains all rows, those that are far off too.
+void RefuseOtherReading(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
+  std::optional<Finding> other;
+  try {
+    const Measurements data = SampleOfTable(robot, table, plan);
+    const ReadingLint lint = LintReadings(MakeCalibrationProblem(robot, data, WithWeightlessLoads(data)));
+    if (lint.is_suspicious && lint.is_explained) other = lint.findings.front();
+  } catch (const InputError&) {  // nothing can be said
+  }
+  if (other) throw InputError({table.path, table.header_line, ""}, kNotTheseReadings + other->words, other->remedy);
+}
+
+// What each plan misses most of the rows by, m, where it misses all of them by more than `tolerance`; whether one fits.
+bool FitMost(const Robot& robot, const TextTable& table, const std::vector<ImportPlan>& plans, double tolerance,
+             std::vector<double>* misfits) {
+  for (size_t i = 0; i < plans.size(); ++i) {
+    if (std::isfinite((*misfits)[i])) (*misfits)[i] = MisfitOfMost(robot, table, plans[i]).value_or((*misfits)[i]);
+  }
+  return *std::min_element(misfits->begin(), misfits->end()) <= tolerance;
+}
+
+}  // namespace
+
+Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<ImportPlan>& plans, IfNoneFits policy) {
   std::vector<double> misfits;
   for (const ImportPlan& plan : plans) misfits.push_back(MisfitOf(robot, table, plan));
-  const size_t best = std::min_element(misfits.begin(), misfits.end()) - misfits.begin();
-  const bool fits_decide = misfits[best] < std::numeric_limits<double>::infinity();
+  const auto best_of = [&misfits] {
+    return static_cast<size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
+  };
+  const bool fits_decide = std::isfinite(misfits[best_of()]);
+  const double tolerance = kNotThisRobot * Reach(robot.chain);
+  const bool is_of_most = fits_decide && misfits[best_of()] > tolerance && policy != IfNoneFits::kRefuse &&
+                          FitMost(robot, table, plans, tolerance, &misfits);
+  const size_t best = best_of();
   const ImportPlan& chosen = plans[fits_decide ? best : PlanBySize(table, plans)];
   RefuseRowsApart(robot, table, chosen);
   if (!fits_decide) return {chosen};
-  const double tolerance = kNotThisRobot * Reach(robot.chain);
-  if (misfits[best] > tolerance) RefuseRobot(robot, table, chosen, misfits[best], says_why);
+  if (misfits[best] > tolerance) RefuseRobot(robot, table, chosen, misfits[best], policy == IfNoneFits::kSayWhy);
+  if (is_of_most) RefuseOtherReading(robot, table, chosen);
   for (size_t i = 0; i < plans.size(); ++i) {
     if (i == best || misfits[i] > kBetter * std::max(misfits[best], kComputed) || misfits[i] > tolerance) continue;
     throw InputError(
@@ -96,7 +128,8 @@ Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<
         "the columns can be read in two ways, which fit equally well: " + plans[best].choice + "; " + plans[i].choice,
         "--map=… says which, as in --map=x_mm=1,q1_deg=4");
   }
-  return {plans[best], misfits[best]};  // of several readings one fits: that is evidence, and stays a guess
+  // Of several readings one fits: that is evidence, and stays a guess.
+  return {plans[best], misfits[best], is_of_most};
 }
 
 void ConfirmOrder(const Robot& robot, const TextTable& table, const Choice& choice) {
@@ -109,7 +142,8 @@ void ConfirmOrder(const Robot& robot, const TextTable& table, const Choice& choi
       moved.rows[r].cells[column] = other.cells[column];
     }
   }
-  const double misfit = MisfitOf(robot, moved, choice.plan);
+  double misfit = MisfitOf(robot, moved, choice.plan);
+  if (choice.misfit_is_of_most) misfit = MisfitOfMost(robot, moved, choice.plan).value_or(misfit);
   if (misfit >= kBetter * choice.misfit) return;
   throw InputError({table.path, table.header_line, ""},
                    "nothing says that the readings are in the order of the poses: the nominal robot misses them by " +
@@ -288,7 +322,7 @@ RobotReading ReadRobotWithReadings(const std::string& path, const RobotReadOptio
     const Robot robot = ReadAnyRobot(path, as).robot;
     double misfit = std::numeric_limits<double>::infinity();
     try {
-      misfit = ChoosePlan(robot, table, PossiblePlans(table, robot.chain.joints, columns)).misfit;
+      misfit = ChoosePlan(robot, table, PossiblePlans(table, robot.chain.joints, columns), IfNoneFits::kTryMost).misfit;
     } catch (const InputError&) {  // with this convention the robot cannot have made the readings
     }
     fits.emplace_back(misfit, convention);

@@ -6,8 +6,12 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "estimator/alignment/aligned_misfit.h"
+#include "estimator/inspection/reading_lint.h"
+#include "estimator/inspection/sampled_problem.h"
+#include "estimator/inspection/wild_rows.h"
 #include "models/constants.h"
 #include "problems/calibration_problem.h"
 #include "problems/input_error.h"
@@ -20,6 +24,7 @@ namespace sagitta {
 namespace {
 
 constexpr size_t kSampleRows = 60;
+constexpr double kMostFarOff = 0.2;  // of all: more are no exceptions, as in reading_lint.cc
 constexpr double kNothing = std::numeric_limits<double>::infinity();
 // rad and m: controllers show joint values to a hundredth of a degree or of a millimetre at least. Values of fewer
 // digits are those of poses that somebody wrote down, and the arm was driven to just these.
@@ -49,6 +54,18 @@ double Misfit(const Robot& robot, const TextTable& table, const ImportPlan& plan
   } catch (const InputError&) {  // too few rows: nothing can be said
     return kNothing;
   }
+}
+
+bool AreFew(size_t far, size_t all) { return static_cast<double>(far) <= kMostFarOff * static_cast<double>(all); }
+
+// Rows that stand clear of the others, where these are enough to say so and fit as a robot's do.
+std::optional<FarRows> FewFarRows(const CalibrationProblem& problem) {
+  std::optional<FarRows> rows = FindFarRows(problem);
+  if (!rows) return std::nullopt;
+  *rows = OnlyThoseApart(std::move(*rows));
+  const size_t all = rows->near.size() + rows->far.size();
+  if (rows->far.empty() || !AreFew(rows->far.size(), all) || !AreApart(*rows, problem)) return std::nullopt;
+  return rows;
 }
 
 // Digits behind the decimal sign, zeros at the end left out; fewer by what an exponent says.
@@ -98,6 +115,61 @@ double MisfitOf(const Robot& robot, const TextTable& table, const ImportPlan& pl
   // Nothing else that a table has may keep a robot from being compared with its points.
   const double misfit = Misfit(robot, table, plan);
   return std::isfinite(misfit) ? misfit : Misfit(robot, table, GeometryOf(plan));
+}
+
+std::optional<double> MisfitOfMost(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
+  try {
+    const CalibrationProblem problem = ProblemOf(robot, SampleOfTable(robot, table, GeometryOf(plan)));
+    const std::optional<FarRows> rows = FewFarRows(problem);
+    return rows ? std::optional<double>(rows->near_rms) : std::nullopt;
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+namespace {
+
+// Of all points those farther than `limit` from where the robot has them; the RMS distance of the others.
+ReadingsFarOff FartherThan(double limit, const CalibrationProblem& problem, const std::vector<int>& points,
+                           const std::vector<double>& distances) {
+  ReadingsFarOff found;
+  double squares = 0.0;
+  found.all = points.size();
+  for (size_t k = 0; k < points.size(); ++k) {
+    if (distances[k] > limit) {
+      found.rows.push_back(problem.data().observations[points[k]].row);
+      found.distances.push_back(distances[k]);
+    } else {
+      squares += distances[k] * distances[k];
+    }
+  }
+  found.others = std::sqrt(squares / static_cast<double>(std::max<size_t>(1, found.all - found.rows.size())));
+  return found;
+}
+
+}  // namespace
+
+std::optional<ReadingsFarOff> FindReadingsFarOff(const Robot& robot, const Measurements& data) {
+  try {
+    const CalibrationProblem problem = ProblemOf(robot, data);
+    const AlignedSample aligned(problem);
+    const std::vector<int> points = problem.data().PointsAmong(problem.CalibrationObservations());
+    const double least = SuspiciousMisfit(problem);
+    std::vector<double> distances = DistancesFromPoints(problem, points, aligned.parameters);
+    const double most = distances.empty() ? 0.0 : *std::max_element(distances.begin(), distances.end());
+    if (most <= least) return std::nullopt;
+    // Rows that are far off may have drawn the robot to themselves: where some are in the sample, without them.
+    double typical = aligned.misfit;
+    if (const std::optional<FarRows> rows = FewFarRows(SampledProblem(problem))) {
+      distances = DistancesFromPoints(problem, points, rows->parameters);
+      typical = rows->near_rms;
+    }
+    ReadingsFarOff found = FartherThan(std::max(least, kFarApart * typical), problem, points, distances);
+    if (found.rows.empty() || !AreFew(found.rows.size(), found.all)) return std::nullopt;
+    return found;
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
 }
 
 // A number that is rounded to a step h is off by h / sqrt 12 (RMS): a point along each axis, a joint by that times how

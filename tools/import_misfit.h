@@ -2,6 +2,9 @@
 // it did, as a controller that computes them does.
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "models/robot.h"
 #include "problems/experiment.h"
 #include "problems/io/import/import_plan.h"
@@ -18,6 +21,21 @@ Measurements SampleOfTable(const Robot& robot, const TextTable& table, const Imp
 
 // m, RMS of distances on a sample of the rows; infinite where that cannot be said.
 double MisfitOf(const Robot& robot, const TextTable& table, const ImportPlan& plan);
+
+// The same without the rows that are far off, m. Nothing: there are none, or many, or the others do not fit as those of
+// one robot do.
+std::optional<double> MisfitOfMost(const Robot& robot, const TextTable& table, const ImportPlan& plan);
+
+// Readings that the aligned nominal robot misses by more than any arm needs to be calibrated, and by ten times what it
+// misses the others by: points that are lost, rows of means, a reflector that was changed.
+struct ReadingsFarOff {
+  std::vector<int> rows;          // of the measurements' file, from 0
+  std::vector<double> distances;  // m, of each
+  double others = 0.0;            // m, RMS of the distances of all others
+  size_t all = 0;                 // readings
+};
+// Nothing: there are none, or they are many, or nothing can be said.
+std::optional<ReadingsFarOff> FindReadingsFarOff(const Robot& robot, const Measurements& data);
 
 // m, how far the aligned nominal robot misses its own points (RMS of distances) where these and the joint values they
 // were computed from are rounded to the digits that the table has. Infinite where nothing can be said.
