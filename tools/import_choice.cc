@@ -134,6 +134,13 @@ Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<
 
 void ConfirmOrder(const Robot& robot, const TextTable& table, const Choice& choice) {
   if (!table.joined_in_order) return;
+  const std::string hint = "the names of the poses next to the readings";
+  if (!std::isfinite(choice.misfit)) {
+    throw InputError({table.path, table.header_line, ""},
+                     "nothing says that the readings are in the order of the poses, and so few rows (" +
+                         std::to_string(table.rows.size()) + ") do not confirm it",
+                     hint);
+  }
   TextTable moved = table;  // each reading at the pose half the file away
   for (size_t r = 0; r < table.rows.size(); ++r) {
     const TextTable::Row& other = table.rows[(r + table.rows.size() / 2) % table.rows.size()];
@@ -148,7 +155,7 @@ void ConfirmOrder(const Robot& robot, const TextTable& table, const Choice& choi
   throw InputError({table.path, table.header_line, ""},
                    "nothing says that the readings are in the order of the poses: the nominal robot misses them by " +
                        InMillimetres(choice.misfit) + ", and in another order by " + InMillimetres(misfit) + " (RMS)",
-                   "the names of the poses next to the readings");
+                   hint);
 }
 
 // Positions that the nominal robot reproduces were computed from its joints.

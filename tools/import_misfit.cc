@@ -24,7 +24,8 @@ namespace sagitta {
 namespace {
 
 constexpr size_t kSampleRows = 60;
-constexpr double kMostFarOff = 0.2;  // of all: more are no exceptions, as in reading_lint.cc
+constexpr size_t kEquationsPerPlace = 2;  // to every coordinate of a base or marker
+constexpr double kMostFarOff = 0.2;       // of all: more are no exceptions, as in reading_lint.cc
 constexpr double kNothing = std::numeric_limits<double>::infinity();
 // rad and m: controllers show joint values to a hundredth of a degree or of a millimetre at least. Values of fewer
 // digits are those of poses that somebody wrote down, and the arm was driven to just these.
@@ -42,8 +43,18 @@ ImportPlan GeometryOf(const ImportPlan& plan) {
   return geometry;
 }
 
+// Base poses and markers alone are unknown: the nominal robot is compared, and as many rows as they need will do.
+// Throws InputError where there are fewer than twice as many equations as these unknowns: any robot fits few rows.
 CalibrationProblem ProblemOf(const Robot& robot, const Measurements& data) {
-  return MakeCalibrationProblem(robot, data, WithWeightlessLoads(data));
+  Experiment experiment = WithWeightlessLoads(data);
+  for (Selection* each : {&experiment.estimate.geometry, &experiment.estimate.compliance,
+                          &experiment.estimate.gravity_compensator, &experiment.estimate.effects})
+    each->kind = Selection::Kind::kNone;
+  CalibrationProblem problem = MakeCalibrationProblem(robot, data, experiment);
+  const size_t equations = 3 * problem.data().PointsAmong(problem.CalibrationObservations()).size();
+  if (equations < kEquationsPerPlace * problem.parameters.EstimatedCoordinates().size())
+    throw InputError({"", 0, ""}, "too few rows to compare the robot with");
+  return problem;
 }
 
 // How far the aligned nominal robot misses; infinite where that cannot be said.
