@@ -283,7 +283,7 @@ void RefuseCopies(const std::vector<TextTable>& tables) {
   }
 }
 
-Files ReadFiles(const std::vector<std::string>& paths) {
+Files ReadFiles(const std::vector<std::string>& paths, const std::map<std::string, std::string>& columns) {
   Files files;
   for (const std::string& path : paths) {
     if (LooksLikeRobot(path)) {
@@ -293,7 +293,7 @@ Files ReadFiles(const std::vector<std::string>& paths) {
     }
   }
   RefuseCopies(files.tables);
-  if (files.tables.size() > 1) files.tables = JoinPosesByName(std::move(files.tables), JointsOf(files.robots));
+  if (files.tables.size() > 1) files.tables = JoinPosesByName(std::move(files.tables), JointsOf(files.robots), columns);
   if (!files.tables.empty()) return files;
   throw InputError({paths[0], 0, ""}, "there are no measurements among the files",
                    "a robot alone is for 'sagitta convert'");
@@ -372,7 +372,7 @@ int RunImport(const CommandLine& line) {
                    std::vector<ProgressPhase>{
                        {"reading the files", 4.0}, {"interpreting", 3.0}, {"writing", 1.0}, {"checking", 1.0}});
   progress->Say("reading the files");
-  const Files files = ReadFiles(line.arguments);
+  const Files files = ReadFiles(line.arguments, columns);
   const FoundRobot found = RobotOf(files.robots, FLAGS_robot, RobotOptionsFromFlags(), files.tables, columns);
   const Robot& robot = found.reading.robot;
   const Interpretation read = Interpret(files.tables, found.reading, columns, FLAGS_rotation, &*progress);
