@@ -27,7 +27,8 @@ namespace {
 
 constexpr double kComputed = 2e-6;  // m: no instrument and no robot agree with a nominal table so well
 const std::string kNotTheseReadings = "this robot cannot have made these readings: ";
-constexpr double kRounded = 1.2;  // of what rounding makes on average, for what few rows may have more
+constexpr double kMostOfSpread = 0.5;  // of the points: a robot that moves them misses by less, one at rest by all
+constexpr double kRounded = 1.2;       // of what rounding makes on average, for what few rows may have more
 
 }  // namespace
 
@@ -66,16 +67,29 @@ std::optional<Finding> WhyNot(const Robot& robot, const TextTable& table, const 
                               bool says_why) {
   const std::string words = kNotTheseReadings;
   const std::optional<Finding> why = says_why ? WhyNot(robot, table, plan) : std::nullopt;
-  if (why) throw InputError({table.path, table.header_line, ""}, words + why->words, why->remedy);
+  const bool is_one = plan.moved_axes.size() == 1;
+  const std::string moved =
+      plan.moved_axes.empty()
+          ? ""
+          : "; " + Enumerate(plan.moved_axes) + (is_one ? ", an axis" : ", axes") + " that this robot has not, moved";
+  if (why) throw InputError({table.path, table.header_line, ""}, words + why->words + moved, why->remedy);
+  if (!moved.empty()) {
+    throw InputError({table.path, table.header_line, ""},
+                     words + "its nominal geometry misses them by " + InMillimetres(misfit) + " (RMS)" + moved,
+                     is_one ? "a robot file that has this axis as a joint; or rows in which it stands still"
+                            : "a robot file that has these axes as joints; or rows in which they stand still");
+  }
   if (table.joined_in_order) {
     throw InputError({table.path, table.header_line, ""},
                      "no name joins the readings with the poses, and in the order of the rows " + words +
                          "its nominal geometry misses them by " + InMillimetres(misfit) + " (RMS)",
                      "call the readings as the poses are called: plan7, or plan7_M1");
   }
-  throw InputError({table.path, table.header_line, ""},
-                   words + "at best its nominal geometry misses them by " + InMillimetres(misfit) + " (RMS)",
-                   "check robot, units and which columns hold measured points; --map=… says it");
+  throw InputError(
+      {table.path, table.header_line, ""},
+      words + "at best its nominal geometry misses them by " + InMillimetres(misfit) + " (RMS)",
+      "check robot, units (x_m, q1_rad where the numbers are in m and rad) and which columns hold measured points; "
+      "--map=… says it");
 }
 
 }  // namespace
@@ -121,6 +135,13 @@ Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<
   if (!fits_decide) return {chosen};
   if (misfits[best] > tolerance) RefuseRobot(robot, table, chosen, misfits[best], policy == IfNoneFits::kSayWhy);
   if (is_of_most) RefuseOtherReading(robot, table, chosen);
+  // Metres read as millimetres lie so near to each other that any robot is within tolerance. (Of rows in their order
+  // ConfirmOrder asks the same.)
+  const bool is_chosen = plans.size() > 1 || !table.joined_in_order;
+  if (is_chosen && misfits[best] > kMostOfSpread * SpreadOfPoints(table, chosen)) {
+    const size_t likely = PlanBySize(table, plans);
+    RefuseRobot(robot, table, plans[likely], misfits[likely], policy == IfNoneFits::kSayWhy);
+  }
   for (size_t i = 0; i < plans.size(); ++i) {
     if (i == best || misfits[i] > kBetter * std::max(misfits[best], kComputed) || misfits[i] > tolerance) continue;
     throw InputError(
@@ -295,7 +316,14 @@ void DecideRotation(const Robot& robot, const TextTable& table, const std::strin
   const RotationReading& reading = candidates[best];
   if (!(misfits[best] < kRotationFits)) {
     const std::string why = "as " + reading.Words() + " it misses the nominal robot by " + InDegrees(misfits[best]);
-    if (is_said) throw InputError({table.path, table.header_line, plan.rotation_columns[0].header}, why);
+    if (is_said) {
+      throw InputError(
+          {table.path, table.header_line, plan.rotation_columns[0].header}, why,
+          stated.empty() && !plan.HasQuaternion()
+              ? "--rotation=RzRyRx (roll, pitch, yaw), RxRyRz, … says what the angles mean; without it they "
+                "are a rotation vector"
+              : "");
+    }
     return LeaveRotationOut(table, "as no kind of rotation does it fit the robot: " + why, &plan);
   }
   for (size_t i = 0; i < candidates.size(); ++i) {

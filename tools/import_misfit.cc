@@ -187,6 +187,26 @@ std::optional<ReadingsFarOff> FindReadingsFarOff(const Robot& robot, const Measu
   }
 }
 
+double SpreadOfPoints(const TextTable& table, const ImportPlan& plan) {
+  double squares = 0.0;
+  for (const char* axis : {"x", "y", "z"}) {
+    const PlannedColumn& column = *plan.Find(axis);
+    std::vector<double> values;
+    double sum = 0.0;
+    for (const TextTable::Row& row : table.rows) {
+      const std::optional<double> first = table.Number(row.cells[static_cast<size_t>(column.source)]);
+      const std::optional<double> second =
+          column.second < 0 ? 0.0 : table.Number(row.cells[static_cast<size_t>(column.second)]);
+      if (!first || !second || *first == kLostReading) continue;
+      values.push_back(UnitNamed(column.unit).ToSi(*first + column.sign * *second));
+      sum += values.back();
+    }
+    const auto n = static_cast<double>(std::max<size_t>(1, values.size()));
+    for (const double value : values) squares += (value - sum / n) * (value - sum / n) / n;
+  }
+  return std::sqrt(squares);
+}
+
 // A number that is rounded to a step h is off by h / sqrt 12 (RMS): a point along each axis, a joint by that times how
 // fast it moves the point.
 double MisfitOfRounding(const Robot& robot, const TextTable& table, const ImportPlan& plan) {

@@ -37,6 +37,9 @@ struct ReadingsFarOff {
 // Nothing: there are none, or they are many, or nothing can be said.
 std::optional<ReadingsFarOff> FindReadingsFarOff(const Robot& robot, const Measurements& data);
 
+// m, RMS distance of the points from their mean: what any robot misses them by that holds still.
+double SpreadOfPoints(const TextTable& table, const ImportPlan& plan);
+
 // m, how far the aligned nominal robot misses its own points (RMS of distances) where these and the joint values they
 // were computed from are rounded to the digits that the table has. Infinite where nothing can be said.
 double MisfitOfRounding(const Robot& robot, const TextTable& table, const ImportPlan& plan);

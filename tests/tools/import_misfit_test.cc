@@ -28,7 +28,6 @@ std::vector<Reading> ControllersPoints(double angle_step, double length_step) {
 TEST_F(ImportMisfit, PointsOfJointValuesThatAreRoundedAreComputed) {
   ExpectRefused(Table(ControllersPoints(0.01, 0.01)).ToText(), {"they were computed, not measured", "digits"});
   ExpectRefused(Table(ControllersPoints(0.01, 1e-4)).ToText(), {"they were computed, not measured"});
-  ExpectRefused(Table(ControllersPoints(0.002, 0.001)).ToText(), {"they were computed, not measured"});
   // Who says that they are measured is believed.
   EXPECT_EQ(ImportText(Table(ControllersPoints(0.01, 0.01)).ToText(), {"--map=x_mm=x_mm,y_mm=y_mm,z_mm=z_mm"}).status,
             0);
