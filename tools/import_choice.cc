@@ -140,7 +140,14 @@ Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<
   const bool is_chosen = plans.size() > 1 || !table.joined_in_order;
   if (is_chosen && misfits[best] > kMostOfSpread * SpreadOfPoints(table, chosen)) {
     const size_t likely = PlanBySize(table, plans);
-    RefuseRobot(robot, table, plans[likely], misfits[likely], policy == IfNoneFits::kSayWhy);
+    const double spread = SpreadOfPoints(table, plans[likely]);
+    if (spread > tolerance) RefuseRobot(robot, table, plans[likely], misfits[likely], policy == IfNoneFits::kSayWhy);
+    throw InputError(
+        {table.path, table.header_line, ""},
+        kNotTheseReadings + "the points lie within " + InMillimetres(spread) +
+            " of each other (RMS), and the nominal robot misses them by " + InMillimetres(misfits[likely]),
+        "the numbers are in another unit (--map=x_m=HEADER,… where they are in m), or one reading stands in "
+        "all rows");
   }
   for (size_t i = 0; i < plans.size(); ++i) {
     if (i == best || misfits[i] > kBetter * std::max(misfits[best], kComputed) || misfits[i] > tolerance) continue;

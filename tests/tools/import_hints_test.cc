@@ -51,7 +51,8 @@ TEST_F(ImportHints, MetresMappedAsMillimetresDoNotFit) {
   for (size_t c = 0; c < 6; ++c) table.header[c] = "q" + std::to_string(c + 1);
   ExpectRefused(table.ToText(), {"x_m, q1_rad where the numbers are in m and rad"});
   const std::string mapped = "translation.x,y_mm=translation.y,z_mm=translation.z";
-  ExpectRefused(table.ToText(), {"cannot have made these readings", "m"}, {"--map=x_mm=" + mapped});
+  ExpectRefused(table.ToText(), {"cannot have made these readings: the points lie within", "x_m=HEADER"},
+                {"--map=x_mm=" + mapped});
   ExpectRight(table.ToText(), Readings(), {"--map=x_m=translation.x,y_m=translation.y,z_m=translation.z"});
 }
 

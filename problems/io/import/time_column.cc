@@ -65,8 +65,11 @@ bool AreDates(const std::vector<double>& numbers) {
 // Times of day like 220501, 22:05:01. Of numbers that count something else the last two and the two before are below 60
 // in a third of all: of eight hardly ever.
 bool AreTimesOfDay(const std::vector<double>& numbers) {
-  constexpr size_t kFewest = 8;
+  constexpr size_t kFewest = 8, kFewestMinutes = 4;
   if (numbers.size() < kFewest || *std::max_element(numbers.begin(), numbers.end()) < 10000.0) return false;
+  std::set<double> minutes;
+  for (const double number : numbers) minutes.insert(std::floor(number / 100.0));
+  if (minutes.size() < kFewestMinutes) return false;  // seconds of less than a few minutes
   const auto is_hundred = [](double number) { return std::fmod(number, 100.0) == 0.0; };
   if (std::all_of(numbers.begin(), numbers.end(), is_hundred)) return false;  // a step, rather
   return std::all_of(numbers.begin(), numbers.end(), [](double number) {
@@ -124,8 +127,8 @@ PlannedColumn TwoColumns(int column, int second) {
 }
 
 const std::set<std::string>& WordsForNanoseconds() {
-  static const std::set<std::string> kWords = {"nsec", "nsecs", "nanosec", "nanosecs", "nanoseconds"};
-  return kWords;
+  static const std::set<std::string> kNanoseconds = {"nsec", "nsecs", "nanosec", "nanosecs", "nanoseconds"};
+  return kNanoseconds;
 }
 
 bool HasNanoseconds(const TextTable& table, int column) {
@@ -271,12 +274,12 @@ TimeColumn LookAtTime(const TextTable& table, int column, size_t shots, int seco
   std::string unit = time.adds_nanoseconds ? "s" : "";
   if (unit.empty() && table.has_header()) unit = WrittenUnit(table.header[static_cast<size_t>(column)]);
   if (unit.empty() && numbers && !time.stamps && !values.empty()) {
-    if (time.why_not.empty()) time.why_not = WhyNoSeconds(values);
     const auto [first, last] = std::minmax_element(values.begin(), values.end());
     unit = UnitSince1970(*first, *last);
     time.since_1970 = !unit.empty();
     time.counts_days = unit.empty() && AreDays(values);
     if (time.counts_days) unit = "days";
+    if (unit.empty() && time.why_not.empty()) time.why_not = WhyNoSeconds(values);
   }
   time.seconds_per_unit = SecondsOfUnit(unit);
   time.unit = time.seconds_per_unit && !time.stamps ? unit : "s";
