@@ -354,6 +354,12 @@ void RefuseFewPoses(const MeantTable& readings, const MeantTable& poses, const J
   constexpr size_t kFewPoses = 3;  // a third of the list
   const size_t listed = join.rows == nullptr ? 0 : join.rows->size();
   if (kFewPoses * join.poses > listed || join.found < listed) return;
+  std::set<std::string> rests;  // as many as there are poses; of repeats there are few
+  for (size_t r = 0; r < readings.table.rows.size(); ++r) {
+    std::string rest;
+    if (join.Find(readings.Cell(r, join.column), &rest) != nullptr) rests.insert(rest);
+  }
+  if (2 * rests.size() < listed) return;
   std::vector<std::string> names;
   for (size_t r = 0; r < readings.table.rows.size() && names.size() < join.poses; ++r) {
     const std::vector<size_t>* rows = join.Find(readings.Cell(r, join.column));
