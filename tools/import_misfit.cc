@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -18,6 +19,7 @@
 #include "problems/calibration_problem.h"
 #include "problems/input_error.h"
 #include "problems/io/import/imported_rows.h"
+#include "problems/io/import/marker_column.h"
 #include "problems/io/measurement_file.h"
 #include "problems/io/units.h"
 #include "tools/import_choice.h"
@@ -26,6 +28,7 @@ namespace sagitta {
 namespace {
 
 constexpr size_t kSampleRows = 60;
+constexpr size_t kSampleShots = 12;       // at least, where rows are repeats of few poses
 constexpr size_t kRowsOfDigits = 1000;    // one in ten ends with a zero: of so many not all do
 constexpr size_t kEquationsPerPlace = 2;  // to every coordinate of a base or marker
 constexpr double kMostFarOff = 0.2;       // of all: more are no exceptions, as in reading_lint.cc
@@ -46,6 +49,23 @@ ImportPlan GeometryOf(const ImportPlan& plan) {
   return geometry;
 }
 
+// Whether so many coordinates are read, those of one marker at one station and pose counted once: repeats say nothing
+// of the robot.
+bool HasEquations(const CalibrationProblem& problem, size_t fewest) {
+  const Measurements& data = problem.data();
+  std::set<std::vector<double>> seen;
+  for (const int i : data.PointsAmong(problem.CalibrationObservations())) {
+    const Observation& row = data.observations[static_cast<size_t>(i)];
+    const Eigen::VectorXd& q = data.ConfigurationOf(row).q;
+    std::vector<double> key(q.data(), q.data() + q.size());
+    key.push_back(row.marker);
+    key.push_back(data.shots[static_cast<size_t>(row.shot)].station);
+    seen.insert(std::move(key));
+    if (3 * seen.size() >= fewest) return true;
+  }
+  return false;
+}
+
 // Base poses and markers alone are unknown: the nominal robot is compared, and as many rows as they need will do.
 // Throws InputError where there are fewer than twice as many equations as these unknowns: any robot fits few rows.
 CalibrationProblem ProblemOf(const Robot& robot, const Measurements& data) {
@@ -54,8 +74,7 @@ CalibrationProblem ProblemOf(const Robot& robot, const Measurements& data) {
                           &experiment.estimate.gravity_compensator, &experiment.estimate.effects})
     each->kind = Selection::Kind::kNone;
   CalibrationProblem problem = MakeCalibrationProblem(robot, data, experiment);
-  const size_t equations = 3 * problem.data().PointsAmong(problem.CalibrationObservations()).size();
-  if (equations < kEquationsPerPlace * problem.parameters.EstimatedCoordinates().size())
+  if (!HasEquations(problem, kEquationsPerPlace * problem.parameters.EstimatedCoordinates().size()))
     throw InputError({"", 0, ""}, "too few rows to compare the robot with");
   return problem;
 }
@@ -122,7 +141,8 @@ Experiment WithWeightlessLoads(const Measurements& data) {
 
 Measurements SampleOfTable(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
   ImportedRows rows;
-  rows.Add(table, plan, {}, std::max<size_t>(1, table.rows.size() / kSampleRows));
+  const size_t stride = std::min(table.rows.size() / kSampleRows, DifferentPoses(table, plan) / kSampleShots);
+  rows.Add(table, plan, {}, std::max<size_t>(1, stride));
   return ReadMeasurementsText(robot, rows.ToCsv(robot.num_joints()), "measurements.csv");
 }
 

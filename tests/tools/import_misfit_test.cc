@@ -71,6 +71,18 @@ TEST_F(ImportMisfit, ReadingsThatAreFarOffAreNamedWhereverTheyStand) {
   }
 }
 
+// Many repeats of each pose: a sample of the rows has to have several poses all the same, or any robot fits it.
+TEST_F(ImportMisfit, RepeatsOfFewPosesAreComparedAtSeveralOfThem) {
+  std::vector<Reading> repeats;
+  for (const Reading& reading : Readings()) repeats.insert(repeats.end(), 40, reading);
+  const test::Outcome outcome = ImportText(Table(repeats).ToText());
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("the columns fit the robot"), std::string::npos) << outcome.out;
+  std::vector<Reading> mirrored = repeats;
+  for (Reading& reading : mirrored) reading.xyz_mm[1] *= -1.0;
+  ExpectRefused(Table(mirrored).ToText(), {"cannot have made these readings"});
+}
+
 TEST_F(ImportMisfit, RowsOfMeansAndDeviationsAreNamed) {
   std::vector<Reading> readings = Readings();
   Reading mean = readings[0], deviation = readings[0];
