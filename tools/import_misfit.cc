@@ -49,21 +49,25 @@ ImportPlan GeometryOf(const ImportPlan& plan) {
   return geometry;
 }
 
-// Whether so many coordinates are read, those of one marker at one station and pose counted once: repeats say nothing
-// of the robot.
-bool HasEquations(const CalibrationProblem& problem, size_t fewest) {
+// Of these rows the points, those of one marker at one station and pose once: repeats say nothing of the robot.
+std::vector<int> WithoutRepeats(const CalibrationProblem& problem, const std::vector<int>& rows) {
   const Measurements& data = problem.data();
   std::set<std::vector<double>> seen;
-  for (const int i : data.PointsAmong(problem.CalibrationObservations())) {
+  std::vector<int> once;
+  for (const int i : data.PointsAmong(rows)) {
     const Observation& row = data.observations[static_cast<size_t>(i)];
     const Eigen::VectorXd& q = data.ConfigurationOf(row).q;
     std::vector<double> key(q.data(), q.data() + q.size());
     key.push_back(row.marker);
     key.push_back(data.shots[static_cast<size_t>(row.shot)].station);
-    seen.insert(std::move(key));
-    if (3 * seen.size() >= fewest) return true;
+    if (seen.insert(std::move(key)).second) once.push_back(i);
   }
-  return false;
+  return once;
+}
+
+// Twice as many equations as unknowns.
+bool AreEnough(const CalibrationProblem& problem, const std::vector<int>& rows) {
+  return 3 * rows.size() >= kEquationsPerPlace * problem.parameters.EstimatedCoordinates().size();
 }
 
 // Base poses and markers alone are unknown: the nominal robot is compared, and as many rows as they need will do.
@@ -74,7 +78,7 @@ CalibrationProblem ProblemOf(const Robot& robot, const Measurements& data) {
                           &experiment.estimate.gravity_compensator, &experiment.estimate.effects})
     each->kind = Selection::Kind::kNone;
   CalibrationProblem problem = MakeCalibrationProblem(robot, data, experiment);
-  if (!HasEquations(problem, kEquationsPerPlace * problem.parameters.EstimatedCoordinates().size()))
+  if (!AreEnough(problem, WithoutRepeats(problem, problem.CalibrationObservations())))
     throw InputError({"", 0, ""}, "too few rows to compare the robot with");
   return problem;
 }
@@ -83,7 +87,10 @@ CalibrationProblem ProblemOf(const Robot& robot, const Measurements& data) {
 double Misfit(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
   try {
     const CalibrationProblem problem = ProblemOf(robot, SampleOfTable(robot, table, plan));
-    return AlignedMisfit(problem, SampleOfRows(problem));
+    const std::vector<int> sample = SampleOfRows(problem);
+    // Repeats that come in turns may leave a few poses in a sample of every so many-th row.
+    if (AreEnough(problem, WithoutRepeats(problem, sample))) return AlignedMisfit(problem, sample);
+    return AlignedMisfit(problem, WithoutRepeats(problem, problem.CalibrationObservations()));
   } catch (const InputError&) {  // too few rows: nothing can be said
     return kNothing;
   }
