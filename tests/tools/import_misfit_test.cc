@@ -74,7 +74,12 @@ TEST_F(ImportMisfit, ReadingsThatAreFarOffAreNamedWhereverTheyStand) {
 // Many repeats of each pose: a sample of the rows has to have several poses all the same, or any robot fits it.
 TEST_F(ImportMisfit, RepeatsOfFewPosesAreComparedAtSeveralOfThem) {
   std::vector<Reading> repeats;
-  for (const Reading& reading : Readings()) repeats.insert(repeats.end(), 40, reading);
+  for (int repeat = 0; repeat < 40; ++repeat) {
+    for (Reading reading : Readings()) {
+      reading.xyz_mm[2] += 0.001 * repeat;
+      repeats.push_back(reading);
+    }
+  }
   const test::Outcome outcome = ImportText(Table(repeats).ToText());
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("the columns fit the robot"), std::string::npos) << outcome.out;
