@@ -25,6 +25,7 @@
 #include "tools/commands.h"
 #include "tools/convert_options.h"
 #include "tools/import_choice.h"
+#include "tools/import_misfit.h"
 #include "tools/progress.h"
 #include "tools/report/command_words.h"
 
@@ -42,9 +43,9 @@ namespace {
 namespace fs = std::filesystem;
 
 // Of rows that are measurements; InputError where they are none, at the row as it was given.
-std::set<std::string> LoadsIn(const Robot& robot, const ImportedRows& rows, const std::string& csv) {
+Measurements CheckedMeasurements(const Robot& robot, const ImportedRows& rows, const std::string& csv) {
   try {
-    return LoadsOf(ReadMeasurementsText(robot, csv, "measurements.csv"));
+    return ReadMeasurementsText(robot, csv, "measurements.csv");
   } catch (const InputError& error) {
     const int row = error.where().line - 2;  // behind the header, counted from 0
     throw InputError({row >= 0 ? rows.SourceOf(static_cast<size_t>(row)) : "", 0, ""},
@@ -112,22 +113,33 @@ FoundRobot ShippedRobot(const std::string& name) {
   throw InputError({"", 0, "--robot"}, "there is no table '" + name + "'", SpellingHint(name, names));
 }
 
-// Of the shipped tables the one that can have made the readings, if there is exactly one.
-FoundRobot RobotByFit(const TextTable& table, const std::map<std::string, std::string>& columns) {
-  struct Candidate {
-    std::string path;
-    double misfit;
-  };
-  std::vector<Candidate> fitting;
+struct CandidateTable {
+  std::string path;
+  double misfit;  // m
+};
+
+// Those of the shipped tables that can have made the readings.
+std::vector<CandidateTable> TablesThatFit(const TextTable& table, const std::map<std::string, std::string>& columns,
+                                          IfNoneFits policy) {
+  std::vector<CandidateTable> fitting;
   for (const std::string& path : ShippedTables()) {
     const RobotReading reading = ReadAnyRobot(path);
     try {
-      const Choice choice = ChoosePlan(reading.robot, table, PossiblePlans(table, reading.robot.chain.joints, columns));
+      const auto plans = PossiblePlans(table, reading.robot.chain.joints, columns);
+      const Choice choice = ChoosePlan(reading.robot, table, plans, policy);
       if (choice.misfit < std::numeric_limits<double>::infinity()) fitting.push_back({path, choice.misfit});
     } catch (const InputError&) {  // other joints, or it misses by far
     }
   }
-  std::sort(fitting.begin(), fitting.end(), [](const Candidate& a, const Candidate& b) { return a.misfit < b.misfit; });
+  return fitting;
+}
+
+// Of the shipped tables the one that can have made the readings, if there is exactly one.
+FoundRobot RobotByFit(const TextTable& table, const std::map<std::string, std::string>& columns) {
+  std::vector<CandidateTable> fitting = TablesThatFit(table, columns, IfNoneFits::kRefuse);
+  if (fitting.empty()) fitting = TablesThatFit(table, columns, IfNoneFits::kTryMost);
+  std::sort(fitting.begin(), fitting.end(),
+            [](const CandidateTable& a, const CandidateTable& b) { return a.misfit < b.misfit; });
   if (fitting.empty() || (fitting.size() > 1 && fitting[1].misfit < kBetter * fitting[0].misfit)) {
     throw InputError({table.path, 0, ""},
                      fitting.empty()
@@ -177,7 +189,8 @@ void PrintPlan(const TextTable& table, const Choice& choice) {
   }
   for (const auto& [header, why] : choice.plan.unused) std::cout << fmt::format("  {:<30} not used: {}\n", header, why);
   if (choice.misfit < std::numeric_limits<double>::infinity()) {
-    std::cout << "  " << ColumnsFit(InMillimetres(choice.misfit)) << "\n";
+    std::cout << "  " << (choice.misfit_is_of_most ? ColumnsFitMostRows : ColumnsFit)(InMillimetres(choice.misfit))
+              << "\n";
   } else {
     std::cout << "  " << TooFewPoses(DifferentPoses(table, choice.plan)) << "\n";
   }
@@ -197,6 +210,17 @@ void PrintWhatLoadsNeed(const std::set<std::string>& loads, const std::map<std::
     const auto stated = masses.find(load);
     std::cout << (stated == masses.end() ? LoadNeedsPoint(load) : WeighedLoadNeedsPoint(load, stated->second)) << "\n";
   }
+}
+
+// Where they stand, the first of them with how far off they are.
+std::string FarOffInWords(const ReadingsFarOff& far_off, const ImportedRows& rows) {
+  constexpr size_t kNamed = 10;
+  std::vector<std::string> names;
+  for (size_t k = 0; k < far_off.rows.size(); ++k) {
+    const std::string source = rows.SourceOf(static_cast<size_t>(far_off.rows[k]));
+    names.push_back(source + " (" + InMillimetres(far_off.distances[k]) + ")");
+  }
+  return ReadingsAreFarOff(far_off.all, InMillimetres(far_off.others), names.size(), Enumerate(names, kNamed));
 }
 
 void PrintGuesses(const std::vector<std::string>& guesses) {
@@ -259,7 +283,7 @@ void RefuseCopies(const std::vector<TextTable>& tables) {
   }
 }
 
-Files ReadFiles(const std::vector<std::string>& paths) {
+Files ReadFiles(const std::vector<std::string>& paths, const std::map<std::string, std::string>& columns) {
   Files files;
   for (const std::string& path : paths) {
     if (LooksLikeRobot(path)) {
@@ -269,7 +293,7 @@ Files ReadFiles(const std::vector<std::string>& paths) {
     }
   }
   RefuseCopies(files.tables);
-  if (files.tables.size() > 1) files.tables = JoinPosesByName(std::move(files.tables), JointsOf(files.robots));
+  if (files.tables.size() > 1) files.tables = JoinPosesByName(std::move(files.tables), JointsOf(files.robots), columns);
   if (!files.tables.empty()) return files;
   throw InputError({paths[0], 0, ""}, "there are no measurements among the files",
                    "a robot alone is for 'sagitta convert'");
@@ -308,9 +332,9 @@ Interpretation Interpret(const std::vector<TextTable>& tables, const RobotReadin
   for (size_t t = 0; t < tables.size(); ++t) {
     progress->Say("interpreting the readings of " + labels[t]);
     const auto plans = PossiblePlans(tables[t], reading.robot.chain.joints, columns);
-    Choice choice = ChoosePlan(reading.robot, tables[t], plans, true);
+    Choice choice = ChoosePlan(reading.robot, tables[t], plans, IfNoneFits::kSayWhy);
     ConfirmOrder(reading.robot, tables[t], choice);
-    RefuseComputedPoints(tables[t], choice, is_point_stated);
+    RefuseComputedPoints(reading.robot, tables[t], choice, is_point_stated);
     DecideRotation(reading.robot, tables[t], rotation, &choice);
     for (const std::string& words : choice.plan.guesses) read.Guess(words);
     read.rows.Add(tables[t], choice.plan, DefaultsOf(t, labels, choice.plan, &read));
@@ -348,7 +372,7 @@ int RunImport(const CommandLine& line) {
                    std::vector<ProgressPhase>{
                        {"reading the files", 4.0}, {"interpreting", 3.0}, {"writing", 1.0}, {"checking", 1.0}});
   progress->Say("reading the files");
-  const Files files = ReadFiles(line.arguments);
+  const Files files = ReadFiles(line.arguments, columns);
   const FoundRobot found = RobotOf(files.robots, FLAGS_robot, RobotOptionsFromFlags(), files.tables, columns);
   const Robot& robot = found.reading.robot;
   const Interpretation read = Interpret(files.tables, found.reading, columns, FLAGS_rotation, &*progress);
@@ -356,8 +380,9 @@ int RunImport(const CommandLine& line) {
   progress->Say("writing the rows");
   const std::string csv = read.rows.ToCsv(robot.num_joints());
   progress->Say("checking what was written");
-  const std::set<std::string> loads =
-      LoadsIn(robot, read.rows, csv);  // before anything is written: it may be interrupted
+  // Before anything is written: it may be interrupted.
+  const Measurements data = CheckedMeasurements(robot, read.rows, csv);
+  const std::optional<ReadingsFarOff> far_off = FindReadingsFarOff(robot, data);
   out.Write({{"robot.yaml", RobotToYaml(robot)},
              {"measurements.csv", csv},
              {"experiment.yaml", ExperimentText(read.rows.masses())}});
@@ -365,7 +390,8 @@ int RunImport(const CommandLine& line) {
   PrintWhatWasRead(found, files.tables, read);
   std::cout << "\n"
             << read.rows.size() << " readings in " << FLAGS_out << ": robot.yaml, measurements.csv, experiment.yaml\n";
-  PrintWhatLoadsNeed(loads, read.rows.masses());
+  if (far_off) std::cout << "Warning: " << FarOffInWords(*far_off, read.rows) << "\n";
+  PrintWhatLoadsNeed(LoadsOf(data), read.rows.masses());
   std::cout << "Next: sagitta calibrate " << FLAGS_out << "/experiment.yaml --out=results\n";
   return 0;
 }

@@ -19,57 +19,16 @@
 #include "problems/io/measurement_file.h"
 #include "problems/io/units.h"
 #include "problems/text.h"
+#include "tools/import_misfit.h"
 #include "tools/report/command_words.h"
 
 namespace sagitta {
 namespace {
 
 constexpr double kComputed = 2e-6;  // m: no instrument and no robot agree with a nominal table so well
-constexpr double kRounded = 0.6;    // of the last digit: rounding alone is half of it
-constexpr size_t kSampleRows = 60;  // spread over the table: a reading that is wrong shows in any ten
-
-// What loads weigh and where they hang stands in no table; they bend an arm by millimetres, much less than
-// kNotThisRobot.
-Experiment WithWeightlessLoads(const Measurements& data) {
-  Experiment experiment;
-  experiment.load_point = Vector3<double>::Zero();
-  for (const std::string& load : LoadsOf(data)) experiment.loads[load].mass = 0.0;
-  return experiment;
-}
-
-// The plan's joint values and points, and what names them.
-ImportPlan GeometryOf(const ImportPlan& plan) {
-  ImportPlan geometry = plan;
-  geometry.columns.clear();
-  for (const PlannedColumn& column : plan.columns) {
-    const bool is_geometry = column.stem.size() == 1 || column.stem[0] == 'q' || column.stem == "config" ||
-                             column.stem == "marker" || column.stem == "station";
-    if (is_geometry) geometry.columns.push_back(column);
-  }
-  return geometry;
-}
-
-// How far the aligned nominal robot misses; infinite where that cannot be said.
-double Misfit(const Robot& robot, const std::string& csv) {
-  try {
-    const Measurements data = ReadMeasurementsText(robot, csv, "measurements.csv");
-    const CalibrationProblem problem = MakeCalibrationProblem(robot, data, WithWeightlessLoads(data));
-    return AlignedMisfit(problem, SampleOfRows(problem));
-  } catch (const InputError&) {  // too few rows: nothing can be said
-    return std::numeric_limits<double>::infinity();
-  }
-}
-
-double MisfitOf(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
-  const auto misfit_of = [&](const ImportPlan& some) {
-    ImportedRows rows;
-    rows.Add(table, some, {}, std::max<size_t>(1, table.rows.size() / kSampleRows));
-    return Misfit(robot, rows.ToCsv(robot.num_joints()));
-  };
-  // Nothing else that a table has may keep a robot from being compared with its points.
-  const double misfit = misfit_of(plan);
-  return std::isfinite(misfit) ? misfit : misfit_of(GeometryOf(plan));
-}
+const std::string kNotTheseReadings = "this robot cannot have made these readings: ";
+constexpr double kMostOfSpread = 0.5;  // of the points: a robot that moves them misses by less, one at rest by all
+constexpr double kRounded = 1.2;       // of what rounding makes on average, for what few rows may have more
 
 }  // namespace
 
@@ -106,32 +65,90 @@ std::optional<Finding> WhyNot(const Robot& robot, const TextTable& table, const 
 
 [[noreturn]] void RefuseRobot(const Robot& robot, const TextTable& table, const ImportPlan& plan, double misfit,
                               bool says_why) {
-  const std::string words = "this robot cannot have made these readings: ";
+  const std::string words = kNotTheseReadings;
   const std::optional<Finding> why = says_why ? WhyNot(robot, table, plan) : std::nullopt;
-  if (why) throw InputError({table.path, table.header_line, ""}, words + why->words, why->remedy);
+  const bool is_one = plan.moved_axes.size() == 1;
+  const std::string moved =
+      plan.moved_axes.empty()
+          ? ""
+          : "; " + Enumerate(plan.moved_axes) + (is_one ? ", an axis" : ", axes") + " that this robot has not, moved";
+  if (why) throw InputError({table.path, table.header_line, ""}, words + why->words + moved, why->remedy);
+  if (!moved.empty()) {
+    throw InputError({table.path, table.header_line, ""},
+                     words + "its nominal geometry misses them by " + InMillimetres(misfit) + " (RMS)" + moved,
+                     is_one ? "a robot file that has this axis as a joint; or rows in which it stands still"
+                            : "a robot file that has these axes as joints; or rows in which they stand still");
+  }
   if (table.joined_in_order) {
     throw InputError({table.path, table.header_line, ""},
                      "no name joins the readings with the poses, and in the order of the rows " + words +
                          "its nominal geometry misses them by " + InMillimetres(misfit) + " (RMS)",
                      "call the readings as the poses are called: plan7, or plan7_M1");
   }
-  throw InputError({table.path, table.header_line, ""},
-                   words + "at best its nominal geometry misses them by " + InMillimetres(misfit) + " (RMS)",
-                   "check robot, units and which columns hold measured points; --map=… says it");
+  throw InputError(
+      {table.path, table.header_line, ""},
+      words + "at best its nominal geometry misses them by " + InMillimetres(misfit) + " (RMS)",
+      "check robot, units (x_m, q1_rad where the numbers are in m and rad) and which columns hold measured points; "
+      "--map=… says it");
 }
 
 }  // namespace
 
-Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<ImportPlan>& plans, bool says_why) {
+namespace {
+
+// Another reading of the numbers explains all rows, those that are far off too.
+void RefuseOtherReading(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
+  std::optional<Finding> other;
+  try {
+    const Measurements data = SampleOfTable(robot, table, plan);
+    const ReadingLint lint = LintReadings(MakeCalibrationProblem(robot, data, WithWeightlessLoads(data)));
+    if (lint.is_suspicious && lint.is_explained) other = lint.findings.front();
+  } catch (const InputError&) {  // nothing can be said
+  }
+  if (other) throw InputError({table.path, table.header_line, ""}, kNotTheseReadings + other->words, other->remedy);
+}
+
+// What each plan misses most of the rows by, m, where it misses all of them by more than `tolerance`; whether one fits.
+bool FitMost(const Robot& robot, const TextTable& table, const std::vector<ImportPlan>& plans, double tolerance,
+             std::vector<double>* misfits) {
+  for (size_t i = 0; i < plans.size(); ++i) {
+    if (std::isfinite((*misfits)[i])) (*misfits)[i] = MisfitOfMost(robot, table, plans[i]).value_or((*misfits)[i]);
+  }
+  return *std::min_element(misfits->begin(), misfits->end()) <= tolerance;
+}
+
+}  // namespace
+
+Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<ImportPlan>& plans, IfNoneFits policy) {
   std::vector<double> misfits;
   for (const ImportPlan& plan : plans) misfits.push_back(MisfitOf(robot, table, plan));
-  const size_t best = std::min_element(misfits.begin(), misfits.end()) - misfits.begin();
-  const bool fits_decide = misfits[best] < std::numeric_limits<double>::infinity();
+  const auto best_of = [&misfits] {
+    return static_cast<size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
+  };
+  const bool fits_decide = std::isfinite(misfits[best_of()]);
+  const double tolerance = kNotThisRobot * Reach(robot.chain);
+  const bool is_of_most = fits_decide && misfits[best_of()] > tolerance && policy != IfNoneFits::kRefuse &&
+                          FitMost(robot, table, plans, tolerance, &misfits);
+  const size_t best = best_of();
   const ImportPlan& chosen = plans[fits_decide ? best : PlanBySize(table, plans)];
   RefuseRowsApart(robot, table, chosen);
   if (!fits_decide) return {chosen};
-  const double tolerance = kNotThisRobot * Reach(robot.chain);
-  if (misfits[best] > tolerance) RefuseRobot(robot, table, chosen, misfits[best], says_why);
+  if (misfits[best] > tolerance) RefuseRobot(robot, table, chosen, misfits[best], policy == IfNoneFits::kSayWhy);
+  if (is_of_most) RefuseOtherReading(robot, table, chosen);
+  // Metres read as millimetres lie so near to each other that any robot is within tolerance. (Of rows in their order
+  // ConfirmOrder asks the same.)
+  const bool is_chosen = plans.size() > 1 || !table.joined_in_order;
+  if (is_chosen && misfits[best] > kMostOfSpread * SpreadOfPoints(table, chosen)) {
+    const size_t likely = PlanBySize(table, plans);
+    const double spread = SpreadOfPoints(table, plans[likely]);
+    if (spread > tolerance) RefuseRobot(robot, table, plans[likely], misfits[likely], policy == IfNoneFits::kSayWhy);
+    throw InputError(
+        {table.path, table.header_line, ""},
+        kNotTheseReadings + "the points lie within " + InMillimetres(spread) +
+            " of each other (RMS), and the nominal robot misses them by " + InMillimetres(misfits[likely]),
+        "the numbers are in another unit (--map=x_m=HEADER,… where they are in m), or one reading stands in "
+        "all rows");
+  }
   for (size_t i = 0; i < plans.size(); ++i) {
     if (i == best || misfits[i] > kBetter * std::max(misfits[best], kComputed) || misfits[i] > tolerance) continue;
     throw InputError(
@@ -139,11 +156,19 @@ Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<
         "the columns can be read in two ways, which fit equally well: " + plans[best].choice + "; " + plans[i].choice,
         "--map=… says which, as in --map=x_mm=1,q1_deg=4");
   }
-  return {plans[best], misfits[best]};  // of several readings one fits: that is evidence, and stays a guess
+  // Of several readings one fits: that is evidence, and stays a guess.
+  return {plans[best], misfits[best], is_of_most};
 }
 
 void ConfirmOrder(const Robot& robot, const TextTable& table, const Choice& choice) {
   if (!table.joined_in_order) return;
+  const std::string hint = "the names of the poses next to the readings";
+  if (!std::isfinite(choice.misfit)) {
+    throw InputError({table.path, table.header_line, ""},
+                     "nothing says that the readings are in the order of the poses, and so few rows (" +
+                         std::to_string(table.rows.size()) + ") do not confirm it",
+                     hint);
+  }
   TextTable moved = table;  // each reading at the pose half the file away
   for (size_t r = 0; r < table.rows.size(); ++r) {
     const TextTable::Row& other = table.rows[(r + table.rows.size() / 2) % table.rows.size()];
@@ -152,40 +177,28 @@ void ConfirmOrder(const Robot& robot, const TextTable& table, const Choice& choi
       moved.rows[r].cells[column] = other.cells[column];
     }
   }
-  const double misfit = MisfitOf(robot, moved, choice.plan);
+  double misfit = MisfitOf(robot, moved, choice.plan);
+  if (choice.misfit_is_of_most) misfit = MisfitOfMost(robot, moved, choice.plan).value_or(misfit);
   if (misfit >= kBetter * choice.misfit) return;
   throw InputError({table.path, table.header_line, ""},
                    "nothing says that the readings are in the order of the poses: the nominal robot misses them by " +
                        InMillimetres(choice.misfit) + ", and in another order by " + InMillimetres(misfit) + " (RMS)",
-                   "the names of the poses next to the readings");
+                   hint);
 }
 
-namespace {
-
-// m: what the numbers of the points are rounded to, zeros behind that left out.
-double LastDigit(const TextTable& table, const ImportPlan& plan) {
-  size_t decimals = 0;
-  const PlannedColumn& x = *plan.Find("x");
-  for (const TextTable::Row& row : table.rows) {
-    const std::string& cell = row.cells[x.source];
-    const size_t sign = cell.rfind(table.decimal_comma ? ',' : '.');
-    const size_t last = cell.find_last_not_of('0');
-    if (sign != std::string::npos && last > sign) decimals = std::max(decimals, last - sign);
-  }
-  return UnitNamed(x.unit).ToSi(std::pow(10.0, -static_cast<double>(decimals)));
-}
-
-}  // namespace
-
-// Positions that the nominal robot reproduces were computed from its joints. Rounded to a step h they are off by h /
-// sqrt 12 along each axis, by h / 2 (RMS of distances) in all.
-void RefuseComputedPoints(const TextTable& table, const Choice& choice, bool is_mapped) {
+// Positions that the nominal robot reproduces were computed from its joints.
+void RefuseComputedPoints(const Robot& robot, const TextTable& table, const Choice& choice, bool is_mapped) {
   if (is_mapped || !std::isfinite(choice.misfit)) return;
-  if (choice.misfit > std::max(kComputed, kRounded * LastDigit(table, choice.plan))) return;
-  throw InputError({table.path, table.header_line, ""},
-                   "the points agree with the nominal robot to " + InMillimetres(choice.misfit) +
-                       ": they were computed, not measured",
-                   "name the measured columns: --map=x_mm=HEADER,y_mm=HEADER,z_mm=HEADER; if these are, name them");
+  const std::string agree = "the points agree with the nominal robot to " + InMillimetres(choice.misfit);
+  const std::string hint =
+      "name the measured columns: --map=x_mm=HEADER,y_mm=HEADER,z_mm=HEADER; if these are, name them";
+  const InputError::Where where = {table.path, table.header_line, ""};
+  if (choice.misfit <= kComputed) throw InputError(where, agree + ": they were computed, not measured", hint);
+  if (choice.misfit > SuspiciousMisfit(robot.chain)) return;  // far more than digits that are left out
+  const double rounding = kRounded * MisfitOfRounding(robot, table, choice.plan);
+  if (!std::isfinite(rounding) || choice.misfit > rounding) return;
+  throw InputError(
+      where, agree + ", as far as the digits of joint values and points go: they were computed, not measured", hint);
 }
 
 std::string InDegrees(double radians) { return Significant(radians / kDegree, 3) + " deg"; }
@@ -234,11 +247,7 @@ class RotationFit {
   }
 
  private:
-  Measurements Sample(const ImportPlan& plan) const {
-    ImportedRows rows;
-    rows.Add(table_, plan, {}, std::max<size_t>(1, table_.rows.size() / kSampleRows));
-    return ReadMeasurementsText(robot_, rows.ToCsv(robot_.num_joints()), "measurements.csv");
-  }
+  Measurements Sample(const ImportPlan& plan) const { return SampleOfTable(robot_, table_, plan); }
 
   const Robot& robot_;
   const TextTable& table_;
@@ -314,7 +323,14 @@ void DecideRotation(const Robot& robot, const TextTable& table, const std::strin
   const RotationReading& reading = candidates[best];
   if (!(misfits[best] < kRotationFits)) {
     const std::string why = "as " + reading.Words() + " it misses the nominal robot by " + InDegrees(misfits[best]);
-    if (is_said) throw InputError({table.path, table.header_line, plan.rotation_columns[0].header}, why);
+    if (is_said) {
+      throw InputError(
+          {table.path, table.header_line, plan.rotation_columns[0].header}, why,
+          stated.empty() && !plan.HasQuaternion()
+              ? "--rotation=RzRyRx (roll, pitch, yaw), RxRyRz, … says what the angles mean; without it they "
+                "are a rotation vector"
+              : "");
+    }
     return LeaveRotationOut(table, "as no kind of rotation does it fit the robot: " + why, &plan);
   }
   for (size_t i = 0; i < candidates.size(); ++i) {
@@ -348,7 +364,7 @@ RobotReading ReadRobotWithReadings(const std::string& path, const RobotReadOptio
     const Robot robot = ReadAnyRobot(path, as).robot;
     double misfit = std::numeric_limits<double>::infinity();
     try {
-      misfit = ChoosePlan(robot, table, PossiblePlans(table, robot.chain.joints, columns)).misfit;
+      misfit = ChoosePlan(robot, table, PossiblePlans(table, robot.chain.joints, columns), IfNoneFits::kTryMost).misfit;
     } catch (const InputError&) {  // with this convention the robot cannot have made the readings
     }
     fits.emplace_back(misfit, convention);

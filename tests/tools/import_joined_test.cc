@@ -320,6 +320,23 @@ TEST_F(ImportJoined, TheRobotHasToConfirmTheOrder) {
                 With(Table(near).Reordered({0, 1, 2, 3, 4, 5}).ToText()));
 }
 
+// Eight rows are 24 equations to nine unknowns; two are fewer than any robot needs.
+TEST_F(ImportJoined, TheOrderOfFewRowsHasToBeConfirmedToo) {
+  const Table all_points = Table(Readings()).Reordered({6, 7, 8}),
+              all_poses = Table(Readings()).Reordered({0, 1, 2, 3, 4, 5});
+  for (const size_t count : {8u, 6u}) {
+    Table points = all_points, poses = all_poses;
+    points.rows.resize(count), poses.rows.resize(count);
+    EXPECT_EQ(ImportText(points.ToText(), With(poses.ToText())).status, 0) << count;
+    std::rotate(poses.rows.begin(), poses.rows.begin() + 1, poses.rows.end());
+    ExpectRefused(points.ToText(), {"in the order of the rows this robot cannot have made these readings"},
+                  With(poses.ToText()));
+  }
+  Table points = all_points, poses = all_poses;
+  points.rows.resize(3), poses.rows.resize(3);
+  ExpectRefused(points.ToText(), {"so few rows (3) do not confirm it", "names of the poses"}, With(poses.ToText()));
+}
+
 // Three markers under two loads, all in mixed order: the columns are checked against the robot all the same.
 TEST_F(ImportJoined, PermutedNamesUnderTwoLoadsAreRefused) {
   Table poses = Table(Readings()).Reordered({0, 1, 2, 3, 4, 5});

@@ -230,6 +230,17 @@ std::string ColumnsFit(const std::string& misfit) {
   return "the nominal robot, base and marker fitted, misses by " + misfit + " (RMS): the columns fit the robot";
 }
 
+std::string ColumnsFitMostRows(const std::string& misfit) {
+  return "the nominal robot, base and marker fitted, misses most rows by " + misfit +
+         " (RMS): the columns fit the robot; the other rows are far off";
+}
+
+std::string ReadingsAreFarOff(size_t all, const std::string& others, size_t far, const std::string& rows) {
+  return "of " + std::to_string(all) + " readings " + std::to_string(far) + (far == 1 ? " is" : " are") +
+         " far from where the nominal robot has the marker, which misses the others by " + others + " (RMS): " + rows +
+         ". They are imported as they are: correct them, or leave out rows that are no readings, such as means.";
+}
+
 std::string TorquesAreCarried() {
   return "torques are carried along; 'torques: measured' in experiment.yaml has them drive the compliances";
 }

@@ -76,6 +76,9 @@ std::string NoShippedTables(const std::vector<std::string>& tried);
 std::string WhereTablesAre();
 std::string OnlyTableThatFits(const std::string& table, const std::string& misfit);
 std::string ColumnsFit(const std::string& misfit);
+std::string ColumnsFitMostRows(const std::string& misfit);
+// Of all readings so many are farther off than the others, whose RMS distance this is; rows: where they stand.
+std::string ReadingsAreFarOff(size_t all, const std::string& others, size_t far, const std::string& rows);
 std::string TorquesAreCarried();
 std::string LoadNeedsPoint(const std::string& load);
 std::string WeighedLoadNeedsPoint(const std::string& load, double mass);  // kg

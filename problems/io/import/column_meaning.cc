@@ -7,6 +7,7 @@
 #include <set>
 
 #include "problems/io/import/header_words.h"
+#include "problems/io/import/joint_columns.h"
 #include "problems/io/import/mapped_columns.h"
 #include "problems/text.h"
 
@@ -30,16 +31,6 @@ const std::set<std::string> kSigmaWords = {"std",   "sigma",       "stddev", "sd
 const std::set<std::string> kUnclearWords = {"uncertainty", "unc"};  // a standard deviation, or twice that
 // Words that go with a position and say nothing about whose it is.
 const std::set<std::string> kPointWords = {"point", "pos", "position", "coordinate", "coord", "p", "xyz"};
-
-bool Has(const Words& words, const std::set<std::string>& set) {
-  return std::any_of(words.begin(), words.end(), [&set](const std::string& word) { return set.count(word) > 0; });
-}
-
-int AxisNamed(const std::string& word) {
-  static const Words kAxes = {"x", "y", "z"};
-  const auto found = std::find(kAxes.begin(), kAxes.end(), word);
-  return found == kAxes.end() ? -1 : static_cast<int>(found - kAxes.begin());
-}
 
 bool IsNumber(const std::string& word) {
   return !word.empty() && word.find_first_not_of("0123456789") == std::string::npos;
@@ -305,7 +296,7 @@ ColumnMeaning ByName(const std::string& header, const std::vector<std::string>& 
   if (const auto joint = AsJoint(name, words, joints)) return *joint;
   if (const auto rotation = AsRotation(words)) return *rotation;
   static const std::set<std::string> kTemperature = {"temperature", "temp", "temperatur"};
-  static const std::set<std::string> kTime = {"time", "timestamp", "datetime", "date", "zeit"};
+  static const std::set<std::string> kTime = {"time", "timestamp", "datetime", "date", "datum", "uhrzeit", "zeit"};
   // How long something lasts, and what a part of the machine has.
   static const std::set<std::string> kLasts = {"exposure", "integration", "cycle",      "dwell",  "settling",
                                                "duration", "delay",       "processing", "flight", "averaging"};
@@ -357,99 +348,6 @@ ColumnMeaning MeaningOf(const std::string& header, const std::vector<std::string
 
 namespace {
 
-// The names of Universal Robots' pendant, by joint; all six or none.
-void NamePendantJoints(const std::vector<std::string>& headers, std::vector<ColumnMeaning>* meanings) {
-  static const std::vector<Words> kPendant = {{"base"},       {"shoulder"},   {"elbow"},
-                                              {"wrist", "1"}, {"wrist", "2"}, {"wrist", "3"}};
-  std::vector<size_t> columns;
-  for (const Words& joint : kPendant) {
-    for (size_t c = 0; c < headers.size(); ++c) {
-      if (WordsOf(StemOf(headers[c])) == joint) columns.push_back(c);
-    }
-  }
-  if (columns.size() != kPendant.size()) return;
-  for (size_t j = 0; j < columns.size(); ++j) {
-    ColumnMeaning meaning;
-    meaning.role = Role::kJoint;
-    meaning.index = static_cast<int>(j);
-    meaning.unit = UnitInHeader(headers[columns[j]]);
-    (*meanings)[columns[j]] = meaning;
-  }
-}
-
-// Joints called X, Y, Z, as a gantry's: columns of exactly these names, where others hold the points; all or none.
-void NameAxisJoints(const std::vector<std::string>& headers, const std::vector<Joint>& joints,
-                    std::vector<ColumnMeaning>* meanings) {
-  std::map<size_t, int> joint_of;
-  std::set<int> axes_of_points;
-  for (size_t c = 0; c < headers.size(); ++c) {
-    if ((*meanings)[c].role != Role::kPoint) continue;
-    const auto own = std::find_if(joints.begin(), joints.end(),
-                                  [&](const Joint& joint) { return joint.name == StemOf(headers[c]); });
-    if (own == joints.end()) axes_of_points.insert((*meanings)[c].index);
-    if (own != joints.end()) joint_of[c] = static_cast<int>(own - joints.begin());
-  }
-  const auto is_axis = [](const Joint& joint) { return AxisNamed(LowerCaseOf(joint.name)) >= 0; };
-  const long expected = std::count_if(joints.begin(), joints.end(), is_axis);
-  if (axes_of_points.size() != 3 || static_cast<long>(joint_of.size()) != expected) return;
-  for (const auto& [column, joint] : joint_of) {
-    (*meanings)[column].role = Role::kJoint;
-    (*meanings)[column].index = joint;
-  }
-}
-
-// Turning joints that are named by one word and the numbers 1, 2, … in their order: their places; else empty.
-std::vector<int> NumberedTurningJoints(const std::vector<Joint>& joints) {
-  std::vector<int> places;
-  std::string word;
-  for (size_t j = 0; j < joints.size(); ++j) {
-    if (joints[j].type != JointType::kRevolute) continue;
-    const Words words = WordsOf(joints[j].name);
-    if (words.size() != 2 || words[1] != std::to_string(places.size() + 1)) return {};
-    if (!places.empty() && words[0] != word) return {};
-    word = words[0];
-    places.push_back(static_cast<int>(j));
-  }
-  return places;
-}
-
-// Numbers in units of angles count the turning joints, unless there are more of them.
-void CountTurningJoints(const std::vector<Joint>& joints, std::vector<ColumnMeaning>* meanings) {
-  const std::vector<int> places = NumberedTurningJoints(joints);
-  if (places.empty() || places.size() == joints.size()) return;
-  std::vector<ColumnMeaning*> numbered;
-  for (ColumnMeaning& meaning : *meanings) {
-    if (meaning.role != Role::kJoint || !meaning.is_numbered) continue;
-    if (!IsAngleUnit(meaning.unit) || meaning.index < 0) return;
-    if (meaning.index >= static_cast<int>(places.size())) return;
-    numbered.push_back(&meaning);
-  }
-  for (ColumnMeaning* meaning : numbered) meaning->index = places[static_cast<size_t>(meaning->index)];
-}
-
-// "Rail [mm]" or "E1 [mm]" of a robot with one joint that slides, where no other column is that joint.
-void NameRail(const std::vector<std::string>& headers, const std::vector<Joint>& joints,
-              std::vector<ColumnMeaning>* meanings) {
-  static const std::set<std::string> kRail = {"rail", "track", "linear", "schiene", "linearachse", "verfahrachse"};
-  static const std::set<std::string> kAround = {"axis", "pos", "position", "achse"};
-  const auto slides = [](const Joint& joint) { return joint.type == JointType::kPrismatic; };
-  if (std::count_if(joints.begin(), joints.end(), slides) != 1) return;
-  const int rail = static_cast<int>(std::find_if(joints.begin(), joints.end(), slides) - joints.begin());
-  std::vector<size_t> columns;
-  for (size_t c = 0; c < headers.size(); ++c) {
-    const Words words = WordsOf(StemOf(headers[c]));
-    const bool is_rail = Has(words, kRail) && std::all_of(words.begin(), words.end(), [](const std::string& word) {
-                           return kRail.count(word) + kAround.count(word) > 0;
-                         });
-    const bool is_first_external = words == Words{"e", "1"};
-    if ((is_rail || is_first_external) && IsLengthUnit((*meanings)[c].unit)) columns.push_back(c);
-    if ((*meanings)[c].role == Role::kJoint && (*meanings)[c].index == rail) return;
-  }
-  if (columns.size() != 1) return;
-  (*meanings)[columns[0]].role = Role::kJoint;
-  (*meanings)[columns[0]].index = rail;
-}
-
 // tx, ty, tz are a translation where no column is called a point; torques of that name are, by the robot, none.
 void NameTranslations(const std::vector<std::string>& headers, std::vector<ColumnMeaning>* meanings) {
   const auto is_of_point = [](const ColumnMeaning& meaning) {
@@ -482,10 +380,7 @@ std::vector<ColumnMeaning> MeaningsOf(const std::vector<std::string>& headers, c
   const Words names = JointNames(joints);
   std::vector<ColumnMeaning> meanings;
   for (const std::string& header : headers) meanings.push_back(MeaningOf(header, names));
-  NamePendantJoints(headers, &meanings);
-  NameAxisJoints(headers, joints, &meanings);
-  CountTurningJoints(joints, &meanings);
-  NameRail(headers, joints, &meanings);
+  NameJointsTogether(headers, joints, &meanings);
   NameTranslations(headers, &meanings);
   return meanings;
 }

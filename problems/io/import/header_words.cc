@@ -1,5 +1,6 @@
 #include "problems/io/import/header_words.h"
 
+#include <algorithm>
 #include <cctype>
 #include <utility>
 
@@ -82,6 +83,15 @@ std::vector<std::string> WordsOf(const std::string& name) {
     before = kind;
   }
   return words;
+}
+
+bool Has(const std::vector<std::string>& words, const std::set<std::string>& set) {
+  return std::any_of(words.begin(), words.end(), [&set](const std::string& word) { return set.count(word) > 0; });
+}
+
+int AxisNamed(const std::string& word) {
+  const size_t axis = std::string("xyz").find(word);
+  return word.size() == 1 && axis != std::string::npos ? static_cast<int>(axis) : -1;
 }
 
 }  // namespace sagitta

@@ -1,6 +1,7 @@
 // Names of columns as people write them: "Joint_1 [deg]", "measurement_x", "θ (°)", "x_mm".
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,5 +28,11 @@ std::string NameWithoutUnit(const std::string& header);
 // Words of a name: "measurement_std_x" -> {measurement, std, x}; "TargetQ1" -> {target, q, 1};
 // digits are words of their own.
 std::vector<std::string> WordsOf(const std::string& name);
+
+// Whether one of the words is one of these.
+bool Has(const std::vector<std::string>& words, const std::set<std::string>& set);
+
+// 0, 1, 2 of "x", "y", "z"; -1 of any other word.
+int AxisNamed(const std::string& word);
 
 }  // namespace sagitta

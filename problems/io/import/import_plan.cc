@@ -11,6 +11,7 @@
 #include "problems/io/import/mapped_columns.h"
 #include "problems/io/import/marker_column.h"
 #include "problems/io/import/open_units.h"
+#include "problems/io/import/other_columns.h"
 #include "problems/io/import/time_column.h"
 #include "problems/text.h"
 
@@ -18,7 +19,9 @@ namespace sagitta {
 namespace {
 
 constexpr const char* kAxes[] = {"x", "y", "z"};
-constexpr char kMapHint[] = "--map=x_mm=HEADER,y_mm=HEADER,z_mm=HEADER,q1_deg=HEADER,…; a column's number does as well";
+constexpr char kMapHint[] =
+    "--map=x_mm=HEADER,y_mm=HEADER,z_mm=HEADER,q1_deg=HEADER,… (x_m, q1_rad where the numbers are in m and rad); a "
+    "column's number does as well";
 
 class Planner {
  public:
@@ -27,6 +30,7 @@ class Planner {
 
   std::vector<ImportPlan> Plans() {
     plan_.guesses = table_.guesses;
+    AddColumnsNotJoined(table_, &plan_);
     TakeMapped();
     if (table_.has_header()) {
       meanings_ = MeaningsOf(table_.header, joints_);
@@ -35,7 +39,7 @@ class Planner {
       TakePoints();
       TakeRotation();
       TakeTorques();
-      TakeOthers();
+      AddOtherColumns(table_, meanings_, taken_, &plan_);
       return WithOpenUnits({plan_}, joints_);
     }
     if (IsComplete(plan_)) return WithOpenUnits({plan_}, joints_);
@@ -174,6 +178,7 @@ class Planner {
           "no column is found for " + Joined(missing) + " of the robot's " + std::to_string(joints_.size()) + " joints",
           HintOfJoints(joints_, missing_joints));
     }
+    RefusePulses(table_, plan_, joints_);
     if (both_joints_) plan_.guesses.push_back("of commanded and actual joint values the commanded ones are used");
     for (const int c : Remaining(Role::kJoint)) plan_.unused.emplace_back(HeaderOf(c), "the other joint values");
   }
@@ -252,7 +257,9 @@ class Planner {
 
   void TakePoints() {
     if (!(IsMapped("x") && IsMapped("y") && IsMapped("z")) && !TakeMeasured() && !TakeTargetPlusDifference()) {
-      FailMissing("no column says that it holds measured points (columns: " + Joined(table_.header) + ")");
+      const std::string spherical = HintOfSphericalReadings(table_.header);
+      FailMissing("no column says that it holds measured points (columns: " + Joined(table_.header) + ")",
+                  spherical.empty() ? kMapHint : spherical);
     }
     std::vector<int> sigmas;
     for (int i = 0; i < 3; ++i) {
@@ -342,75 +349,6 @@ class Planner {
       Add("tau" + std::to_string(j + 1), TorqueUnit(joints_[j]), found[j], "measured torque of " + joints_[j].name);
     }
     if (open) plan_.guesses.push_back("joint torques are in N m: the header does not say");
-  }
-
-  // Of several columns that could be it the one with the fewest words; -1: none.
-  int PlainestOf(Role role, const std::string& what) {
-    std::vector<int> columns = ColumnsOf(role, -1);
-    const auto words = [this](int c) { return WordsOf(StemOf(HeaderOf(c))).size(); };
-    std::stable_sort(columns.begin(), columns.end(), [&](int a, int b) { return words(a) < words(b); });
-    for (size_t k = 1; k < columns.size(); ++k)
-      plan_.guesses.push_back("'" + HeaderOf(columns[0]) + "' is the " + what + ", not '" + HeaderOf(columns[k]) + "'");
-    return columns.empty() ? -1 : columns[0];
-  }
-
-  void TakeOthers() {
-    const int time_column = IsMapped("time") ? -1 : PlainestOf(Role::kTime, "time of the readings");
-    const int temperature_column = IsMapped("temperature") ? -1 : PlainestOf(Role::kTemperature, "temperature");
-    for (int c = 0; c < table_.columns(); ++c) {
-      if (taken_.count(c)) continue;
-      const ColumnMeaning& meaning = meanings_[c];
-      const bool is_other = (meaning.role == Role::kTime && c != time_column) ||
-                            (meaning.role == Role::kTemperature && c != temperature_column);
-      if (is_other) {
-        plan_.unused.emplace_back(HeaderOf(c), "another column says it");
-        continue;
-      }
-      static const char* kWrench[] = {"fx", "fy", "fz", "mx", "my", "mz"};
-      std::string stem, unit = meaning.unit;
-      if (meaning.role == Role::kText) stem = meaning.name;
-      if (meaning.role == Role::kWrench && unit == (meaning.index < 3 ? "N" : "Nm")) stem = kWrench[meaning.index];
-      if (meaning.role == Role::kApproach) stem = "approach" + std::to_string(meaning.index + 1);
-      if (meaning.role == Role::kTime) stem = "time";
-      if (meaning.role == Role::kTemperature) stem = "temperature";
-      if (meaning.role == Role::kText || meaning.role == Role::kApproach) unit = "";
-      if (meaning.role == Role::kTorque) {
-        plan_.unused.emplace_back(HeaderOf(c), "torques in N m of all joints are used, or none");
-        continue;
-      }
-      const TimeColumn time = meaning.role == Role::kTime ? LookAtTime(table_, c, 0) : TimeColumn();
-      const std::string& no_time = time.why_not;
-      if (stem.empty() || IsMapped(stem) || !no_time.empty()) {
-        const std::string why = !no_time.empty()       ? no_time
-                                : !meaning.why.empty() ? meaning.why
-                                : stem.empty()         ? "not complete, or in no unit of it"
-                                                       : "stands twice";
-        plan_.unused.emplace_back(HeaderOf(c), why);
-        continue;
-      }
-      if (stem == "temperature") {
-        if (unit.empty()) plan_.guesses.push_back("'" + table_.header[c] + "' is in degC: the header does not say");
-        if (!unit.empty() && unit != "degC") {
-          plan_.unused.emplace_back(HeaderOf(c), "a temperature that is not in degC");
-          continue;
-        }
-        unit = "degC";
-      }
-      Add(stem, stem == "time" ? time.unit : unit, c, stem);
-      if (stem == "load") TakeLoad(meaning.unit, c);
-    }
-  }
-
-  // The unit is that of the masses by which loads are called; 0 is no load then.
-  void TakeLoad(const std::string& unit, int c) {
-    plan_.columns.back().text_unit = unit;
-    const bool has_zero = std::any_of(table_.rows.begin(), table_.rows.end(), [&](const TextTable::Row& row) {
-      return table_.Number(row.cells[static_cast<size_t>(c)]) == 0.0;
-    });
-    if (unit.empty() && has_zero) {
-      plan_.guesses.push_back("'" + HeaderOf(c) +
-                              "' is 0 where there is no load: the header does not say what it counts");
-    }
   }
 
   static bool IsComplete(const ImportPlan& plan) {

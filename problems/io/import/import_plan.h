@@ -36,6 +36,7 @@ struct PlannedColumn {
 struct ImportPlan {
   std::vector<PlannedColumn> columns;
   std::vector<std::pair<std::string, std::string>> unused;  // header, why
+  std::vector<std::string> moved_axes;  // headers of those that are axes outside the arm and did not stand still
   std::vector<std::string> guesses;
   std::string choice;  // what distinguishes this plan from the others, in words
 

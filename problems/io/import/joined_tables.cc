@@ -12,6 +12,8 @@
 #include "problems/input_error.h"
 #include "problems/interruption.h"
 #include "problems/io/import/column_meaning.h"
+#include "problems/io/import/meant_table.h"
+#include "problems/io/import/other_columns.h"
 #include "problems/io/import/pose_names.h"
 #include "problems/text.h"
 
@@ -20,63 +22,6 @@ namespace {
 
 constexpr size_t kNamesInWords = 3;
 constexpr const char* kMarkerColumn = "marker";
-
-bool MayName(const ColumnMeaning& meaning) {
-  return meaning.role == Role::kText || (meaning.role == Role::kOther && meaning.unit.empty());
-}
-
-struct MeantTable {
-  TextTable table;
-  std::vector<ColumnMeaning> meanings;
-
-  bool Has(Role role) const {
-    return std::any_of(meanings.begin(), meanings.end(), [role](const auto& each) { return each.role == role; });
-  }
-  // The same column of a table, by what it means; -1: there is none.
-  int Find(const ColumnMeaning& other) const {
-    const auto same = std::find_if(meanings.begin(), meanings.end(), [&](const ColumnMeaning& each) {
-      return each.role == other.role && each.index == other.index && each.name == other.name;
-    });
-    return same == meanings.end() ? -1 : static_cast<int>(same - meanings.begin());
-  }
-  const std::string& Cell(size_t row, int column) const { return table.rows[row].cells[static_cast<size_t>(column)]; }
-};
-
-// What a list of poses may say of points is no reading.
-bool IsOfPoint(Role role) {
-  return role == Role::kPoint || role == Role::kTarget || role == Role::kDifference || role == Role::kRotation ||
-         role == Role::kQuaternion || role == Role::kAngleSigma;
-}
-
-// A table of a name and three numbers without header.
-void NameColumns(TextTable* table) {
-  if (table->has_header() || table->columns() != 4 || table->rows.empty()) return;
-  const std::vector<std::string>& cells = table->rows[0].cells;
-  const bool are_points = !table->Number(cells[0]) && table->Number(cells[1]) && table->Number(cells[2]);
-  if (!are_points || !table->Number(cells[3])) return;
-  table->header = {"name", "x", "y", "z"};
-  table->header_line = table->rows[0].line;
-  table->guesses.push_back("there is no header: the columns are a name and x, y, z");
-}
-
-MeantTable Meant(TextTable table, const std::vector<Joint>& joints) {
-  NameColumns(&table);
-  MeantTable meant{std::move(table), {}};
-  if (meant.table.has_header()) meant.meanings = MeaningsOf(meant.table.header, joints);
-  return meant;
-}
-
-// A column of x, y, z to fill in is no point.
-bool HoldsPoints(const MeantTable& meant) {
-  for (int c = 0; c < static_cast<int>(meant.meanings.size()); ++c) {
-    const Role role = meant.meanings[c].role;
-    if (role != Role::kPoint && role != Role::kDifference) continue;
-    for (size_t r = 0; r < meant.table.rows.size(); ++r) {
-      if (!IsLostCell(meant.Cell(r, c))) return true;
-    }
-  }
-  return false;
-}
 
 // Which rows of a list of poses have a name, where all of one name have the same joint values.
 using RowsOfName = std::map<std::string, std::vector<size_t>>;
@@ -269,12 +214,26 @@ class Joiner {
     for (int c = 0; c < poses_.table.columns(); ++c) {
       const ColumnMeaning& meaning = poses_.meanings[c];
       const bool is_name = c == pose_name && meaning.role == Role::kOther && readings_.Find(config) < 0;
-      if (!is_name && (meaning.role == Role::kOther || IsOfPoint(meaning.role) || readings_.Find(meaning) >= 0))
+      if (!is_name && (meaning.role == Role::kOther || IsOfPoint(meaning.role) || readings_.Find(meaning) >= 0)) {
+        if (c != pose_name) LeaveOut(c, &joined);
         continue;
+      }
       added_.push_back(c);
       joined.header.push_back(is_name ? config.name : poses_.table.header[c]);
     }
     return joined;
+  }
+
+  void LeaveOut(int c, TextTable* joined) const {
+    const ColumnMeaning& meaning = poses_.meanings[c];
+    TextTable::NotJoined column;
+    column.header = HeaderOfColumn(poses_.table, c);
+    column.why = IsOfPoint(meaning.role) && meaning.why.empty() ? "not measured" : "the readings have such a column";
+    if (meaning.role == Role::kOther || !meaning.why.empty()) {
+      column.why = WhyNotUsed(poses_.table, c, meaning, &column.moved);
+    }
+    column.why += " (" + poses_.table.path + ")";
+    joined->not_joined.push_back(column);
   }
 
   // A column of markers that neither names nor readings state: another column may, as the points decide.
@@ -383,14 +342,44 @@ class Joiner {
   }
   throw InputError({readings.table.path, readings.table.header_line, ""},
                    "there are no joint values, and no column names the poses of " + poses.table.path +
-                       (names.empty() ? "" : " (" + Enumerate(names, kNamesInWords) + ")"),
+                       (names.empty() ? "" : " (" + Enumerate(names, kNamesInWords) + ")") + "; there are " +
+                       std::to_string(readings.table.rows.size()) + " readings and " +
+                       std::to_string(poses.table.rows.size()) + " poses",
                    "a column of the poses' names, as in plan7 or plan7_M1; or as many rows in the same order");
+}
+
+// Names that hold the number of something else where a pose's would stand, as in P2_7 of the second marker: all
+// readings are of a few poses, and each of these has as many as if all were.
+void RefuseFewPoses(const MeantTable& readings, const MeantTable& poses, const Join& join) {
+  constexpr size_t kFewPoses = 3;  // a third of the list
+  const size_t listed = join.rows == nullptr ? 0 : join.rows->size();
+  if (kFewPoses * join.poses > listed || join.found < listed) return;
+  std::set<std::string> rests;  // as many as there are poses; of repeats there are few
+  for (size_t r = 0; r < readings.table.rows.size(); ++r) {
+    std::string rest;
+    if (join.Find(readings.Cell(r, join.column), &rest) != nullptr) rests.insert(rest);
+  }
+  if (2 * rests.size() < listed) return;
+  std::vector<std::string> names;
+  for (size_t r = 0; r < readings.table.rows.size() && names.size() < join.poses; ++r) {
+    const std::vector<size_t>* rows = join.Find(readings.Cell(r, join.column));
+    const std::string name = rows == nullptr ? "" : "'" + poses.Cell(rows->front(), join.pose_column) + "'";
+    if (rows != nullptr && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  throw InputError({readings.table.path, readings.table.header_line, readings.table.header[join.column]},
+                   "of the " + std::to_string(listed) + " poses of " + poses.table.path + " these names, such as '" +
+                       readings.Cell(0, join.column) + "', are of " + std::to_string(join.poses) +
+                       " only: " + Enumerate(names, kNamesInWords),
+                   "names that hold the pose's own name, as in plan7_M2, where a marker or station has another one");
 }
 
 TextTable Joined(const MeantTable& readings, const MeantTable& poses) {
   const Join join = BestJoin(readings, poses);
   const size_t rows = readings.table.rows.size();
-  if (3 * join.found >= 2 * rows && rows > 0) return Joiner(readings, poses).ByName(join);
+  if (3 * join.found >= 2 * rows && rows > 0) {
+    RefuseFewPoses(readings, poses, join);
+    return Joiner(readings, poses).ByName(join);
+  }
   if (rows == poses.table.rows.size()) return Joiner(readings, poses).ByOrder();
   FailToJoin(readings, poses);
 }
@@ -420,17 +409,24 @@ MeantTable OneList(const std::vector<MeantTable>& lists) {
 
 // Nothing to join the lists with: the table that should have the points, and why it has none.
 [[noreturn]] void FailWithoutPoints(const MeantTable& other, const MeantTable& list) {
+  const std::string spherical = HintOfSphericalReadings(other.table.header);
   throw InputError({other.table.path, other.table.header_line, ""},
                    "no column says that it holds measured points; the joint values are in " + list.table.path,
-                   "a header with X, Y, Z above the numbers, or rows of one name and three numbers");
+                   spherical.empty()
+                       ? "a header with X, Y, Z above the numbers, or rows of one name and three numbers; "
+                         "of other headers --map=x_mm=HEADER,y_mm=HEADER,z_mm=HEADER (x_m where the "
+                         "numbers are in m)"
+                       : spherical);
 }
 
 }  // namespace
 
-std::vector<TextTable> JoinPosesByName(std::vector<TextTable> tables, const std::vector<Joint>& joints) {
-  std::vector<MeantTable> lists, points, others, both;
-  for (const TextTable& table : tables) {
-    const MeantTable meant = Meant(table, joints);
+std::vector<TextTable> JoinPosesByName(std::vector<TextTable> tables, const std::vector<Joint>& joints,
+                                       const std::map<std::string, std::string>& columns) {
+  std::vector<MeantTable> all, lists, points, others, both;
+  for (const TextTable& table : tables) all.push_back(Meant(table, joints, columns));
+  CheckMappedHeaders(all, columns);
+  for (const MeantTable& meant : all) {
     const bool has_joints = meant.Has(Role::kJoint), has_points = HoldsPoints(meant);
     (has_joints ? (has_points ? both : lists) : has_points ? points : others).push_back(meant);
   }

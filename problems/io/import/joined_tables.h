@@ -3,6 +3,8 @@
 // there are none.
 #pragma once
 
+#include <map>
+#include <string>
 #include <vector>
 
 #include "models/chain.h"
@@ -12,7 +14,9 @@ namespace sagitta {
 
 // Each table of points without joint values with the columns of the list of poses that names its rows; lists of poses
 // are no tables of their own then. Without such a pair the tables as they are. `joints`: empty where the robot is not
-// known. Throws InputError where neither names nor the number of rows join a pair, or a name is of several poses.
-std::vector<TextTable> JoinPosesByName(std::vector<TextTable> tables, const std::vector<Joint>& joints);
+// known; columns: what --map says, by header of either file. Throws InputError where neither names nor the number of
+// rows join a pair, or a name is of several poses.
+std::vector<TextTable> JoinPosesByName(std::vector<TextTable> tables, const std::vector<Joint>& joints,
+                                       const std::map<std::string, std::string>& columns = {});
 
 }  // namespace sagitta

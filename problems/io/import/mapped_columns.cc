@@ -78,7 +78,7 @@ std::string HintOfJoints(const std::vector<Joint>& of_robot, const std::vector<s
     const bool slides = of_robot[j].type == JointType::kPrismatic;
     columns += (columns.empty() ? "q" : ",q") + std::to_string(j + 1) + (slides ? "_mm" : "_deg") + "=HEADER";
   }
-  return "--map=" + columns + "; a column's number does as well";
+  return "--map=" + columns + " (_rad where the numbers are radians); a column's number does as well";
 }
 
 void SortMappedRotation(const TextTable& table, std::vector<PlannedColumn>* rotation_columns) {

@@ -8,6 +8,7 @@
 #include "problems/interruption.h"
 #include "problems/io/import/header_words.h"
 #include "problems/io/import/marker_column.h"
+#include "problems/io/pattern.h"
 #include "problems/io/units.h"
 #include "problems/limits.h"
 #include "problems/measurements.h"
@@ -30,9 +31,26 @@ bool IsRequired(const PlannedColumn& column) {
 // A unit of measurements.csv for what it is used for here.
 bool IsOurs(const std::string& unit) { return unit != "um" && unit != "cm" && unit != "in"; }
 
+// What keeps a cell from being a number; "": something else.
+std::string WhyNoNumber(const std::string& cell) {
+  static const std::regex kGrouped =
+      MakePattern("^[-+]?\\d{1,3}(?:(?: |'|\u2019|\u00a0|\u202f|\u2009)\\d{3})+(?:[.,]\\d*)?$");
+  static const std::regex kFortran = MakePattern("^[-+]?\\d*[.,]?\\d*[dD][-+]?\\d+$");
+  static const std::regex kDash = MakePattern("^(?:\u2013|\u2014)\\d");
+  static const std::regex kUnit = MakePattern("^[-+]?\\d+(?:[.,]\\d+)?(?:[eE][-+]?\\d+)? ?[^\\d.,eE+ -]+$");
+  constexpr size_t kLongest = 40;
+  if (cell.size() > kLongest) return "";
+  if (SearchPattern(cell, kGrouped)) return "thousands must not be grouped: 2813.6, not 2 813.6 or 2'813.6";
+  if (SearchPattern(cell, kFortran)) return "an exponent is written with E: 2.0E+03, not 2.0D+03";
+  if (SearchPattern(cell, kDash)) return "a dash is no minus: write -25.2";
+  if (SearchPattern(cell, kUnit)) return "units stand in the header, as in 'X [mm]', not next to the numbers";
+  return "";
+}
+
 InputError NoNumber(const TextTable& table, const TextTable::Row& row, const PlannedColumn& column) {
+  const std::string why = WhyNoNumber(row.cells[column.source]);
   return InputError({table.path, row.line, column.header}, "'" + row.cells[column.source] + "' is no number",
-                    "a lost reading is an empty cell, NaN or -9999");
+                    why.empty() ? "a lost reading is an empty cell, NaN or -9999" : why);
 }
 
 // A tracker that lost its target may write any number; beyond what a reader of measurements accepts none is a reading.
@@ -95,7 +113,7 @@ void DropPointSigmas(ImportedRow* row) {
 TableRows::TableRows(const TextTable& table, const ImportPlan& plan, const RowDefaults& defaults, ImportedNames* names)
     : table_(table), plan_(plan), defaults_(defaults), names_(names) {
   if (const PlannedColumn* column = plan.Find("time"))
-    time_ = LookAtTime(table, column->source, CountShots(table, plan));
+    time_ = LookAtTime(table, column->source, CountShots(table, plan), column->second);
 }
 
 std::vector<ImportedRow> TableRows::Read(size_t stride) {
@@ -144,7 +162,7 @@ TableRows::Found TableRows::ReadRow(const TextTable::Row& source, ImportedRow* r
     if (IsText(column)) {
       (*row)[column.stem] = TextCell(column, cell);
     } else if (column.stem == "time") {
-      AddTime(cell, row);
+      AddTime(source, column, row);
     } else if (const std::optional<double> number = NumberIn(source, column)) {
       sigma_is_lost_ |= IsSigma(column) && !(*number > 0.0);
       if (column.stem.size() == 1) all_zero &= *number == 0.0;
@@ -162,10 +180,10 @@ std::string TableRows::TextCell(const PlannedColumn& column, const std::string& 
   return column.stem == "load" ? LoadName(column, cell) : PartOfName(cell, column.part);
 }
 
-void TableRows::AddTime(const std::string& cell, ImportedRow* row) const {
-  if (!time_.why_not.empty() || IsLostCell(cell)) return;
-  (*row)["time_s"] =
-      FormatNumber(time_.stamps ? *SecondsOfStamp(cell) : time_.seconds_per_unit.value_or(1.0) * *table_.Number(cell));
+void TableRows::AddTime(const TextTable::Row& source, const PlannedColumn& column, ImportedRow* row) const {
+  if (!time_.why_not.empty()) return;
+  if (const std::optional<double> seconds = SecondsOfRow(table_, source, column, time_))
+    (*row)["time_s"] = FormatNumber(*seconds);
 }
 
 std::optional<double> TableRows::NumberIn(const TextTable::Row& source, const PlannedColumn& column) const {

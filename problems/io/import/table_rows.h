@@ -42,7 +42,7 @@ class TableRows {
   // The cells of points, joints, loads, times; whether these are a reading.
   Found ReadRow(const TextTable::Row& source, ImportedRow* row);
   std::string TextCell(const PlannedColumn& column, const std::string& cell);
-  void AddTime(const std::string& cell, ImportedRow* row) const;
+  void AddTime(const TextTable::Row& source, const PlannedColumn& column, ImportedRow* row) const;
   // A number of one or two columns; nothing where it is lost.
   std::optional<double> NumberIn(const TextTable::Row& source, const PlannedColumn& column) const;
   void AddNumber(const PlannedColumn& column, double number, ImportedRow* row);

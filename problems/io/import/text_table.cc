@@ -370,8 +370,10 @@ class Builder {
 bool IsLostCell(const std::string& cell) {
   std::string lower;
   for (const char c : cell) lower += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  static const std::vector<std::string> kWords = {"",   "nan",  "-nan", "n/a",  "na",  "-",
-                                                  "--", "null", "none", "#n/a", "inf", "-inf"};
+  static const std::vector<std::string> kWords = {"nan",      "-nan",   "n/a",     "na",     "null",
+                                                  "none",     "#n/a",   "inf",     "-inf",   "1.#qnan",
+                                                  "-1.#qnan", "1.#ind", "-1.#ind", "1.#inf", "-1.#inf"};
+  if (cell.find_first_not_of('-') == std::string::npos || cell.find_first_not_of('*') == std::string::npos) return true;
   if (std::find(kWords.begin(), kWords.end(), lower) != kWords.end()) return true;
   for (const bool comma : {false, true}) {
     const std::optional<double> number = ParseLocalNumber(cell, comma);

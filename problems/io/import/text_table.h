@@ -28,9 +28,14 @@ struct TextTable {
   std::string encoding;               // in words
   std::string separator;              // in words
   bool decimal_comma = false;
-  std::string joined_with;           // in words: where columns of another file are from
-  bool joined_in_order = false;      // and not by names
-  std::vector<std::string> guesses;  // what a reader could understand otherwise, in words
+  std::string joined_with;       // in words: where columns of another file are from
+  bool joined_in_order = false;  // and not by names
+  struct NotJoined {
+    std::string header, why;  // as printed
+    bool moved = false;       // an axis outside the arm that did not stand still
+  };
+  std::vector<NotJoined> not_joined;  // columns of that file that are not used
+  std::vector<std::string> guesses;   // what a reader could understand otherwise, in words
 
   bool has_header() const { return header_line > 0; }
   int columns() const { return static_cast<int>(header.size()); }

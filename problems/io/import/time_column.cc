@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -53,22 +53,145 @@ std::string WrittenUnit(const std::string& header) {
   return SecondsOfUnit(last) || IsUnit(last) ? last : "";
 }
 
+// Whole numbers in a row that are dates like 20240305.
+bool AreDates(const std::vector<double>& numbers) {
+  return std::all_of(numbers.begin(), numbers.end(), [](double number) {
+    const double month = std::fmod(std::floor(number / 100.0), 100.0), day = std::fmod(number, 100.0);
+    const bool is_year = number >= 19800101.0 && number <= 21001231.0;
+    return number == std::round(number) && is_year && month >= 1.0 && month <= 12.0 && day >= 1.0 && day <= 31.0;
+  });
+}
+
+// Times of day like 220501, 22:05:01. Of numbers that count something else the last two and the two before are below 60
+// in a third of all: of eight hardly ever.
+bool AreTimesOfDay(const std::vector<double>& numbers) {
+  constexpr size_t kFewest = 8, kFewestMinutes = 4;
+  if (numbers.size() < kFewest || *std::max_element(numbers.begin(), numbers.end()) < 10000.0) return false;
+  std::set<double> minutes;
+  for (const double number : numbers) minutes.insert(std::floor(number / 100.0));
+  if (minutes.size() < kFewestMinutes) return false;  // seconds of less than a few minutes
+  const auto is_hundred = [](double number) { return std::fmod(number, 100.0) == 0.0; };
+  if (std::all_of(numbers.begin(), numbers.end(), is_hundred)) return false;  // a step, rather
+  return std::all_of(numbers.begin(), numbers.end(), [](double number) {
+    const double second = std::fmod(number, 100.0), minute = std::fmod(std::floor(number / 100.0), 100.0);
+    return number >= 0.0 && number < 240000.0 && minute < 60.0 && second < 60.0;
+  });
+}
+
+// Days since 1900, as spreadsheets count them: of this century, and as seconds less than a tenth apart on average,
+// faster than any arm goes from pose to pose.
+bool AreDays(const std::vector<double>& numbers) {
+  constexpr double kFrom = 36526.0, kTo = 73051.0;  // 2000 and 2100
+  if (numbers.size() < 2) return false;
+  const auto [first, last] = std::minmax_element(numbers.begin(), numbers.end());
+  return *first >= kFrom && *last <= kTo && *last - *first < 0.1 * static_cast<double>(numbers.size() - 1);
+}
+
+// Of numbers that the header gives no unit: why they are no seconds; "" where they may be.
+std::string WhyNoSeconds(const std::vector<double>& numbers) {
+  if (AreDates(numbers)) return "the numbers are dates like 20240305, and no column has the time of day";
+  if (AreTimesOfDay(numbers))
+    return "the numbers are times of day like 220501 for 22:05:01, and no column has the date";
+  return "";
+}
+
+// What the cells of a date and of a time of day state together; zeros that a number lost in front are put back.
+std::string StampOfTwo(const std::string& date, std::string time) {
+  const size_t digits = std::min(time.find_first_not_of("0123456789"), time.size());
+  const bool is_number = digits == time.size() || time[digits] == '.' || time[digits] == ',';
+  if (is_number && digits < 6) time.insert(0, 6 - digits, '0');
+  if (!is_number && digits == 1) time.insert(0, 1, '0');
+  return date + " " + time;
+}
+
+std::string CellOfTime(const TextTable::Row& row, int column, int second) {
+  const std::string& cell = row.cells[static_cast<size_t>(column)];
+  if (second < 0 || IsLostCell(cell)) return cell;
+  const std::string& other = row.cells[static_cast<size_t>(second)];
+  return IsLostCell(other) ? other : StampOfTwo(cell, other);
+}
+
+// Words of "header.stamp.sec" without the last where that is one of these; empty where it is not.
+std::optional<std::vector<std::string>> WordsBefore(const std::string& header, const std::set<std::string>& last) {
+  std::vector<std::string> words = WordsOf(header);
+  if (words.empty() || last.count(words.back()) == 0) return std::nullopt;
+  words.pop_back();
+  return words;
+}
+
+PlannedColumn TwoColumns(int column, int second) {
+  PlannedColumn both;
+  both.source = column;
+  both.second = second;
+  return both;
+}
+
+const std::set<std::string>& WordsForNanoseconds() {
+  static const std::set<std::string> kNanoseconds = {"nsec", "nsecs", "nanosec", "nanosecs", "nanoseconds"};
+  return kNanoseconds;
+}
+
+bool HasNanoseconds(const TextTable& table, int column) {
+  return column >= 0 && WordsBefore(table.header[static_cast<size_t>(column)], WordsForNanoseconds()).has_value();
+}
+
 }  // namespace
+
+std::optional<ColumnsOfOneTime> FindColumnsOfOneTime(const TextTable& table, const std::vector<int>& times) {
+  static const std::set<std::string> kSeconds = {"sec", "secs", "seconds"};
+  for (int a = 0; a < table.columns(); ++a) {
+    const auto before = WordsBefore(table.header[static_cast<size_t>(a)], kSeconds);
+    for (int b = 0; before && b < table.columns(); ++b) {
+      if (WordsBefore(table.header[static_cast<size_t>(b)], WordsForNanoseconds()) == before)
+        return ColumnsOfOneTime{a, b};
+    }
+  }
+  for (const int a : times) {
+    for (const int b : times) {
+      const auto is_stamp = [&](const TextTable::Row& row) {
+        const std::string cell = CellOfTime(row, a, b);
+        return IsLostCell(cell) || SecondsOfStamp(cell);
+      };
+      if (a != b && std::all_of(table.rows.begin(), table.rows.end(), is_stamp)) return ColumnsOfOneTime{a, b};
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<double> SecondsOfRow(const TextTable& table, const TextTable::Row& row, const PlannedColumn& column,
+                                   const TimeColumn& time) {
+  const std::string& first = row.cells[static_cast<size_t>(column.source)];
+  if (time.adds_nanoseconds) {
+    const std::optional<double> seconds = table.Number(first);
+    const std::optional<double> rest = table.Number(row.cells[static_cast<size_t>(column.second)]);
+    return seconds && rest ? std::optional<double>(*seconds + 1e-9 * *rest) : std::nullopt;
+  }
+  const std::string cell = CellOfTime(row, column.source, column.second);
+  if (IsLostCell(cell)) return std::nullopt;
+  if (time.stamps) return SecondsOfStamp(cell);
+  const std::optional<double> number = table.Number(cell);
+  return number ? std::optional<double>(time.seconds_per_unit.value_or(1.0) * *number) : std::nullopt;
+}
 
 std::optional<double> SecondsOfStamp(const std::string& cell) {
   static const std::regex year_first = MakePattern(
-      "^(\\d{4})([-/.]?)(\\d{2})\\2(\\d{2})(?:[T ]+|)(\\d{2})(:?)(\\d{2})\\6(\\d{2})(?:[.,](\\d{1,9}))?Z?$");
+      "^(\\d{4})([-/.]?)(\\d{2})\\2(\\d{2})(?:[T "
+      "]+|)(\\d{2})(:?)(\\d{2})\\6(\\d{2})(?:[.,](\\d{1,9}))?(?:Z|([+-])(\\d{2}):?(\\d{2}))?$");
   static const std::regex day_first =
       MakePattern("^(\\d{1,2})\\.(\\d{1,2})\\.(\\d{4})[T ]+(\\d{1,2}):(\\d{2}):(\\d{2})(?:[.,](\\d{1,9}))?$");
-  constexpr size_t kLongest = 32;  // of what is matched at all
+  constexpr size_t kLongest = 40;  // of what is matched at all
   std::smatch match;
   if (cell.size() > kLongest) return std::nullopt;
   std::array<int, 6> places = {1, 3, 4, 5, 7, 8};
   int fraction = 9;
+  double offset = 0.0;  // s, from UTC
   if (!SearchPattern(cell, &match, year_first)) {
     if (!SearchPattern(cell, &match, day_first)) return std::nullopt;
     places = {3, 2, 1, 4, 5, 6};
     fraction = 7;
+  } else if (match[10].matched) {
+    const bool is_west = match.str(10).front() == '-';
+    offset = (is_west ? -60.0 : 60.0) * (60.0 * std::stoi(match[11]) + std::stoi(match[12]));
   }
   std::array<int, 6> n{};
   for (size_t i = 0; i < n.size(); ++i) n[i] = std::stoi(match[static_cast<size_t>(places[i])]);
@@ -77,7 +200,7 @@ std::optional<double> SecondsOfStamp(const std::string& cell) {
   if (hour > 23 || minute > 59 || second > 60) return std::nullopt;
   const auto& digits = match[static_cast<size_t>(fraction)];
   const double part = digits.matched ? ParseNumber("0." + digits.str()).value_or(0.0) : 0.0;
-  return 86400.0 * DaysSince1970(year, month, day) + 3600.0 * hour + 60.0 * minute + second + part;
+  return 86400.0 * DaysSince1970(year, month, day) + 3600.0 * hour + 60.0 * minute + second + part - offset;
 }
 
 size_t CountShots(const TextTable& table, const ImportPlan& plan) {
@@ -101,47 +224,62 @@ void DecideTimes(const TextTable& table, std::vector<ImportPlan>* plans) {
     const auto is_time = [](const PlannedColumn& column) { return column.stem == "time"; };
     const auto column = std::find_if(plan.columns.begin(), plan.columns.end(), is_time);
     if (column == plan.columns.end()) continue;
-    const TimeColumn time = LookAtTime(table, column->source, CountShots(table, plan));
+    const TimeColumn time = LookAtTime(table, column->source, CountShots(table, plan), column->second);
     if (!time.why_not.empty()) {
       plan.unused.emplace_back(column->header, time.why_not);
       plan.columns.erase(column);
     } else if (time.since_1970) {
       plan.guesses.push_back("'" + column->header + "' is in " + time.unit +
                              " since 1970, by its size: the header does not say");
+    } else if (time.counts_days) {
+      plan.guesses.push_back("'" + column->header +
+                             "' is in days, as spreadsheets count them: as seconds the readings "
+                             "would follow each other in less than a tenth of one");
     } else if (!time.stamps && !time.seconds_per_unit) {
       plan.guesses.push_back("'" + column->header + "' is in s: the header does not say");
     }
   }
 }
 
-TimeColumn LookAtTime(const TextTable& table, int column, size_t shots) {
+TimeColumn LookAtTime(const TextTable& table, int column, size_t shots, int second) {
   TimeColumn time;
+  time.adds_nanoseconds = HasNanoseconds(table, second);
   std::set<std::string> different;
-  bool numbers = true;
-  double first = std::numeric_limits<double>::infinity(), last = 0.0;
-  time.stamps = true;
+  bool numbers = true, has_slashes = false;
+  std::vector<double> values;
+  time.stamps = !time.adds_nanoseconds;
   for (const TextTable::Row& row : table.rows) {
     CheckInterruption();
-    const std::string& cell = row.cells[static_cast<size_t>(column)];
+    const std::string cell = time.adds_nanoseconds
+                                 ? row.cells[static_cast<size_t>(column)] + "," + row.cells[static_cast<size_t>(second)]
+                                 : CellOfTime(row, column, second);
     if (IsLostCell(cell)) continue;
     if (!different.insert(cell).second) continue;
     time.stamps = time.stamps && SecondsOfStamp(cell).has_value();
-    const std::optional<double> number = table.Number(cell);
+    has_slashes = has_slashes || std::count(cell.begin(), cell.end(), '/') == 2;
+    const std::optional<double> number =
+        time.adds_nanoseconds ? SecondsOfRow(table, row, TwoColumns(column, second), time) : table.Number(cell);
     numbers = numbers && number;
-    first = std::min(first, number.value_or(0.0)), last = std::max(last, number.value_or(0.0));
+    values.push_back(number.value_or(0.0));
   }
   if (different.size() < 2) {
     time.why_not = "the time is the same in every row";
   } else if (!time.stamps && !numbers) {
-    time.why_not = "the times are no seconds and no stamps like 2020-07-14 16:39:04 or 20200714163904";
+    time.why_not = has_slashes ? "of dates with strokes nothing says which number is the day: 2020-07-14 16:39:04 does"
+                               : "the times are no seconds and no stamps like 2020-07-14 16:39:04 or 20200714163904";
   } else if (!time.stamps && 2 * different.size() < shots) {
     time.why_not = "the times are rounded: " + std::to_string(different.size()) + " different ones of " +
                    std::to_string(shots) + " shots";
   }
-  std::string unit = table.has_header() ? WrittenUnit(table.header[static_cast<size_t>(column)]) : "";
-  if (unit.empty() && numbers && !time.stamps) {
-    unit = UnitSince1970(first, last);
+  std::string unit = time.adds_nanoseconds ? "s" : "";
+  if (unit.empty() && table.has_header()) unit = WrittenUnit(table.header[static_cast<size_t>(column)]);
+  if (unit.empty() && numbers && !time.stamps && !values.empty()) {
+    const auto [first, last] = std::minmax_element(values.begin(), values.end());
+    unit = UnitSince1970(*first, *last);
     time.since_1970 = !unit.empty();
+    time.counts_days = unit.empty() && AreDays(values);
+    if (time.counts_days) unit = "days";
+    if (unit.empty() && time.why_not.empty()) time.why_not = WhyNoSeconds(values);
   }
   time.seconds_per_unit = SecondsOfUnit(unit);
   time.unit = time.seconds_per_unit && !time.stamps ? unit : "s";

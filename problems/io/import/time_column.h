@@ -3,14 +3,16 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "problems/io/import/import_plan.h"
 #include "problems/io/import/text_table.h"
 
 namespace sagitta {
 
-// Seconds since 1970 of 20240312090011, "2024-03-12 09:00:11" (T, fractions and Z too) or "12.03.2024 09:00:11", day
-// first as the points say; only differences matter, the calendar is the proleptic Gregorian one. Nothing: it is none.
+// Seconds since 1970 of 20240312090011, "2024-03-12 09:00:11" (T, fractions, Z and offsets like +01:00 too) or
+// "12.03.2024 09:00:11", day first as the points say; only differences matter, the calendar is the proleptic Gregorian
+// one. Nothing: it is none.
 std::optional<double> SecondsOfStamp(const std::string& cell);
 
 // Rows with other joint values, station or visit than the row before: markers of one shot share its time.
@@ -20,12 +22,26 @@ size_t CountShots(const TextTable& table, const ImportPlan& plan);
 // apart), no time, or in a unit that is none of times. Of stamps the header's unit says nothing.
 struct TimeColumn {
   bool stamps = false;
+  bool adds_nanoseconds = false;           // a second column has them, the first whole seconds
   std::optional<double> seconds_per_unit;  // of numbers; nothing: the header does not say
-  bool since_1970 = false;  // the header does not say, and the numbers are of this century in one unit only
-  std::string unit;         // of it, as written
-  std::string why_not;      // "": it can
+  bool since_1970 = false;   // the header does not say, and the numbers are of this century in one unit only
+  bool counts_days = false;  // the header does not say, and as seconds the readings would follow each other too fast
+  std::string unit;          // of it, as written
+  std::string why_not;       // "": it can
 };
-TimeColumn LookAtTime(const TextTable& table, int column, size_t shots);
+// second: a column that states the rest of the time (ColumnsOfOneTime), -1: none.
+TimeColumn LookAtTime(const TextTable& table, int column, size_t shots, int second = -1);
+
+// s, of a row; nothing where it is lost.
+std::optional<double> SecondsOfRow(const TextTable& table, const TextTable::Row& row, const PlannedColumn& column,
+                                   const TimeColumn& time);
+
+// Two columns that state one time together: a date and a time of day (of `times`, columns whose names say that they are
+// times), or whole seconds and nanoseconds, as ROS has them.
+struct ColumnsOfOneTime {
+  int first = -1, second = -1;
+};
+std::optional<ColumnsOfOneTime> FindColumnsOfOneTime(const TextTable& table, const std::vector<int>& times);
 
 // Leaves out a time that was rounded away, once it is known which rows are one shot; where it stays, a unit that no
 // header states is a guess.

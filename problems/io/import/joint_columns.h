@@ -1,0 +1,19 @@
+// Joints that headers name together: an arm's by the names that its maker gives them all, a gantry's X, Y, Z, the one
+// that slides.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "problems/io/import/column_meaning.h"
+
+namespace sagitta {
+
+// Changes the meanings of these columns. joints: of the robot; empty where it is not known.
+void NameJointsTogether(const std::vector<std::string>& headers, const std::vector<Joint>& joints,
+                        std::vector<ColumnMeaning>* meanings);
+
+// E1 … E6, "Rail [mm]": an axis outside the arm, where it is none of the robot's joints.
+bool NamesExternalAxis(const std::string& header);
+
+}  // namespace sagitta

@@ -1,0 +1,47 @@
+// How far the nominal robot, aligned, misses the points of a foreign table: whether it can have made them, and whether
+// it did, as a controller that computes them does.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "models/robot.h"
+#include "problems/experiment.h"
+#include "problems/io/import/import_plan.h"
+#include "problems/measurements.h"
+
+namespace sagitta {
+
+// What loads weigh and where they hang stands in no table; they bend an arm by millimetres, much less than the misfit
+// of another robot (kNotThisRobot).
+Experiment WithWeightlessLoads(const Measurements& data);
+
+// A sample of the table's rows, spread over it, as measurements: a reading that is wrong shows in any ten.
+Measurements SampleOfTable(const Robot& robot, const TextTable& table, const ImportPlan& plan);
+
+// m, RMS of distances on a sample of the rows; infinite where that cannot be said.
+double MisfitOf(const Robot& robot, const TextTable& table, const ImportPlan& plan);
+
+// The same without the rows that are far off, m. Nothing: there are none, or many, or the others do not fit as those of
+// one robot do.
+std::optional<double> MisfitOfMost(const Robot& robot, const TextTable& table, const ImportPlan& plan);
+
+// Readings that the aligned nominal robot misses by more than any arm needs to be calibrated, and by ten times what it
+// misses the others by: points that are lost, rows of means, a reflector that was changed.
+struct ReadingsFarOff {
+  std::vector<int> rows;          // of the measurements' file, from 0
+  std::vector<double> distances;  // m, of each
+  double others = 0.0;            // m, RMS of the distances of all others
+  size_t all = 0;                 // readings
+};
+// Nothing: there are none, or they are many, or nothing can be said.
+std::optional<ReadingsFarOff> FindReadingsFarOff(const Robot& robot, const Measurements& data);
+
+// m, RMS distance of the points from their mean: what any robot misses them by that holds still.
+double SpreadOfPoints(const TextTable& table, const ImportPlan& plan);
+
+// m, how far the aligned nominal robot misses its own points (RMS of distances) where these and the joint values they
+// were computed from are rounded to the digits that the table has. Infinite where nothing can be said.
+double MisfitOfRounding(const Robot& robot, const TextTable& table, const ImportPlan& plan);
+
+}  // namespace sagitta
