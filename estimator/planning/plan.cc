@@ -8,6 +8,7 @@
 #include "estimator/planning/route.h"
 #include "estimator/planning/search.h"
 #include "estimator/report/planning_words.h"
+#include "estimator/statistics/distributions.h"
 #include "estimator/statistics/mutual_information.h"
 #include "models/effects/catalogue.h"
 #include "problems/experiment_checks.h"
@@ -105,7 +106,7 @@ double NoiseOfRows(const Experiment& experiment, const Measurements& data) {
   return rows > 0 ? std::sqrt(squares / rows) : 0.0;
 }
 
-// With the model error that the former estimate shows: FormerMisfit's e.
+// With the model error that the former estimate shows beyond chance: FormerMisfit's e.
 PlanRequest WithField(PlanRequest request, const Experiment& experiment, const Measurements& data) {
   FormerMisfit& former = request.former;
   if (former.kind != FormerMisfit::Kind::kMeasured) return request;
@@ -118,6 +119,12 @@ PlanRequest WithField(PlanRequest request, const Experiment& experiment, const M
     }
     predicted *= std::min(1.0, own / former.found_noise);
   }
+  const std::optional<bool> is_beyond = former.IsBeyondChance(predicted, experiment.significance);
+  if (!is_beyond.value_or(false)) {
+    former.kind = is_beyond ? FormerMisfit::Kind::kWithinChance : FormerMisfit::Kind::kNotCompared;
+    return request;
+  }
+  former.predicted = predicted;
   request.field = std::sqrt(std::max(0.0, former.rms * former.rms - predicted * predicted));
   return request;
 }
@@ -207,6 +214,13 @@ void FillAccuracy(const PlanNumbers& numbers, const Criterion& criterion, const 
 
 }  // namespace
 
+std::optional<bool> FormerMisfit::IsBeyondChance(double predicted_now, double significance) const {
+  if (p_value && *p_value < significance) return true;  // and so beyond less than it predicted
+  if (p_value && predicted_now >= predicted) return false;
+  if (!(dof > 0.0)) return std::nullopt;
+  return rms * rms * dof / ChiSquareQuantile(1.0 - significance, dof) > predicted_now * predicted_now;
+}
+
 void CheckOptions(const PlanRequest& request) {
   if (request.poses != 0) CheckIn(allowed::kPoses, request.poses, "PlanRequest.poses");
   if (request.accuracy != 0.0) CheckIn(allowed::kAccuracy, request.accuracy, "PlanRequest.accuracy");
@@ -248,7 +262,7 @@ Plan MakePlan(const Robot& robot, const Measurements& data, const Experiment& ex
   FillAccuracy(numbers, criterion, found, &plan);
   plan.model_error = request.model_error;
   plan.field = request.field;
-  plan.former = request.former.kind;
+  plan.former = request.former;
   plan.field_amplitude = numbers.field_amplitude;
   plan.rms_with_model_error = search.Widening() * search.Rms(found.covariance);
   FillPlannedParameters(*scene.problem, numbers, numbers.ByNoiseAlone(found.covariance), &plan);

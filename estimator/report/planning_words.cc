@@ -46,7 +46,7 @@ void AddFormerInWords(const Plan& plan, std::vector<std::string>* words) {
   if (plan.field_amplitude > 0.0) return;
   const std::string factor =
       plan.model_error > 1.0 ? "its factor alone counts." : "predicted errors hold as far as the model is true.";
-  switch (plan.former) {
+  switch (plan.former.kind) {
     case FormerMisfit::Kind::kNone:
       return;
     case FormerMisfit::Kind::kMeasured:
@@ -55,10 +55,18 @@ void AddFormerInWords(const Plan& plan, std::vector<std::string>* words) {
               ? "No smooth deviation of the joints leaves the error that the former estimate shows: " + factor
               : "Points that the former estimate had not fitted are off by no more than its noise explains: " + factor);
       return;
+    case FormerMisfit::Kind::kWithinChance: {
+      const FormerMisfit& former = plan.former;
+      const std::string by = former.p_value ? " (p = " + Significant(*former.p_value, 2) + ")" : "";
+      words->push_back("Points that the former estimate had not fitted are off by " + InMillimetres(former.rms) +
+                       " per coordinate where it predicts " + InMillimetres(former.predicted) +
+                       ": no more than noise and chance explain" + by + ". No model error is seen, and " + factor);
+      return;
+    }
     case FormerMisfit::Kind::kNotCompared:
       words->push_back(
-          "The former estimate has no cross-validation, or no noise to compare it with: the plan does not know by how "
-          "much its model is off, and " +
+          "The former estimate has no cross-validation, no noise to compare it with, or no p-value and degrees of "
+          "freedom to test it by: the plan does not know by how much its model is off, and " +
           factor);
       return;
     case FormerMisfit::Kind::kInRepeatability:
