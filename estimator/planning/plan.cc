@@ -249,8 +249,9 @@ Plan MakePlan(const Robot& robot, const Measurements& data, const Experiment& ex
   PlanScene scene = MakePlanScene(robot, split, experiment, request);
   scene.words.insert(scene.words.begin(), of_split.begin(), of_split.end());
   PlanNumbers numbers = MakePlanNumbers(scene, request.field);
-  if (std::count(numbers.registered.begin(), numbers.registered.end(), true) > 0) {
-    scene.words.push_back(RegisteredOnTests());
+  if (numbers.registration.has_any()) {
+    scene.words.push_back(
+        RegisteredOnTests(numbers.registration.unknowns, numbers.registration.coordinates, numbers.registration.left));
   }
   const Criterion criterion = CriterionFor(*scene.problem, numbers, request);
   const int drawn = numbers.set.size();

@@ -115,9 +115,14 @@ std::vector<std::string> AssumptionsInWords(const Plan& plan, bool candidates_ar
   return words;
 }
 
-std::string RegisteredOnTests() {
-  return "Stations and markers that only the test poses see are registered on the test poses: errors there "
-         "are what is left.";
+std::string RegisteredOnTests(int unknowns, int coordinates, int left) {
+  const std::string begin = "Stations and markers that only the test poses see are registered on the test poses: ";
+  const std::string of = std::to_string(coordinates) + " coordinates there";
+  if (left == 0) {
+    return begin + std::to_string(unknowns) + " unknowns leave nothing of the " + of + ", which do not count.";
+  }
+  return begin + "of the " + of + " " + std::to_string(left) +
+         " are left. Errors there are what is left, as a mean over these.";
 }
 
 std::string PlacesFitReadings() {

@@ -17,7 +17,9 @@ std::string OrderIsShort(double share);
 
 // What the plan assumed, after what its scene already says.
 std::vector<std::string> AssumptionsInWords(const Plan& plan, bool candidates_are_drawn);
-std::string RegisteredOnTests();
+// Unknowns of stations and markers that only test poses see, coordinates of these points, and what is left of them; 0:
+// they do not count.
+std::string RegisteredOnTests(int unknowns, int coordinates, int left);
 std::string PlacesFitReadings();
 std::string PlacesAreStated();
 std::string PatternsLeftOut(int left_out, int offered);
