@@ -191,17 +191,31 @@ void SayWhatDiffers(const Drawing& drawing, const Experiment& experiment, std::v
   if (most) words->push_back(SigmasOfAlikeRowsDiffer(most->first, most->second));
 }
 
-// An effect of the robot goes with it.
-bool AnyGoesWith(const CalibrationProblem& problem, EffectDriver driver) {
+// An effect of the robot refuses rows without that column. lose: what a shot is without it.
+bool AnyNeeds(const CalibrationProblem& problem, const std::vector<int>& configurations, const char* column,
+              void (*lose)(ShotConditions*)) {
   const std::vector<EffectSpec>& effects = problem.robot().effects;
-  return std::any_of(effects.begin(), effects.end(), [&](const EffectSpec& effect) {
-    return FindEffect(problem.robot(), effect.effect)->DrivenBy(effect) == driver;
+  const std::vector<std::vector<int>> shots = ShotsByConfiguration(problem.data());
+  const auto needs = [&](const ShotConditions& conditions) {
+    return std::any_of(effects.begin(), effects.end(), [&](const EffectSpec& effect) {
+      const EffectContext context{&problem.robot(), &effect, &conditions, &problem.data().markers, 0};
+      return MissingColumn(*FindEffect(problem.robot(), effect.effect), context) == column;
+    });
+  };
+  return std::any_of(configurations.begin(), configurations.end(), [&](int c) {
+    return std::any_of(shots[c].begin(), shots[c].end(), [&](int s) {
+      ShotConditions conditions = problem.shot_inputs()[s].conditions;
+      lose(&conditions);
+      return needs(conditions);
+    });
   });
 }
 
 void SayWhatIsAssumed(const CalibrationProblem& problem, PlanScene* scene) {
-  scene->goes_with_time = AnyGoesWith(problem, EffectDriver::kTime);
-  scene->goes_with_temperature = AnyGoesWith(problem, EffectDriver::kTemperature);
+  scene->goes_with_time =
+      AnyNeeds(problem, scene->candidates, "time_s", [](ShotConditions* shot) { shot->has_time = false; });
+  scene->goes_with_temperature = AnyNeeds(problem, scene->candidates, "temperature_degC",
+                                          [](ShotConditions* shot) { shot->has_temperature = false; });
   if (scene->goes_with_time || scene->goes_with_temperature) {
     scene->words.push_back(ConditionsAreAssumed(scene->goes_with_time, scene->goes_with_temperature));
   }

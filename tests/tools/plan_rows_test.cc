@@ -35,6 +35,24 @@ class PlanRowsTest : public ProgramTest {
   double Predicted() const { return ReadJson("plan/plan.json").at("predicted").at("position_rms_mm"); }
 };
 
+// Heat that follows the thermometer late needs the time too.
+TEST_F(PlanRowsTest, AnEffectFindsItsColumnsInThePlan) {
+  const std::string experiment =
+      ExperimentOf("  - {effect: thermal_growth, lag_s: 1200}\n", ",time_s,temperature_degC",
+                   [](int c) { return "," + std::to_string(600 * c) + "," + std::to_string(20 + c); });
+  const Outcome outcome = PlanOf(experiment, {"--poses=16"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto rows = Cells(Read("plan/plan.csv"));
+  for (size_t r = 1; r < rows.size(); ++r) {
+    EXPECT_NEAR(20 + std::stod(rows[r][Column(rows, "time_s")]) / 600,
+                std::stod(rows[r][Column(rows, "temperature_degC")]), 1e-9);
+  }
+  EXPECT_NE(Read("plan/plan.json").find("Effects of the robot go with time and temperature"), std::string::npos);
+  const std::string own = Write("own.csv", Read("plan/plan.csv"));
+  const Outcome again = PlanOf(experiment, {"--poses=16", "--candidates=" + own});
+  EXPECT_EQ(again.status, 0) << again.err;
+}
+
 // Registering a station of its own on one pose or two follows whatever is read there.
 TEST_F(PlanRowsTest, TestsThatRegisteringUsesUpAreNone) {
   const std::string experiment = ExperimentOf("", "", [](int) { return ""; });
