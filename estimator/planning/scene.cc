@@ -116,6 +116,8 @@ class Drawing {
   void Draw(int count, std::uint64_t seed, const std::string& prefix, const FeasiblePoses* feasible, SceneRows* rows,
             std::vector<int>* list, std::vector<int>* ways, std::map<std::string, int>* reasons) const {
     PoseSequence poses(ranges_, seed);
+    std::vector<RandomTurns> turns;  // of each way
+    for (size_t way = 0; way < alike_.size(); ++way) turns.emplace_back(alike_[way].size(), seed + way);
     const long most = feasible == nullptr ? count : std::max(20000L, static_cast<long>(kTriesPerPose) * count);
     int found = 0;
     for (long tried = 0; tried < most && found < count; ++tried) {
@@ -133,7 +135,7 @@ class Drawing {
         const size_t first = rows->rows.shots.size();
         list->push_back(rows->Add(data_, pattern, shots_[pattern], pose.q, prefix + std::to_string(found + 1),
                                   with_approach_ ? pose.approach : std::vector<int>()));
-        alike_[way].Complete(static_cast<size_t>(found), first, &rows->rows);
+        alike_[way].Complete(turns[way].Next(), first, &rows->rows);
         if (ways != nullptr) ways->push_back(static_cast<int>(way));
       }
       found += any ? 1 : 0;
