@@ -191,7 +191,8 @@ PlanNumbers MakePlanNumbers(const PlanScene& scene, double model_error, std::opt
   ScaleColumns(problem, static_cast<int>(scene.candidates.size()), &numbers);
   numbers.of_field = OfField(problem, scene, numbers.columns);
   if (numbers.has_field()) {
-    numbers.field_amplitude = FieldAmplitude(scene, numbers.columns, numbers.of_field, model_error);
+    numbers.field_amplitude =
+        amplitude ? *amplitude : FieldAmplitude(scene, numbers.columns, numbers.of_field, model_error);
     const double least = 1e-12;  // rad: known to be 0
     for (size_t i = 0; i < numbers.columns.size(); ++i) {
       if (!numbers.of_field[i]) continue;

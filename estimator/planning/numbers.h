@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "estimator/planning/design.h"
@@ -60,8 +61,10 @@ struct PlanNumbers {
 // follow: the rank of these columns.
 int Absorb(const std::vector<bool>& columns, Eigen::MatrixXd* rows);
 
-// model_error: m per coordinate, of PlanRequest::field. Throws InputError where nothing states the noise.
-PlanNumbers MakePlanNumbers(const PlanScene& scene, double model_error = 0.0);
+// model_error: m per coordinate, of PlanRequest::field. amplitude: of its field, rad, where that is known from other
+// candidates. Throws InputError where nothing states the noise, or where test poses say nothing.
+PlanNumbers MakePlanNumbers(const PlanScene& scene, double model_error = 0.0,
+                            std::optional<double> amplitude = std::nullopt);
 
 // Throws InputError where no parameter of the robot is free and the criterion asks for one.
 Criterion CriterionFor(const CalibrationProblem& problem, const PlanNumbers& numbers, const PlanRequest& request);

@@ -347,6 +347,7 @@ void AddTests(const Measurements& data, const PlanRequest& request, const Drawin
     is_drawn = poses > 0 && poses < joints && drawing != nullptr;
     if (poses < joints) scene->words.push_back(FewTestPoses(poses, is_drawn));
   }
+  scene->tests_are_drawn = is_drawn;
   if (is_drawn) {
     scene->tests.clear();
     drawing->Draw(kRandomTests, request.seed + 1, "T", scene->feasible.get(), rows, &scene->tests, nullptr, nullptr);

@@ -39,6 +39,20 @@ std::string OrderIsShort(double share) {
          WholePercent(share) + " of the way in the order in which poses were found.";
 }
 
+std::string JudgedInItsOrder(const std::vector<std::string>& effects, double searched, double written, double asked) {
+  std::string words = "What " + Enumerate(effects) +
+                      " does goes with the order in which poses are measured. What is predicted holds for the order of "
+                      "plan.csv: " +
+                      InMillimetres(written) +
+                      " at the test poses. Poses are chosen, and certificate and curve of the "
+                      "accuracy hold, for each candidate after its neighbours in their list: " +
+                      InMillimetres(searched) + ".";
+  if (asked > 0.0 && written > asked) {
+    words += " The order leaves more than the " + InMillimetres(asked) + " that were asked for: plan with more poses.";
+  }
+  return words;
+}
+
 namespace {
 
 // Why the model error that was given is no part of the plan.

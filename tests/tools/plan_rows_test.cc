@@ -33,6 +33,13 @@ class PlanRowsTest : public ProgramTest {
     return Run(arguments);
   }
   double Predicted() const { return ReadJson("plan/plan.json").at("predicted").at("position_rms_mm"); }
+  double SigmaOf(const std::string& name) const {
+    for (const auto& parameter : ReadJson("plan/plan.json").at("parameters")) {
+      if (parameter.at("name").get<std::string>().find(name) != std::string::npos) return parameter.at("sigma");
+    }
+    ADD_FAILURE() << "no parameter " << name;
+    return 0.0;
+  }
 };
 
 // Heat that follows the thermometer late needs the time too.
@@ -51,6 +58,33 @@ TEST_F(PlanRowsTest, AnEffectFindsItsColumnsInThePlan) {
   const std::string own = Write("own.csv", Read("plan/plan.csv"));
   const Outcome again = PlanOf(experiment, {"--poses=16", "--candidates=" + own});
   EXPECT_EQ(again.status, 0) << again.err;
+}
+
+// Hysteresis makes of a pose what the way there makes of it: what is promised is what a calibration of rows in the
+// order of plan.csv finds, whose sigma goes by the same readings and the values that it found.
+TEST_F(PlanRowsTest, APlanIsJudgedInTheOrderThatItWrites) {
+  const std::string experiment = ExperimentOf("  - {effect: hysteresis, joint: A2, width_deg: 8, amplitude_urad: 50}\n",
+                                              ",time_s", [](int c) { return "," + std::to_string(600 * c); });
+  ASSERT_EQ(PlanOf(experiment, {"--poses=20"}).status, 0);
+  EXPECT_NE(Read("plan/plan.json").find("hysteresis[width_deg=8]/A2"), std::string::npos);
+  std::string text = Read("experiment.yaml");
+  text.replace(text.find("rows.csv"), 8, "plan/plan.csv");
+  const std::string planned = Write("planned.yaml", text);
+  ASSERT_EQ(Run({"simulate", planned, "--out=" + Path("measured.csv")}).status, 0);
+  text.replace(text.find("plan/plan.csv"), 13, "measured.csv");
+  ASSERT_EQ(Run({"calibrate", Write("measured.yaml", text), "--out=" + Path("found"), "--quiet"}).status, 0);
+  int compared = 0;
+  for (const auto& parameter : ReadJson("found/estimate.json").at("parameters")) {
+    const std::string name = parameter.at("name");
+    if (name.find("hysteresis") == std::string::npos) continue;
+    EXPECT_NEAR(SigmaOf("hysteresis"), parameter.at("sigma"), 0.02 * parameter.at("sigma").get<double>());
+    ++compared;
+  }
+  EXPECT_EQ(compared, 1);
+  // With rows that are measured already it goes on after them.
+  Write("rows.csv", Read("measured.csv"));
+  const Outcome more = PlanOf(experiment, {"--poses=5", "--augment"});
+  EXPECT_EQ(more.status, 0) << more.err;
 }
 
 // Registering a station of its own on one pose or two follows whatever is read there.
