@@ -257,7 +257,8 @@ TEST_F(PlanCommandTest, EachPoseHasATemperatureAndATimeOfItsOwn) {
     Write("rows.csv", rows);
     const Outcome outcome = PlanOf(experiment, {"--poses=16", "--tests=random"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    for (const auto& parameter : ReadJson("plan/plan.json").at("parameters")) {
+    const nlohmann::json plan = ReadJson("plan/plan.json");
+    for (const auto& parameter : plan.at("parameters")) {
       EXPECT_TRUE(parameter.at("identifiable")) << parameter;
     }
     return ReadJson("plan/plan.json").at("predicted").at("position_rms_mm").get<double>();

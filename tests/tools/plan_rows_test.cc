@@ -34,7 +34,8 @@ class PlanRowsTest : public ProgramTest {
   }
   double Predicted() const { return ReadJson("plan/plan.json").at("predicted").at("position_rms_mm"); }
   double SigmaOf(const std::string& name) const {
-    for (const auto& parameter : ReadJson("plan/plan.json").at("parameters")) {
+    const nlohmann::json plan = ReadJson("plan/plan.json");
+    for (const auto& parameter : plan.at("parameters")) {
       if (parameter.at("name").get<std::string>().find(name) != std::string::npos) return parameter.at("sigma");
     }
     ADD_FAILURE() << "no parameter " << name;
@@ -74,7 +75,8 @@ TEST_F(PlanRowsTest, APlanIsJudgedInTheOrderThatItWrites) {
   text.replace(text.find("plan/plan.csv"), 13, "measured.csv");
   ASSERT_EQ(Run({"calibrate", Write("measured.yaml", text), "--out=" + Path("found"), "--quiet"}).status, 0);
   int compared = 0;
-  for (const auto& parameter : ReadJson("found/estimate.json").at("parameters")) {
+  const nlohmann::json found = ReadJson("found/estimate.json");
+  for (const auto& parameter : found.at("parameters")) {
     const std::string name = parameter.at("name");
     if (name.find("hysteresis") == std::string::npos) continue;
     EXPECT_NEAR(SigmaOf("hysteresis"), parameter.at("sigma"), 0.02 * parameter.at("sigma").get<double>());
