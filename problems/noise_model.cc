@@ -1,5 +1,6 @@
 #include "problems/noise_model.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -36,8 +37,10 @@ Matrix3<double> StatedRoot(const Experiment& experiment, const Measurements& dat
         .asDiagonal();
   }
   if (noise.from == NoiseSpec::From::kInstrument) {
-    return InstrumentRoot(noise, point,
-                          InstrumentPlace(experiment, data.stations[data.shots[observation.shot].station]));
+    const Matrix3<double> root =
+        InstrumentRoot(noise, point, InstrumentPlace(experiment, data.stations[data.shots[observation.shot].station]));
+    // Exact in a direction, where sigmas that go with the distance have none: nothing can be weighed by that.
+    return root.allFinite() && !IsRoot(root) ? Matrix3<double>::Zero().eval() : root;
   }
   const double otherwise = noise.sigma.value_or(0.0);
   // Equal weights with variance components: one common sigma for all rows, to be found.
@@ -48,7 +51,13 @@ Matrix3<double> StatedRoot(const Experiment& experiment, const Measurements& dat
   return (row_states ? observation.sigma : Vector3<double>::Constant(otherwise).eval()).asDiagonal();
 }
 
-bool IsStated(const Matrix3<double>& root) { return root.determinant() > 0.0; }
+bool IsStated(const Matrix3<double>& root) { return root.allFinite() && !root.isZero(0.0); }
+
+bool IsRoot(const Matrix3<double>& root) {
+  constexpr double kAsInverse = 1e-6;  // singular matrices of rounded numbers have an inverse that is none
+  const Matrix3<double> inverse = root.inverse();
+  return inverse.allFinite() && (root * inverse).isIdentity(kAsInverse);
+}
 
 bool IsDiagonal(const NoiseRoots& roots) {
   return std::all_of(roots.begin(), roots.end(), [](const Matrix3<double>& s) { return s.isDiagonal(1e-9); });

@@ -36,8 +36,11 @@ constexpr double kUnstatedRotationSigma = 1e-3;  // rad
 Matrix3<double> StatedRoot(const Experiment& experiment, const Measurements& data, const Observation& observation,
                            const Vector3<double>& point);
 
-// All of a root, or nothing: a reading that is exact in one direction has no weight.
+// Zero: nothing is stated. Of the roots S of one covariance S S' some have a negative determinant: all of them state
+// it.
 bool IsStated(const Matrix3<double>& root);
+// Of a covariance that a reading can be weighed by: with an inverse. One that is exact in a direction has none.
+bool IsRoot(const Matrix3<double>& root);
 bool IsDiagonal(const NoiseRoots& roots);
 
 // Least degrees of freedom f of a spread that one axis, or rotations, are weighed by: of 1 / s^2, the weight, standard

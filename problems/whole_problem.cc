@@ -130,8 +130,9 @@ class WholeProblem {
     }
     for (size_t i = 0; i < rows.size(); ++i) {
       if (rows[i].excluded) continue;
-      if (roots[i].allFinite() && ((may_be_zero && !IsStated(roots[i])) || roots[i].inverse().allFinite())) continue;
-      Fail(name + " of observation " + std::to_string(i) + " is no root of a covariance: it has no inverse");
+      if ((may_be_zero && roots[i].isZero(0.0)) || IsRoot(roots[i])) continue;
+      Fail(name + " of observation " + std::to_string(i) + " is no root of a covariance: it has no inverse" +
+           (may_be_zero ? " and is not zero, which would state nothing" : ""));
     }
   }
 

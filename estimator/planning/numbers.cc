@@ -78,18 +78,19 @@ void ScaleColumns(const CalibrationProblem& problem, int candidates, PlanNumbers
 
 }  // namespace
 
-void Absorb(const std::vector<bool>& columns, Eigen::MatrixXd* rows) {
+int Absorb(const std::vector<bool>& columns, Eigen::MatrixXd* rows) {
   std::vector<int> open;
   for (size_t i = 0; i < columns.size(); ++i) {
     if (columns[i]) open.push_back(static_cast<int>(i));
   }
-  if (open.empty()) return;
+  if (open.empty()) return 0;
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr((*rows)(Eigen::all, open));
   qr.setThreshold(1e-10);
   Eigen::MatrixXd rotated = qr.householderQ().transpose() * *rows;
   rotated.topRows(qr.rank()).setZero();
   *rows = qr.householderQ() * rotated;
   (*rows)(Eigen::all, open).setZero();
+  return static_cast<int>(qr.rank());
 }
 
 int PlanNumbers::unknowns() const {
@@ -134,7 +135,50 @@ int PlanNumbers::LeastPoses() const {
   return std::max(1, (missing + most - 1) / most);
 }
 
-PlanNumbers MakePlanNumbers(const PlanScene& scene, double model_error) {
+namespace {
+
+// Rows of the test points as they are once the marked columns are registered there (PlanNumbers::test_rows).
+TestRegistration RegisterOnTests(const std::vector<bool>& registered, Eigen::MatrixXd* rows) {
+  TestRegistration registration;
+  std::vector<bool> sees(static_cast<size_t>(rows->rows() / 3), false);
+  for (size_t i = 0; i < registered.size(); ++i) {
+    if (!registered[i] || rows->col(static_cast<long>(i)).isZero(0.0)) continue;
+    ++registration.unknowns;
+    for (size_t p = 0; p < sees.size(); ++p) {
+      if (!rows->block<3, 1>(3 * static_cast<long>(p), static_cast<long>(i)).isZero(0.0)) sees[p] = true;
+    }
+  }
+  if (!registration.has_any()) return registration;
+  std::vector<int> counting;  // rows
+  for (size_t p = 0; p < sees.size(); ++p) {
+    if (sees[p]) registration.coordinates += 3;
+    for (int axis = 0; axis < 3 && !sees[p]; ++axis) counting.push_back(3 * static_cast<int>(p) + axis);
+  }
+  if (registration.unknowns < registration.coordinates) {
+    registration.left = registration.coordinates - Absorb(registered, rows);
+  }
+  if (registration.left > 0) {
+    const double share = static_cast<double>(registration.coordinates) / registration.left;
+    for (size_t p = 0; p < sees.size(); ++p) {
+      if (sees[p]) rows->middleRows<3>(3 * static_cast<long>(p)) *= std::sqrt(share);
+    }
+    return registration;
+  }
+  if (counting.empty()) {
+    throw InputError({"", 0, "--tests"},
+                     "stations and markers that only the test poses see have " + std::to_string(registration.unknowns) +
+                         " unknowns, and the test points " + std::to_string(registration.coordinates) +
+                         " coordinates: registering them there leaves nothing to be accurate at",
+                     "give more test poses of them, at least three of a station; or test poses of stations and markers "
+                     "that the rows of the plan see");
+  }
+  *rows = (*rows)(counting, Eigen::all).eval();
+  return registration;
+}
+
+}  // namespace
+
+PlanNumbers MakePlanNumbers(const PlanScene& scene, double model_error, std::optional<double> amplitude) {
   const CalibrationProblem& problem = *scene.problem;
   const std::vector<std::vector<int>> observations = ObservationsByConfiguration(problem.data());
   PlanNumbers numbers;
@@ -147,7 +191,8 @@ PlanNumbers MakePlanNumbers(const PlanScene& scene, double model_error) {
   ScaleColumns(problem, static_cast<int>(scene.candidates.size()), &numbers);
   numbers.of_field = OfField(problem, scene, numbers.columns);
   if (numbers.has_field()) {
-    numbers.field_amplitude = FieldAmplitude(scene, numbers.columns, numbers.of_field, model_error);
+    numbers.field_amplitude =
+        amplitude ? *amplitude : FieldAmplitude(scene, numbers.columns, numbers.of_field, model_error);
     const double least = 1e-12;  // rad: known to be 0
     for (size_t i = 0; i < numbers.columns.size(); ++i) {
       if (!numbers.of_field[i]) continue;
@@ -174,7 +219,7 @@ PlanNumbers MakePlanNumbers(const PlanScene& scene, double model_error) {
   numbers.test_rows =
       Linearize(problem, problem.parameters, points, numbers.columns, metres, LatentTreatment::kIgnore).jacobian *
       numbers.scale.asDiagonal();
-  Absorb(numbers.registered, &numbers.test_rows);
+  numbers.registration = RegisterOnTests(numbers.registered, &numbers.test_rows);
   return numbers;
 }
 

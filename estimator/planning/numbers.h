@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "estimator/planning/design.h"
@@ -10,16 +11,26 @@
 
 namespace sagitta {
 
+// What registering stations and markers of their own on the test poses leaves of these.
+struct TestRegistration {
+  int unknowns = 0;     // of those stations and markers
+  int coordinates = 0;  // of the test points that see them
+  int left = 0;         // of these; 0: they say nothing of the robot, and do not count
+  bool has_any() const { return unknowns > 0; }
+};
+
 struct PlanNumbers {
   std::vector<int> columns;  // coordinates
   Eigen::VectorXd scale;     // SI value of one unit of each column
   CandidateSet set;
   Eigen::MatrixXd known;      // priors, hold limits, measured rows
-  Eigen::MatrixXd test_rows;  // m per unit, three per test point
+  Eigen::MatrixXd test_rows;  // m per unit, three per test point that counts
   int equations_known = 0;    // measured rows and priors
   // Of `columns`: base and markers that only test poses see. They are registered there, so test_rows do not depend on
-  // them, and what else registering absorbs is no error either.
+  // them, and what else registering absorbs is no error either: of n coordinates m are left, and the rows of these
+  // points are larger by sqrt(n / m), so that a mean over them is one over what is left.
   std::vector<bool> registered;
+  TestRegistration registration;
   // Of `columns`: those of the model error (model_field.h), which have a prior and are nobody's parameters.
   std::vector<bool> of_field;
   double field_amplitude = 0.0;  // rad
@@ -46,11 +57,14 @@ struct PlanNumbers {
   static Eigen::MatrixXd ByNoiseAlone(const FieldSplit& split, const Eigen::MatrixXd& covariance);
 };
 
-// What is left of rows after the marked columns were fitted to them; those become 0.
-void Absorb(const std::vector<bool>& columns, Eigen::MatrixXd* rows);
+// What is left of rows after the marked columns were fitted to them; those become 0. Returns how many rows they could
+// follow: the rank of these columns.
+int Absorb(const std::vector<bool>& columns, Eigen::MatrixXd* rows);
 
-// model_error: m per coordinate, of PlanRequest::field. Throws InputError where nothing states the noise.
-PlanNumbers MakePlanNumbers(const PlanScene& scene, double model_error = 0.0);
+// model_error: m per coordinate, of PlanRequest::field. amplitude: of its field, rad, where that is known from other
+// candidates. Throws InputError where nothing states the noise, or where test poses say nothing.
+PlanNumbers MakePlanNumbers(const PlanScene& scene, double model_error = 0.0,
+                            std::optional<double> amplitude = std::nullopt);
 
 // Throws InputError where no parameter of the robot is free and the criterion asks for one.
 Criterion CriterionFor(const CalibrationProblem& problem, const PlanNumbers& numbers, const PlanRequest& request);

@@ -7,7 +7,9 @@
 #include "estimator/planning/pose_space.h"
 #include "estimator/planning/route.h"
 #include "estimator/planning/search.h"
+#include "estimator/planning/written_order.h"
 #include "estimator/report/planning_words.h"
+#include "estimator/statistics/distributions.h"
 #include "estimator/statistics/mutual_information.h"
 #include "models/effects/catalogue.h"
 #include "problems/experiment_checks.h"
@@ -105,7 +107,7 @@ double NoiseOfRows(const Experiment& experiment, const Measurements& data) {
   return rows > 0 ? std::sqrt(squares / rows) : 0.0;
 }
 
-// With the model error that the former estimate shows: FormerMisfit's e.
+// With the model error that the former estimate shows beyond chance: FormerMisfit's e.
 PlanRequest WithField(PlanRequest request, const Experiment& experiment, const Measurements& data) {
   FormerMisfit& former = request.former;
   if (former.kind != FormerMisfit::Kind::kMeasured) return request;
@@ -118,6 +120,12 @@ PlanRequest WithField(PlanRequest request, const Experiment& experiment, const M
     }
     predicted *= std::min(1.0, own / former.found_noise);
   }
+  const std::optional<bool> is_beyond = former.IsBeyondChance(predicted, experiment.significance);
+  if (!is_beyond.value_or(false)) {
+    former.kind = is_beyond ? FormerMisfit::Kind::kWithinChance : FormerMisfit::Kind::kNotCompared;
+    return request;
+  }
+  former.predicted = predicted;
   request.field = std::sqrt(std::max(0.0, former.rms * former.rms - predicted * predicted));
   return request;
 }
@@ -176,7 +184,7 @@ void FillWords(const PlanRequest& request, const PlanScene& scene, Plan* plan) {
   }
 }
 
-void FillAccuracy(const PlanNumbers& numbers, const Criterion& criterion, const FoundPlan& found, Plan* plan) {
+void FillCost(const Criterion& criterion, const FoundPlan& found, Plan* plan) {
   plan->criterion = criterion;
   plan->cost = found.cost;
   if (criterion.HasCertificate()) {
@@ -184,7 +192,17 @@ void FillAccuracy(const PlanNumbers& numbers, const Criterion& criterion, const 
     plan->efficiency = criterion.Efficiency(plan->cost, plan->bound);
     if (criterion.kind == CriterionKind::kI) plan->best_rms = std::sqrt(std::max(0.0, plan->bound));
   }
-  const Eigen::MatrixXd by_noise = numbers.ByNoiseAlone(found.covariance);
+}
+
+// covariance: scaled, as of `numbers`. widening: where the model error is known as a factor alone.
+void FillAccuracy(const CalibrationProblem& problem, const PlanNumbers& numbers, const Criterion& criterion,
+                  const Eigen::MatrixXd& covariance, double widening, Plan* plan) {
+  const Eigen::MatrixXd by_noise = numbers.ByNoiseAlone(covariance);
+  plan->rms_with_model_error =
+      widening * std::sqrt(criterion.weight.cwiseProduct(numbers.OfPlainFit(covariance)).sum());
+  plan->position_max = 0.0;
+  plan->parameters.clear();
+  FillPlannedParameters(problem, numbers, by_noise, plan);
   plan->position_rms = std::sqrt(criterion.weight.cwiseProduct(by_noise).sum());
   const Eigen::VectorXd variances = (numbers.test_rows * by_noise).cwiseProduct(numbers.test_rows).rowwise().sum();
   for (int i = 0; i + 2 < variances.size(); i += 3) {
@@ -193,10 +211,11 @@ void FillAccuracy(const PlanNumbers& numbers, const Criterion& criterion, const 
   plan->tests = static_cast<int>(numbers.test_rows.rows() / 3);
   plan->indices.setZero();
   if (!criterion.interest.empty()) {
-    plan->indices = ObservabilityIndices(found.covariance(criterion.interest, criterion.interest));
+    plan->indices = ObservabilityIndices(covariance(criterion.interest, criterion.interest));
   }
   if (criterion.kind != CriterionKind::kDiscriminate) return;
-  const std::vector<double> apart = criterion.Apart(found.covariance(criterion.interest, criterion.interest));
+  const std::vector<double> apart = criterion.Apart(covariance(criterion.interest, criterion.interest));
+  plan->apart = plan->information = plan->decides = 0.0;
   for (const double d : apart) {
     const TwoApart two = InformationOfTwo(d);
     plan->apart += d / static_cast<double>(apart.size());
@@ -206,6 +225,13 @@ void FillAccuracy(const PlanNumbers& numbers, const Criterion& criterion, const 
 }
 
 }  // namespace
+
+std::optional<bool> FormerMisfit::IsBeyondChance(double predicted_now, double significance) const {
+  if (p_value && *p_value < significance) return true;  // and so beyond less than it predicted
+  if (p_value && predicted_now >= predicted) return false;
+  if (!(dof > 0.0)) return std::nullopt;
+  return rms * rms * dof / ChiSquareQuantile(1.0 - significance, dof) > predicted_now * predicted_now;
+}
 
 void CheckOptions(const PlanRequest& request) {
   if (request.poses != 0) CheckIn(allowed::kPoses, request.poses, "PlanRequest.poses");
@@ -235,8 +261,9 @@ Plan MakePlan(const Robot& robot, const Measurements& data, const Experiment& ex
   PlanScene scene = MakePlanScene(robot, split, experiment, request);
   scene.words.insert(scene.words.begin(), of_split.begin(), of_split.end());
   PlanNumbers numbers = MakePlanNumbers(scene, request.field);
-  if (std::count(numbers.registered.begin(), numbers.registered.end(), true) > 0) {
-    scene.words.push_back(RegisteredOnTests());
+  if (numbers.registration.has_any()) {
+    scene.words.push_back(
+        RegisteredOnTests(numbers.registration.unknowns, numbers.registration.coordinates, numbers.registration.left));
   }
   const Criterion criterion = CriterionFor(*scene.problem, numbers, request);
   const int drawn = numbers.set.size();
@@ -245,13 +272,12 @@ Plan MakePlan(const Robot& robot, const Measurements& data, const Experiment& ex
       request.poses > 0 ? search.At(request.poses) : search.Reaching(request.accuracy / search.Widening());
   search.Extend(static_cast<int>(found.poses.size()));
   Plan plan;
-  FillAccuracy(numbers, criterion, found, &plan);
+  FillCost(criterion, found, &plan);
   plan.model_error = request.model_error;
   plan.field = request.field;
-  plan.former = request.former.kind;
+  plan.former = request.former;
   plan.field_amplitude = numbers.field_amplitude;
-  plan.rms_with_model_error = search.Widening() * search.Rms(found.covariance);
-  FillPlannedParameters(*scene.problem, numbers, numbers.ByNoiseAlone(found.covariance), &plan);
+  FillAccuracy(*scene.problem, numbers, criterion, found.covariance, search.Widening(), &plan);
   plan.curve = search.Curve();
   plan.knee = search.Knee();
   plan.candidates = drawn;
@@ -264,6 +290,15 @@ Plan MakePlan(const Robot& robot, const Measurements& data, const Experiment& ex
   plan.goes_with_time = scene.goes_with_time;
   plan.goes_with_temperature = scene.goes_with_temperature;
   FillRows(found, OrderOf(scene, found, request, &plan), &scene, &search.rows(), &plan);
+  const std::vector<std::string> of_order = EffectsOfTheOrder(*scene.problem);
+  if (!of_order.empty()) {
+    const double searched = plan.rms_with_model_error;
+    const WrittenPlan written =
+        JudgeAsWritten(robot, split, experiment, request, scene, plan.rows, numbers.field_amplitude);
+    FillAccuracy(*written.scene.problem, written.numbers, written.criterion, written.covariance, search.Widening(),
+                 &plan);
+    scene.words.push_back(JudgedInItsOrder(of_order, searched, plan.rms_with_model_error, request.accuracy));
+  }
   FillWords(request, scene, &plan);
   return plan;
 }

@@ -39,16 +39,31 @@ struct PosesAndAccuracy {
 // found from residuals, which have e in them; the instrument is then assumed to be that of the plan:
 //
 //   predicted -> predicted min(1, sigma of the plan / sigma that was found)
+//
+// Half of all sound estimates are off by a little more than they predict. So e counts where it is more than chance, at
+// the experiment's significance alpha: where p_value, which the former estimate states for its own `predicted`, is
+// below, or where the lower bound of the variance by chi-square is above what is predicted,
+//
+//   rms^2 nu / chi2_nu(1 - alpha) > predicted^2,
+//
+// if it states none, or one for a `predicted` that is larger than this. nu: degrees of freedom of the former fit;
+// residuals of points left out are linear in its residuals, so that no more of them are independent.
 struct FormerMisfit {
   enum class Kind {
     kNone,            // no former estimate was given
     kMeasured,        // the figures below
-    kNotCompared,     // nothing was left out and predicted, or no noise is known
+    kWithinChance,    // the figures below; e is no more than chance
+    kNotCompared,     // nothing was left out and predicted, no noise is known, or nothing to test e by
     kInRepeatability  // the joints' repeatability was found from what the model lacks too
   };
   Kind kind = Kind::kNone;
   double rms = 0.0, predicted = 0.0;  // m per coordinate
   double found_noise = 0.0;           // m: what `predicted` was made with; 0: it was stated
+  std::optional<double> p_value;      // that noise alone puts points as far off; none: not stated
+  double dof = 0.0;                   // of the former fit; 0: not stated
+
+  // Whether rms is beyond `predicted_now`, m per coordinate, at that significance; none: nothing says.
+  std::optional<bool> IsBeyondChance(double predicted_now, double significance) const;
 };
 
 // What a plan is asked for, what may be chosen, and what reports its progress.
@@ -89,16 +104,16 @@ struct Plan {
   Measurements rows;  // the chosen configurations in the order of their measurement, with the points that are expected
   Criterion criterion;
   double cost = 0.0;
-  double bound = 0.0;            // cost of no plan of as many candidates is below; only with a certificate
-  double efficiency = 0.0;       // of the bound over the cost; 0 without a certificate
-  bool moved = false;            // poses were moved from where they were drawn
-  int found_given_measured = 0;  // candidates that were not drawn but found from those drawn
-  double position_rms = 0.0;     // m, distance, at the test points
-  double position_max = 0.0;     // m, of the worst test point
-  double best_rms = 0.0;         // m: no plan of as many candidates is better; 0: not known
-  double model_error = 1.0;      // factor, as stated
-  double field = 0.0;            // m per coordinate, as stated or found from the former estimate
-  FormerMisfit::Kind former = FormerMisfit::Kind::kNone;
+  double bound = 0.0;                 // cost of no plan of as many candidates is below; only with a certificate
+  double efficiency = 0.0;            // of the bound over the cost; 0 without a certificate
+  bool moved = false;                 // poses were moved from where they were drawn
+  int found_given_measured = 0;       // candidates that were not drawn but found from those drawn
+  double position_rms = 0.0;          // m, distance, at the test points
+  double position_max = 0.0;          // m, of the worst test point
+  double best_rms = 0.0;              // m: no plan of as many candidates is better; 0: not known
+  double model_error = 1.0;           // factor, as stated
+  double field = 0.0;                 // m per coordinate, as stated or found from the former estimate
+  FormerMisfit former;                // as it was compared with the plan's noise
   double field_amplitude = 0.0;       // rad, of each of the field's coefficients
   double rms_with_model_error = 0.0;  // m, distance, at the test points: with the field, or the factor
   // Of rivals: mean of the noncentralities D, of their information in nat, of the right one's expected probability.

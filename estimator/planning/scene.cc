@@ -116,6 +116,8 @@ class Drawing {
   void Draw(int count, std::uint64_t seed, const std::string& prefix, const FeasiblePoses* feasible, SceneRows* rows,
             std::vector<int>* list, std::vector<int>* ways, std::map<std::string, int>* reasons) const {
     PoseSequence poses(ranges_, seed);
+    std::vector<RandomTurns> turns;  // of each way
+    for (size_t way = 0; way < alike_.size(); ++way) turns.emplace_back(alike_[way].size(), seed + way);
     const long most = feasible == nullptr ? count : std::max(20000L, static_cast<long>(kTriesPerPose) * count);
     int found = 0;
     for (long tried = 0; tried < most && found < count; ++tried) {
@@ -133,7 +135,7 @@ class Drawing {
         const size_t first = rows->rows.shots.size();
         list->push_back(rows->Add(data_, pattern, shots_[pattern], pose.q, prefix + std::to_string(found + 1),
                                   with_approach_ ? pose.approach : std::vector<int>()));
-        alike_[way].Complete(static_cast<size_t>(found), first, &rows->rows);
+        alike_[way].Complete(turns[way].Next(), first, &rows->rows);
         if (ways != nullptr) ways->push_back(static_cast<int>(way));
       }
       found += any ? 1 : 0;
@@ -191,17 +193,31 @@ void SayWhatDiffers(const Drawing& drawing, const Experiment& experiment, std::v
   if (most) words->push_back(SigmasOfAlikeRowsDiffer(most->first, most->second));
 }
 
-// An effect of the robot goes with it.
-bool AnyGoesWith(const CalibrationProblem& problem, EffectDriver driver) {
+// An effect of the robot refuses rows without that column. lose: what a shot is without it.
+bool AnyNeeds(const CalibrationProblem& problem, const std::vector<int>& configurations, const char* column,
+              void (*lose)(ShotConditions*)) {
   const std::vector<EffectSpec>& effects = problem.robot().effects;
-  return std::any_of(effects.begin(), effects.end(), [&](const EffectSpec& effect) {
-    return FindEffect(problem.robot(), effect.effect)->DrivenBy(effect) == driver;
+  const std::vector<std::vector<int>> shots = ShotsByConfiguration(problem.data());
+  const auto needs = [&](const ShotConditions& conditions) {
+    return std::any_of(effects.begin(), effects.end(), [&](const EffectSpec& effect) {
+      const EffectContext context{&problem.robot(), &effect, &conditions, &problem.data().markers, 0};
+      return MissingColumn(*FindEffect(problem.robot(), effect.effect), context) == column;
+    });
+  };
+  return std::any_of(configurations.begin(), configurations.end(), [&](int c) {
+    return std::any_of(shots[c].begin(), shots[c].end(), [&](int s) {
+      ShotConditions conditions = problem.shot_inputs()[s].conditions;
+      lose(&conditions);
+      return needs(conditions);
+    });
   });
 }
 
 void SayWhatIsAssumed(const CalibrationProblem& problem, PlanScene* scene) {
-  scene->goes_with_time = AnyGoesWith(problem, EffectDriver::kTime);
-  scene->goes_with_temperature = AnyGoesWith(problem, EffectDriver::kTemperature);
+  scene->goes_with_time =
+      AnyNeeds(problem, scene->candidates, "time_s", [](ShotConditions* shot) { shot->has_time = false; });
+  scene->goes_with_temperature = AnyNeeds(problem, scene->candidates, "temperature_degC",
+                                          [](ShotConditions* shot) { shot->has_temperature = false; });
   if (scene->goes_with_time || scene->goes_with_temperature) {
     scene->words.push_back(ConditionsAreAssumed(scene->goes_with_time, scene->goes_with_temperature));
   }
@@ -331,6 +347,7 @@ void AddTests(const Measurements& data, const PlanRequest& request, const Drawin
     is_drawn = poses > 0 && poses < joints && drawing != nullptr;
     if (poses < joints) scene->words.push_back(FewTestPoses(poses, is_drawn));
   }
+  scene->tests_are_drawn = is_drawn;
   if (is_drawn) {
     scene->tests.clear();
     drawing->Draw(kRandomTests, request.seed + 1, "T", scene->feasible.get(), rows, &scene->tests, nullptr, nullptr);

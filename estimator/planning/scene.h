@@ -15,6 +15,7 @@ namespace sagitta {
 struct PlanScene {
   // Configurations of the problem's data.
   std::vector<int> candidates, tests, measured;
+  bool tests_are_drawn = false;
   // Configurations that may be moved anywhere, one per way to measure; of each candidate which of them is its way, -1
   // where it is listed and stays where it is.
   std::vector<int> movable;

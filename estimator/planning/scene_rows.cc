@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "estimator/planning/pose_space.h"
+#include "estimator/statistics/shuffle.h"
 #include "problems/noise_model.h"
 
 namespace sagitta {
@@ -105,7 +107,7 @@ std::optional<std::pair<double, double>> MeasuredAlike::SigmasThatDiffer() const
 }
 
 void MeasuredAlike::Complete(size_t number, size_t first, Measurements* rows) const {
-  const auto& conditions = conditions_[number % conditions_.size()];
+  const auto& conditions = conditions_[number];
   std::map<std::pair<std::string, std::string>, size_t> seen;
   for (size_t s = first; s < rows->shots.size(); ++s) {
     Shot& shot = rows->shots[s];
@@ -127,6 +129,18 @@ void MeasuredAlike::Complete(size_t number, size_t first, Measurements* rows) co
         row.mutable_rotation()->sigma = rms;
     }
   }
+}
+
+RandomTurns::RandomTurns(size_t count, std::uint64_t seed) : turns_(count), next_(count), random_(seed) {
+  std::iota(turns_.begin(), turns_.end(), size_t{0});
+}
+
+size_t RandomTurns::Next() {
+  if (next_ == turns_.size()) {
+    Shuffle(&turns_, &random_);
+    next_ = 0;
+  }
+  return turns_[next_++];
 }
 
 SceneRows::SceneRows(const Measurements& data, const NoiseSpec& noise)

@@ -1,9 +1,11 @@
 // The rows of a plan's problem as they are put together: those of the experiment, candidates, test poses.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <optional>
+#include <random>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -44,8 +46,10 @@ class MeasuredAlike {
 
   // Standard deviations that differ, m, the least and the largest of any axis; none where all are alike.
   std::optional<std::pair<double, double>> SigmasThatDiffer() const;
+  // How many configurations there are.
+  size_t size() const { return conditions_.size(); }
   // Of rows whose last shots, from `first` on, were made of the first configuration's: their standard deviations where
-  // these differ, and time and temperature of the number-th configuration, counted round.
+  // these differ, and time and temperature of the number-th configuration, from 0.
   void Complete(size_t number, size_t first, Measurements* rows) const;
 
  private:
@@ -61,6 +65,19 @@ class MeasuredAlike {
   std::map<Key, Spread> spreads_;
   // Of each configuration: its shots' conditions by station and load, in their order.
   std::vector<std::map<std::pair<std::string, std::string>, std::vector<Shot>>> conditions_;
+};
+
+// Numbers below a count in random order, again and again in another one: each as often as the others, and none goes
+// with the place of a pose in its sequence, whose first joint alternates (Halton's base 2).
+class RandomTurns {
+ public:
+  RandomTurns(size_t count, std::uint64_t seed);
+  size_t Next();
+
+ private:
+  std::vector<size_t> turns_;
+  size_t next_;  // of turns_
+  std::mt19937_64 random_;
 };
 
 // Grows the rows of a plan's problem.

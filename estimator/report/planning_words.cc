@@ -39,6 +39,20 @@ std::string OrderIsShort(double share) {
          WholePercent(share) + " of the way in the order in which poses were found.";
 }
 
+std::string JudgedInItsOrder(const std::vector<std::string>& effects, double searched, double written, double asked) {
+  std::string words = "What " + Enumerate(effects) +
+                      " does goes with the order in which poses are measured. What is predicted holds for the order of "
+                      "plan.csv: " +
+                      InMillimetres(written) +
+                      " at the test poses. Poses are chosen, and certificate and curve of the "
+                      "accuracy hold, for each candidate after its neighbours in their list: " +
+                      InMillimetres(searched) + ".";
+  if (asked > 0.0 && written > asked) {
+    words += " The order leaves more than the " + InMillimetres(asked) + " that were asked for: plan with more poses.";
+  }
+  return words;
+}
+
 namespace {
 
 // Why the model error that was given is no part of the plan.
@@ -46,7 +60,7 @@ void AddFormerInWords(const Plan& plan, std::vector<std::string>* words) {
   if (plan.field_amplitude > 0.0) return;
   const std::string factor =
       plan.model_error > 1.0 ? "its factor alone counts." : "predicted errors hold as far as the model is true.";
-  switch (plan.former) {
+  switch (plan.former.kind) {
     case FormerMisfit::Kind::kNone:
       return;
     case FormerMisfit::Kind::kMeasured:
@@ -55,10 +69,18 @@ void AddFormerInWords(const Plan& plan, std::vector<std::string>* words) {
               ? "No smooth deviation of the joints leaves the error that the former estimate shows: " + factor
               : "Points that the former estimate had not fitted are off by no more than its noise explains: " + factor);
       return;
+    case FormerMisfit::Kind::kWithinChance: {
+      const FormerMisfit& former = plan.former;
+      const std::string by = former.p_value ? " (p = " + Significant(*former.p_value, 2) + ")" : "";
+      words->push_back("Points that the former estimate had not fitted are off by " + InMillimetres(former.rms) +
+                       " per coordinate where it predicts " + InMillimetres(former.predicted) +
+                       ": no more than noise and chance explain" + by + ". No model error is seen, and " + factor);
+      return;
+    }
     case FormerMisfit::Kind::kNotCompared:
       words->push_back(
-          "The former estimate has no cross-validation, or no noise to compare it with: the plan does not know by how "
-          "much its model is off, and " +
+          "The former estimate has no cross-validation, no noise to compare it with, or no p-value and degrees of "
+          "freedom to test it by: the plan does not know by how much its model is off, and " +
           factor);
       return;
     case FormerMisfit::Kind::kInRepeatability:
@@ -107,9 +129,14 @@ std::vector<std::string> AssumptionsInWords(const Plan& plan, bool candidates_ar
   return words;
 }
 
-std::string RegisteredOnTests() {
-  return "Stations and markers that only the test poses see are registered on the test poses: errors there "
-         "are what is left.";
+std::string RegisteredOnTests(int unknowns, int coordinates, int left) {
+  const std::string begin = "Stations and markers that only the test poses see are registered on the test poses: ";
+  const std::string of = std::to_string(coordinates) + " coordinates there";
+  if (left == 0) {
+    return begin + std::to_string(unknowns) + " unknowns leave nothing of the " + of + ", which do not count.";
+  }
+  return begin + "of the " + of + " " + std::to_string(left) +
+         " are left. Errors there are what is left, as a mean over these.";
 }
 
 std::string PlacesFitReadings() {

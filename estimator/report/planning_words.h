@@ -15,9 +15,15 @@ std::string InWords(CriterionKind kind);
 std::string OrderIsMixed();
 std::string OrderIsShort(double share);
 
+// Effects that go with the order of the rows; m, at the test points, model error included: as searched, and in the
+// order that is written; asked: m, 0 where a number of poses was.
+std::string JudgedInItsOrder(const std::vector<std::string>& effects, double searched, double written, double asked);
+
 // What the plan assumed, after what its scene already says.
 std::vector<std::string> AssumptionsInWords(const Plan& plan, bool candidates_are_drawn);
-std::string RegisteredOnTests();
+// Unknowns of stations and markers that only test poses see, coordinates of these points, and what is left of them; 0:
+// they do not count.
+std::string RegisteredOnTests(int unknowns, int coordinates, int left);
 std::string PlacesFitReadings();
 std::string PlacesAreStated();
 std::string PatternsLeftOut(int left_out, int offered);

@@ -90,16 +90,26 @@ FormerMisfit FormerMisfitOf(const JsonValue& estimate) {
     return former;
   }
   former.kind = FormerMisfit::Kind::kMeasured;
+  const auto p_of_unseen = unseen->Find("prediction_p_value");
+  if (p_of_unseen) former.p_value = p_of_unseen->NumberOrNull();
+  const auto fit = estimate.Find("fit");
+  const auto dof = fit ? fit->Find("dof") : std::nullopt;
+  former.dof = dof ? dof->NumberOrNull().value_or(0.0) : 0.0;
   former.found_noise = NoiseFromResiduals(estimate);
   const auto sigma = estimate.Find("sigma");
   if (!sigma || former.found_noise > 0.0) return former;
   // Where the residuals are beyond the stated noise, predictions are scaled to them, or hold what they scatter in
-  // addition (sandwich, bootstrap: not said to be scaled). Either way the model error is in what is predicted.
+  // addition (sandwich, bootstrap: not said to be scaled). Either way the model error is in what is predicted, and that
+  // there is one the residuals' own test says.
   constexpr double kBeyondChance = 0.01;
   const double times = sigma->Get("a_posteriori").PositiveNumber();
   const auto p_value = sigma->Find("p_value");
-  const double p = p_value ? p_value->NumberOrNull().value_or(1.0) : 1.0;
-  if (sigma->Get("scaled").Flag() || (times > 1.0 && p < kBeyondChance)) former.predicted /= times;
+  const std::optional<double> p = p_value ? p_value->NumberOrNull() : std::nullopt;
+  const bool is_scaled = sigma->Get("scaled").Flag();
+  if (is_scaled || (times > 1.0 && p.value_or(1.0) < kBeyondChance)) {
+    former.predicted /= times;
+    former.p_value = p.value_or(0.0);  // scaled: refuted
+  }
   return former;
 }
 

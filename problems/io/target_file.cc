@@ -46,8 +46,12 @@ const std::vector<RotationNames>& AllRotationNames() {
 
 class TargetReader {
  public:
-  TargetReader(CsvTable table, const Robot& robot, const std::string& station, std::vector<std::string> notes)
-      : table_(std::move(table)), robot_(robot), station_(station), notes_(std::move(notes)) {}
+  TargetReader(TargetTable table, const Robot& robot, const std::string& station, std::vector<std::string> notes)
+      : table_(std::move(table.table)),
+        decimal_comma_(table.decimal_comma),
+        robot_(robot),
+        station_(station),
+        notes_(std::move(notes)) {}
 
   Targets Read();
 
@@ -65,6 +69,8 @@ class TargetReader {
   void FindPose();
   void CheckUnlisted();
   void CheckOtherLetters(const std::string& name) const;
+  // What is read and is no text.
+  std::vector<size_t> ColumnsOfNumbers() const;
 
   std::string Cell(const TargetColumn& column) const;
   std::optional<double> Number(const TargetColumn& column) const;
@@ -78,6 +84,7 @@ class TargetReader {
   void AddShot(const Target& target, Measurements* data);
 
   CsvTable table_;
+  const bool decimal_comma_;
   const Robot& robot_;
   const std::string station_;
   std::vector<std::string> notes_;
@@ -234,6 +241,17 @@ void TargetReader::CheckUnlisted() {
   }
 }
 
+std::vector<size_t> TargetReader::ColumnsOfNumbers() const {
+  std::vector<size_t> columns;
+  for (size_t c = 0; c < table_.file.header.size(); ++c) {
+    const auto is_here = [c](const TargetColumn& column) { return column.index == static_cast<int>(c); };
+    const bool is_text = is_here(name_) || is_here(load_) || is_here(stations_);
+    const bool is_read = std::find(unread_.begin(), unread_.end(), table_.file.header[c]) == unread_.end();
+    if (is_read && !is_text) columns.push_back(c);
+  }
+  return columns;
+}
+
 std::string TargetReader::Cell(const TargetColumn& column) const {
   return column.index < 0 ? "" : std::string(row_->cells[column.index]);
 }
@@ -374,6 +392,7 @@ bool TargetReader::MayBeNoVector() const {
 Targets TargetReader::Read() {
   RenameTargetColumns(robot_.chain.joints, &table_.file.header, &notes_);
   FindColumns();
+  if (decimal_comma_) WriteNumbersAsOurs(ColumnsOfNumbers(), &table_.file);
   Targets targets;
   targets.rotation_form = form_;
   for (const Joint& joint : robot_.chain.joints) targets.joint_types.push_back(joint.type);
@@ -393,12 +412,12 @@ Targets TargetReader::Read() {
 
 Targets ReadTargets(const std::string& path, const Robot& robot, const std::string& station) {
   std::vector<std::string> notes;
-  CsvTable table = ReadTargetTable(path, &notes);
+  TargetTable table = ReadTargetTable(path, &notes);
   return TargetReader(std::move(table), robot, station, std::move(notes)).Read();
 }
 
 Targets TargetsFromTable(CsvTable table, const Robot& robot, const std::string& station) {
-  return TargetReader(std::move(table), robot, station, {}).Read();
+  return TargetReader({std::move(table), false}, robot, station, {}).Read();
 }
 
 }  // namespace sagitta

@@ -112,6 +112,16 @@ TEST(Problem, RootsAreOfItsRows) {
               HasSubstr("resolved_noise: one for each of 90 observations is expected, there are 3"));
   EXPECT_THAT(with([](CalibrationProblem* p) { p->resolved_noise[4].setConstant(kNan); }),
               HasSubstr("resolved_noise of observation 4"));
+  // Zero states nothing; a root with an eigenvalue of 0, exact or rounded, is none.
+  EXPECT_EQ(with([](CalibrationProblem* p) { p->resolved_noise[4].setZero(); }), "");
+  EXPECT_EQ(with([](CalibrationProblem* p) { p->resolved_noise[4] *= -1.0; }), "");
+  const Matrix3<double> turn = Eigen::AngleAxisd(0.7, Vector3<double>(1, 2, 3).normalized()).toRotationMatrix();
+  const Matrix3<double> flat = Vector3<double>(2e-5, 3e-5, 0.0).asDiagonal();
+  for (const Matrix3<double>& singular : {flat, Matrix3<double>(turn * flat * turn.transpose())}) {
+    EXPECT_THAT(with([&](CalibrationProblem* p) { p->resolved_noise[4] = singular; }),
+                HasSubstr("resolved_noise of observation 4 is no root of a covariance"));
+    EXPECT_THAT(with([&](CalibrationProblem* p) { p->weight_roots[4] = singular; }), HasSubstr("weight_roots of"));
+  }
   EXPECT_THAT(with([](CalibrationProblem* p) { p->weight_roots.resize(3); }), HasSubstr("weight_roots"));
   EXPECT_THAT(with([](CalibrationProblem* p) { p->weight_roots[4].setZero(); }), HasSubstr("weight_roots of"));
   EXPECT_THAT(Refused([](CalibrationProblem* p) { p->mutable_shot_inputs()->pop_back(); }), HasSubstr("RenewShots"));

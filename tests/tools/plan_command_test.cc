@@ -133,7 +133,8 @@ TEST_F(PlanCommandTest, WhatAFormerEstimateIsOffByIsPartOfThePlan) {
     return Write("estimate.json",
                  R"({"schema": "sagitta/estimate/1", "model_error": {"factor": 1.5}, "cross_validation":
       {"rms_mm": )" + std::to_string(rms) +
-                     ", \"predicted_rms_mm\": " + std::to_string(predicted) + "}}");
+                     ", \"predicted_rms_mm\": " + std::to_string(predicted) +
+                     ", \"prediction_p_value\": " + (rms > predicted ? "1e-9" : "0.7") + "}}");
   };
   ASSERT_EQ(Plan({"--poses=16", "--nomove", "--model_error=" + former(0.25, 0.15)}).status, 0);
   const nlohmann::json plan = ReadJson("plan/plan.json");
@@ -158,7 +159,7 @@ TEST_F(PlanCommandTest, AModelErrorThatTheFormerNoiseHoldsIsStillOne) {
     const std::string former =
         Write("estimate.json", R"({"model_error": {"factor": 1.0}, "cross_validation": {"rms_mm": 0.25, )"
                                R"("predicted_rms_mm": )" +
-                                   std::to_string(predicted) + "}" + more + "}");
+                                   std::to_string(predicted) + "}, \"fit\": {\"dof\": 60}" + more + "}");
     const Outcome outcome = Plan({"--poses=16", "--nomove", "--sigma_mm=0.05", "--model_error=" + former});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     const nlohmann::json all = ReadJson("plan/plan.json").at("predicted");
@@ -256,7 +257,8 @@ TEST_F(PlanCommandTest, EachPoseHasATemperatureAndATimeOfItsOwn) {
     Write("rows.csv", rows);
     const Outcome outcome = PlanOf(experiment, {"--poses=16", "--tests=random"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    for (const auto& parameter : ReadJson("plan/plan.json").at("parameters")) {
+    const nlohmann::json plan = ReadJson("plan/plan.json");
+    for (const auto& parameter : plan.at("parameters")) {
       EXPECT_TRUE(parameter.at("identifiable")) << parameter;
     }
     return ReadJson("plan/plan.json").at("predicted").at("position_rms_mm").get<double>();

@@ -65,7 +65,8 @@ class DhReader {
 
   RobotReading Read() {
     columns_ = DhColumnsOf(table_, &has_previous_);
-    const bool is_khalil = SearchPattern(LowerCaseOf(Joined(table_.preamble, "\n")), MakePattern("khalil"));
+    ReadWords();
+    const bool is_khalil = IsKhalils();
     const bool has_r = SetLengths(is_khalil, &columns_);
     reading_.format = "DH table (" + table_.separator + (table_.decimal_comma ? ", decimal comma)" : ")");
     reading_.guesses = table_.guesses;
@@ -264,17 +265,57 @@ class DhReader {
     }
   }
 
-  void ReadComments() {
+  // A line of comments that is an entry: its key and value.
+  static std::optional<std::pair<std::string, std::string>> EntryOf(const std::string& line) {
     static const std::regex kEntry = MakePattern(R"(^\s*(name|convention|coupling|flange)\s*:\s*(.*?)\s*$)");
+    std::smatch match;
+    if (line.size() > limits::kWordBytes || !MatchPattern(line, &match, kEntry)) return std::nullopt;
+    return std::pair(match[1].str(), match[2].str());
+  }
+
+  // What comments and header say of the convention; the name of a robot says nothing of it.
+  void ReadWords() {
+    static const std::regex kKhalil = MakePattern("khalil");
+    static const std::regex kNotKhalil = MakePattern(R"(\b(not|no|nicht|kein|keine)\b.*khalil)");
     for (const std::string& line : table_.preamble) {
-      std::smatch match;
-      words_ += LowerCaseOf(line) + "\n";
-      if (line.size() > limits::kWordBytes || !MatchPattern(line, &match, kEntry)) continue;
-      if (match[1] == "name") name_ = match[2];
-      if (match[1] == "coupling") ReadCoupling(match[2]);
-      if (match[1] == "flange") ReadFlange(match[2]);
+      const auto entry = EntryOf(line);
+      if (entry && entry->first == "name") continue;
+      const std::string words = LowerCaseOf(line);
+      words_ += words + "\n";
+      if (!SearchPattern(words, kKhalil)) continue;
+      const bool is_denied = line.size() <= limits::kWordBytes && SearchPattern(words, kNotKhalil);
+      (is_denied ? denies_khalil_ : says_khalil_) = true;
     }
     for (const std::string& name : table_.header) words_ += LowerCaseOf(name) + "\n";
+    says_modified_ = SearchPattern(words_, MakePattern(R"(modified|\bmdh\b|moddh|craig|proximal)")) ||
+                     (SearchPattern(words_, kKhalil) && !denies_khalil_);
+    says_standard_ = SearchPattern(words_, MakePattern(R"(standard|\bsdh\b|stddh|classic|distal|paul)"));
+  }
+
+  // Lengths are Khalil's: his notation is a modified one. A table that is said to be both, here or by the flag, is
+  // refused where it matters.
+  bool IsKhalils() const {
+    if (!says_khalil_) return false;
+    const bool is_standard = says_standard_ || options_.convention == DhConvention::kStandard;
+    const auto is_r = [](DhColumn column) { return column == DhColumn::kR; };
+    if (is_standard && std::any_of(columns_.begin(), columns_.end(), is_r)) {
+      throw InputError({table_.path, table_.header_line, "r"},
+                       "the file speaks of Khalil, whose notation is a modified one, and " +
+                           std::string(says_standard_ ? "the file" : "--convention") +
+                           " says standard: whether r is along x or along z is open",
+                       "call the length along x a and that along z d, or leave out one of the two words");
+    }
+    return !is_standard;
+  }
+
+  void ReadComments() {
+    for (const std::string& line : table_.preamble) {
+      const auto entry = EntryOf(line);
+      if (!entry) continue;
+      if (entry->first == "name") name_ = entry->second;
+      if (entry->first == "coupling") ReadCoupling(entry->second);
+      if (entry->first == "flange") ReadFlange(entry->second);
+    }
   }
 
   void ReadCoupling(const std::string& text) {
@@ -327,12 +368,10 @@ class DhReader {
   }
 
   void SetConvention() {
-    const bool modified = SearchPattern(words_, MakePattern(R"(modified|\bmdh\b|moddh|craig|khalil|proximal)"));
-    const bool standard = SearchPattern(words_, MakePattern(R"(standard|\bsdh\b|stddh|classic|distal|paul)"));
     if (options_.convention) {
       dh_.convention = *options_.convention;
-    } else if (modified != standard) {
-      dh_.convention = modified ? DhConvention::kModified : DhConvention::kStandard;
+    } else if (says_modified_ != says_standard_) {
+      dh_.convention = says_modified_ ? DhConvention::kModified : DhConvention::kStandard;
       reading_.notes.push_back("convention: " + WordOf(dh_.convention) + ", as the file says");
     } else if (has_previous_) {
       dh_.convention = DhConvention::kModified;
@@ -356,6 +395,7 @@ class DhReader {
   const DhUnits* units_ = nullptr;
   bool has_previous_ = false;
   std::string words_, name_;
+  bool says_khalil_ = false, denies_khalil_ = false, says_modified_ = false, says_standard_ = false;
   std::vector<Joint> joints_;
   std::vector<RowName> names_;  // of the rows, as joints_
   std::vector<Coupling> couplings_;

@@ -101,44 +101,69 @@ bool IsCommaSeparated(const std::string& text) {
   return true;
 }
 
-// A number with a decimal comma as we write it; everything else as it is.
-std::string OurCell(const TextTable& table, const std::string& cell) {
-  if (!table.decimal_comma || cell.find(',') == std::string::npos) return cell;
-  const std::optional<double> number = table.Number(cell);
-  return number ? FormatNumber(*number) : cell;
-}
-
-bool IsOfTexts(const std::string& header) {
-  const std::string name = LowerCaseOf(header);
-  return kTexts.count(name) + kNamesOfRows.count(name) > 0;
+// Joints that are called X, Y or Z: columns of these very names that are no point, because a coordinate is missing, or
+// because no rotation is there and all three are joints.
+void NameJointsOfAxes(const std::vector<std::string>& header, const std::vector<Joint>& joints,
+                      const std::map<size_t, std::string>& angles, std::vector<ColumnMeaning>* meanings) {
+  std::set<int> axes;
+  std::map<size_t, int> joint_of;
+  bool turns = false, all_are_joints = true;
+  for (size_t c = 0; c < header.size(); ++c) {
+    const ColumnMeaning& meaning = (*meanings)[c];
+    turns |= meaning.role == Role::kRotation || meaning.role == Role::kQuaternion;
+    turns |= meaning.role != Role::kJoint && angles.count(c) > 0;
+    if (meaning.role != Role::kPoint) continue;
+    axes.insert(meaning.index);
+    const auto own =
+        std::find_if(joints.begin(), joints.end(), [&](const Joint& joint) { return joint.name == StemOf(header[c]); });
+    const bool is_joint = own != joints.end() && !meaning.says_measured;
+    all_are_joints &= is_joint;
+    if (is_joint) joint_of[c] = static_cast<int>(own - joints.begin());
+  }
+  if (axes.size() == 3 && (turns || !all_are_joints)) return;
+  for (const auto& [column, joint] : joint_of) {
+    (*meanings)[column].role = Role::kJoint;
+    (*meanings)[column].index = joint;
+  }
 }
 
 }  // namespace
 
-CsvTable ReadTargetTable(const std::string& path, std::vector<std::string>* notes) {
+TargetTable ReadTargetTable(const std::string& path, std::vector<std::string>* notes) {
   const std::shared_ptr<const std::string> bytes = SharedText(path);
-  if (LineOfInvalidUtf8(*bytes) == 0 && IsCommaSeparated(*bytes)) return ParseCsvTable(*bytes, path);
+  if (LineOfInvalidUtf8(*bytes) == 0 && IsCommaSeparated(*bytes)) return {ParseCsvTable(*bytes, path), false};
   const TextTable text = ParseTextTable(*bytes, path);
   std::vector<std::vector<std::string>> columns(text.header.size());
   std::vector<int> lines;
   for (const TextTable::Row& row : text.rows) {
     lines.push_back(row.line);
-    for (size_t c = 0; c < columns.size(); ++c) {
-      columns[c].push_back(IsOfTexts(text.header[c]) ? row.cells[c] : OurCell(text, row.cells[c]));
-    }
+    for (size_t c = 0; c < columns.size(); ++c) columns[c].push_back(row.cells[c]);
   }
   notes->push_back(path + ": " + text.encoding + ", separated by " + text.separator +
                    (text.decimal_comma ? ", decimal comma" : ", decimal point"));
   notes->insert(notes->end(), text.guesses.begin(), text.guesses.end());
   CsvTable table = CsvTableOf(path, text.header, columns, lines);
   table.header_line = text.header_line;
-  return table;
+  return {std::move(table), text.decimal_comma};
+}
+
+void WriteNumbersAsOurs(const std::vector<size_t>& columns, MeasurementFile* file) {
+  for (size_t r = 0; r < file->rows.size(); ++r) {
+    for (const size_t c : columns) {
+      const std::string cell(file->rows[r].cells[c]);
+      if (cell.find(',') == std::string::npos) continue;
+      const std::optional<double> number = ParseLocalNumber(cell, /*decimal_comma=*/true);
+      if (number) file->rows.SetCell(r, c, FormatNumber(*number));
+    }
+  }
 }
 
 void RenameTargetColumns(const std::vector<Joint>& joints, std::vector<std::string>* header,
                          std::vector<std::string>* notes) {
-  const std::vector<ColumnMeaning> meanings = MeaningsOf(*header, joints);
-  std::map<size_t, std::string> names;
+  std::vector<ColumnMeaning> meanings = MeaningsOf(*header, joints);
+  std::map<size_t, std::string> names, angles;
+  NameAngles(*header, &angles);
+  NameJointsOfAxes(*header, joints, angles, &meanings);
   for (size_t c = 0; c < header->size(); ++c) {
     const std::string name = OurNameOf(meanings[c], (*header)[c], joints);
     if (!name.empty()) names[c] = name;

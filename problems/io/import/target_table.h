@@ -15,13 +15,22 @@
 
 namespace sagitta {
 
-// Of one file. A table whose header has no comma may be separated, and its numbers written, otherwise (text_table.h);
-// it comes with the numbers as we write them. What was read otherwise is added to `notes`, in words. Throws InputError.
-CsvTable ReadTargetTable(const std::string& path, std::vector<std::string>* notes);
+// A table with its cells as they stand there.
+struct TargetTable {
+  CsvTable table;
+  bool decimal_comma = false;
+};
+// Of one file. A table whose header has no comma may be separated, and its numbers written, otherwise (text_table.h).
+// What was read otherwise is added to `notes`, in words. Throws InputError.
+TargetTable ReadTargetTable(const std::string& path, std::vector<std::string>* notes);
+
+// Numbers with a decimal comma as we write them, in the columns that are read as numbers; everything else stays.
+void WriteNumbersAsOurs(const std::vector<size_t>& columns, MeasurementFile* file);
 
 // Gives columns the names that target files have for what they say: of joints by the robot's own names for them or
 // their numbers, X, Y, Z, KUKA's A, B, C and FANUC's W, P, R (the roll, pitch and yaw about fixed axes), the name of
-// the row. What was renamed is added to `notes`, in words.
+// the row. X, Y and Z are joints that are called so where the columns state no pose by them. What was renamed is added
+// to `notes`, in words.
 void RenameTargetColumns(const std::vector<Joint>& joints, std::vector<std::string>* header,
                          std::vector<std::string>* notes);
 

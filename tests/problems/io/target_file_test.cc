@@ -232,6 +232,45 @@ TEST_F(ForeignTargetsTest, SemicolonsDecimalCommasAndOtherNames) {
   EXPECT_TRUE(SaysInOrder(targets.notes[1], {"'Name' as target", "'A1 [deg]' as q1_deg", "'Station' as station"}));
 }
 
+// Numbers of orders and batches are whoever wrote them's own: they come back as they stood there.
+TEST_F(ForeignTargetsTest, ColumnsThatAreNotReadKeepTheirCells) {
+  const Targets targets = ReadList(
+      "Name;A1 [deg];A2 [deg];A3 [deg];A4 [deg];A5 [deg];A6 [deg];Auftrag;Charge\n"
+      "P1;1.010,5;-86;80;0;15;0;0012,50;1.234,50\n");
+  EXPECT_NEAR((*targets.rows[0].q)[0], 1010.5 * kDegree, 1e-12);
+  EXPECT_EQ(targets.shots.unread_columns, (std::vector<std::string>{"Auftrag", "Charge"}));
+  const auto cells = targets.shots.files[0].rows[0].cells;
+  EXPECT_EQ(cells[1], "1010.5");
+  EXPECT_EQ(cells[7], "0012,50");
+  EXPECT_EQ(cells[8], "1.234,50");
+}
+
+// A rail that is called X: a column X is its value where no pose stands in the list.
+TEST_F(ForeignTargetsTest, JointsMayBeCalledAsAxesAre) {
+  Robot rail = Arm();
+  rail.chain.joints[0].name = "X";
+  rail.chain.joints[0].type = JointType::kPrismatic;
+  const auto read = [&](const std::string& text) {
+    Write("list.csv", text);
+    return ReadTargets(Path("list.csv"), rail, "S1");
+  };
+  const std::string others = "A2 [deg];A3 [deg];A4 [deg];A5 [deg];A6 [deg]";
+  const Targets targets = read("Name;X [mm];" + others + "\nP1;1000,5;-60;30;0;20;5\n");
+  EXPECT_NEAR((*targets.rows[0].q)[0], 1.0005, 1e-12);
+  EXPECT_FALSE(targets.rows[0].flange_in_base);
+  const std::string open = "Name;X [mm];Y [mm];Z [mm];" + others + "\nP1;1000;7;8;-60;30;0;20;5\n";
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { read(open); }), {"list.csv:1", "q1", "missing"}));
+  for (const int j : {1, 2}) {
+    rail.chain.joints[j].name = j == 1 ? "Y" : "Z";
+    rail.chain.joints[j].type = JointType::kPrismatic;
+  }
+  const Targets gantry = read("Name;X [mm];Y [mm];Z [mm];A4 [deg];A5 [deg];A6 [deg]\nP1;1000;7;8;0;20;5\n");
+  EXPECT_NEAR((*gantry.rows[0].q)[2], 0.008, 1e-12);
+  const Targets poses = read("Name;X [mm];Y [mm];Z [mm];A [deg];B [deg];C [deg]\nP1;1000;2;3;10;20;30\n");
+  EXPECT_FALSE(poses.rows[0].q);
+  EXPECT_EQ(poses.rows[0].flange_in_base->translation.x(), 1.0);
+}
+
 // KUKA: Rz(A) Ry(B) Rx(C). FANUC: W, P and R turn about fixed x, y and z.
 TEST_F(ForeignTargetsTest, AnglesOfControllers) {
   const auto rotation = [this](const std::string& names, const std::string& numbers) {

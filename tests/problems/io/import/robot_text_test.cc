@@ -15,8 +15,8 @@ class RobotText : public FileTest {
   RobotReading Read(const std::string& text, const RobotReadOptions& options = {}) const {
     return ReadAnyRobot(Write("file.txt", text), options);
   }
-  std::string Error(const std::string& text) const {
-    return ErrorOf([&] { Read(text); });
+  std::string Error(const std::string& text, const RobotReadOptions& options = {}) const {
+    return ErrorOf([&] { Read(text, options); });
   }
   // Of the transform that the second joint moves, deg.
   double SecondOffset(const std::string& text) const {
@@ -200,6 +200,30 @@ TEST_F(RobotUnits, KhalilsLengths) {
   EXPECT_TRUE(SaysInOrder(Joined(reading.notes), {"d is along x", "r along z"}));
   EXPECT_TRUE(SaysInOrder(Error("# modified DH\n" + rows), {"r", "along x", "Khalil", "along z", "call the length"}));
   EXPECT_EQ(Read("# standard DH\n" + rows).robot.dh->links[3].a, 0.45);
+}
+
+// His notation is a modified one: a standard table has r along x, whoever made the robot.
+TEST_F(RobotUnits, AStandardTableIsNotKhalils) {
+  const std::string rows = "joint,theta_deg,d_mm,r_mm,alpha_deg\n1,0,400,25,-90\n2,0,0,450,0\n3,0,0,35,-90\n";
+  RobotReadOptions standard, modified;
+  standard.convention = DhConvention::kStandard;
+  modified.convention = DhConvention::kModified;
+  const auto expect_standard = [](const RobotReading& reading) {
+    EXPECT_EQ(reading.robot.dh->convention, DhConvention::kStandard);
+    EXPECT_EQ(reading.robot.dh->links[0].a, 0.025);
+    EXPECT_EQ(reading.robot.dh->links[0].d, 0.4);
+  };
+  for (const std::string head : {"# name: Khalil arm\n# standard DH\n", "# not after Khalil: standard DH\n"}) {
+    expect_standard(Read(head + rows));
+    expect_standard(Read(head + rows, standard));
+  }
+  expect_standard(Read("# name: Khalil arm\n" + rows, standard));
+  EXPECT_TRUE(SaysInOrder(Error("# name: Khalil arm\n" + rows, modified), {"r", "is not said"}));
+  const std::string both = "# Khalil and Dombre, in standard DH\n";
+  EXPECT_TRUE(SaysInOrder(Error(both + rows), {"file.txt:2", "Khalil", "modified", "the file says standard"}));
+  EXPECT_TRUE(SaysInOrder(Error(both + rows, modified), {"Khalil", "the file says standard"}));
+  EXPECT_TRUE(SaysInOrder(Error("# Khalil\n" + rows, standard), {"Khalil", "--convention says standard"}));
+  EXPECT_EQ(Read("# Khalil\n" + rows, modified).robot.dh->links[0].a, 0.4);
 }
 
 // Link and SerialLink put q where theta of a row that turns stands (Corke, Link.A).
