@@ -702,9 +702,10 @@ class Arrays(unittest.TestCase):
             pickle.dumps(estimate)
         with self.assertRaisesRegex(TypeError, "arguments of sagitta.read"):
             pickle.dumps(experiment)
-        estimate.write(self.folder / "pickled")
-        with self.assertRaisesRegex(TypeError, "path of its estimate.json"):
-            pickle.dumps(sagitta.load(self.folder / "pickled" / "estimate.json"))
+        with tempfile.TemporaryDirectory() as folder:
+            estimate.write(folder)
+            with self.assertRaisesRegex(TypeError, "path of its estimate.json"):
+                pickle.dumps(sagitta.load(folder + "/estimate.json"))
         parameter = pickle.loads(pickle.dumps(estimate["geometry/p_x1"]))
         self.assertEqual(repr(parameter), repr(estimate["geometry/p_x1"]))
 

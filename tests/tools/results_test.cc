@@ -346,11 +346,15 @@ TEST_F(ResultsTest, AMassThatMovesNothingIsHeld) {
   experiment.replace(experiment.find("[R2, "), 5, "[R1, R2, ");
   const Outcome outcome = Run({"calibrate", Write("experiment.yaml", experiment), "--out=" + Path("out")});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  for (const auto& parameter : ReadJson("out/estimate.json")["parameters"]) {
+  const auto estimate = ReadJson("out/estimate.json");
+  int found = 0;
+  for (const auto& parameter : estimate["parameters"]) {
     if (parameter["name"] != "effect/link_gravity/R2/mass") continue;
+    ++found;
     EXPECT_FALSE(parameter["identifiable"]);
     EXPECT_EQ(parameter["value"], 0.0);
   }
+  EXPECT_EQ(found, 1);
 }
 
 TEST_F(ResultsTest, AnUnmovedJointEndsInHeldParameters) {
