@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "estimator/alignment/aligned_misfit.h"
@@ -22,6 +23,7 @@
 #include "problems/io/import/marker_column.h"
 #include "problems/io/measurement_file.h"
 #include "problems/io/units.h"
+#include "problems/split.h"
 #include "tools/import_choice.h"
 
 namespace sagitta {
@@ -52,15 +54,15 @@ ImportPlan GeometryOf(const ImportPlan& plan) {
 // Of these rows the points, those of one marker at one station and pose once: repeats say nothing of the robot.
 std::vector<int> WithoutRepeats(const CalibrationProblem& problem, const std::vector<int>& rows) {
   const Measurements& data = problem.data();
-  std::set<std::vector<double>> seen;
+  const std::vector<int> group_of = GroupsOfConfigurations(data);
+  std::set<std::tuple<int, int, int>> seen;
   std::vector<int> once;
   for (const int i : data.PointsAmong(rows)) {
     const Observation& row = data.observations[static_cast<size_t>(i)];
-    const Eigen::VectorXd& q = data.ConfigurationOf(row).q;
-    std::vector<double> key(q.data(), q.data() + q.size());
-    key.push_back(row.marker);
-    key.push_back(data.shots[static_cast<size_t>(row.shot)].station);
-    if (seen.insert(std::move(key)).second) once.push_back(i);
+    const Shot& shot = data.shots[static_cast<size_t>(row.shot)];
+    if (seen.emplace(group_of[static_cast<size_t>(shot.configuration)], shot.station, row.marker).second) {
+      once.push_back(i);
+    }
   }
   return once;
 }

@@ -246,12 +246,12 @@ std::optional<std::string> TextColumn(const Words& words) {
 }
 
 std::optional<ColumnMeaning> AsLoadOrApproach(const std::string& name, const Words& words) {
-  static const Words kWrench = {"fx", "fy", "fz", "mx", "my", "mz"};
-  const auto found = std::find(kWrench.begin(), kWrench.end(), name);
+  const Words& wrench = WrenchNames();
+  const auto found = std::find(wrench.begin(), wrench.end(), name);
   ColumnMeaning meaning;
-  if (found != kWrench.end()) {
+  if (found != wrench.end()) {
     meaning.role = Role::kWrench;
-    meaning.index = static_cast<int>(found - kWrench.begin());
+    meaning.index = static_cast<int>(found - wrench.begin());
     return meaning;
   }
   if (words.size() == 2 && words[0] == "approach" && IsNumber(words[1])) {

@@ -89,6 +89,11 @@ bool Has(const std::vector<std::string>& words, const std::set<std::string>& set
   return std::any_of(words.begin(), words.end(), [&set](const std::string& word) { return set.count(word) > 0; });
 }
 
+const std::vector<std::string>& WrenchNames() {
+  static const std::vector<std::string> kNames = {"fx", "fy", "fz", "mx", "my", "mz"};
+  return kNames;
+}
+
 int AxisNamed(const std::string& word) {
   const size_t axis = std::string("xyz").find(word);
   return word.size() == 1 && axis != std::string::npos ? static_cast<int>(axis) : -1;

@@ -32,6 +32,9 @@ std::vector<std::string> WordsOf(const std::string& name);
 // Whether one of the words is one of these.
 bool Has(const std::vector<std::string>& words, const std::set<std::string>& set);
 
+// fx, fy, fz, mx, my, mz: columns of a wrench, in their order.
+const std::vector<std::string>& WrenchNames();
+
 // 0, 1, 2 of "x", "y", "z"; -1 of any other word.
 int AxisNamed(const std::string& word);
 

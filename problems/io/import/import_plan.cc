@@ -51,9 +51,7 @@ class Planner {
     throw InputError({table_.path, table_.header_line, key}, what, hint);
   }
 
-  std::string HeaderOf(int c) const {
-    return table_.header[c].empty() ? "column " + std::to_string(c + 1) : table_.header[c];
-  }
+  std::string HeaderOf(int c) const { return HeaderOfColumn(table_, c); }
 
   int ColumnNamed(const std::string& text) const {
     for (int c = 0; c < table_.columns(); ++c) {
@@ -105,13 +103,7 @@ class Planner {
   bool IsMapped(const std::string& stem) const { return plan_.Find(stem) != nullptr; }
 
   void Add(const std::string& stem, const std::string& unit, int c, const std::string& meaning) {
-    PlannedColumn planned;
-    planned.stem = stem;
-    planned.unit = unit;
-    planned.source = c;
-    planned.header = HeaderOf(c);
-    planned.meaning = meaning;
-    plan_.columns.push_back(planned);
+    plan_.Add(stem, unit, c, HeaderOf(c), meaning);
     taken_.insert(c);
   }
 
@@ -413,6 +405,17 @@ class Planner {
 };
 
 }  // namespace
+
+void ImportPlan::Add(const std::string& stem, const std::string& unit, int source, const std::string& header,
+                     const std::string& meaning) {
+  PlannedColumn planned;
+  planned.stem = stem;
+  planned.unit = unit;
+  planned.source = source;
+  planned.header = header;
+  planned.meaning = meaning;
+  columns.push_back(planned);
+}
 
 const PlannedColumn* ImportPlan::Find(const std::string& stem) const {
   for (const PlannedColumn& column : columns) {

@@ -48,6 +48,9 @@ struct ImportPlan {
 
   bool HasQuaternion() const { return !rotation_columns.empty() && rotation_columns[0].stem[0] == 'o'; }
   const PlannedColumn* Find(const std::string& stem) const;
+  // A column of the table by its place and header.
+  void Add(const std::string& stem, const std::string& unit, int source, const std::string& header,
+           const std::string& meaning);
 };
 
 // `columns`: what the user says, as in {"x_mm", "measurement_x"}; a header, the

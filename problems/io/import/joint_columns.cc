@@ -79,18 +79,14 @@ void NameAxisJoints(const std::vector<std::string>& headers, const std::vector<J
   std::set<int> axes_of_points;
   for (size_t c = 0; c < headers.size(); ++c) {
     if ((*meanings)[c].role != Role::kPoint) continue;
-    const auto own = std::find_if(joints.begin(), joints.end(),
-                                  [&](const Joint& joint) { return joint.name == StemOf(headers[c]); });
-    if (own == joints.end()) axes_of_points.insert((*meanings)[c].index);
-    if (own != joints.end()) joint_of[c] = static_cast<int>(own - joints.begin());
+    const int joint = JointNamed(headers[c], joints);
+    if (joint < 0) axes_of_points.insert((*meanings)[c].index);
+    if (joint >= 0) joint_of[c] = joint;
   }
   const auto is_axis = [](const Joint& joint) { return AxisNamed(LowerCaseOf(joint.name)) >= 0; };
   const long expected = std::count_if(joints.begin(), joints.end(), is_axis);
   if (axes_of_points.size() != 3 || static_cast<long>(joint_of.size()) != expected) return;
-  for (const auto& [column, joint] : joint_of) {
-    (*meanings)[column].role = Role::kJoint;
-    (*meanings)[column].index = joint;
-  }
+  SetJoints(joint_of, meanings);
 }
 
 // Turning joints that are named by one word and the numbers 1, 2, … in their order: their places; else empty.
@@ -155,6 +151,19 @@ void NameRail(const std::vector<std::string>& headers, const std::vector<Joint>&
 }
 
 }  // namespace
+
+int JointNamed(const std::string& header, const std::vector<Joint>& joints) {
+  const std::string name = StemOf(header);
+  const auto own = std::find_if(joints.begin(), joints.end(), [&](const Joint& joint) { return joint.name == name; });
+  return own == joints.end() ? -1 : static_cast<int>(own - joints.begin());
+}
+
+void SetJoints(const std::map<size_t, int>& joint_of, std::vector<ColumnMeaning>* meanings) {
+  for (const auto& [column, joint] : joint_of) {
+    (*meanings)[column].role = Role::kJoint;
+    (*meanings)[column].index = joint;
+  }
+}
 
 bool NamesExternalAxis(const std::string& header) {
   const Words words = WordsOf(StemOf(header));

@@ -2,6 +2,7 @@
 // that slides.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,11 @@ namespace sagitta {
 // Changes the meanings of these columns. joints: of the robot; empty where it is not known.
 void NameJointsTogether(const std::vector<std::string>& headers, const std::vector<Joint>& joints,
                         std::vector<ColumnMeaning>* meanings);
+
+// The joint that a column is called by; -1: none.
+int JointNamed(const std::string& header, const std::vector<Joint>& joints);
+// joint_of: of columns that are joints.
+void SetJoints(const std::map<size_t, int>& joint_of, std::vector<ColumnMeaning>* meanings);
 
 // E1 … E6, "Rail [mm]": an axis outside the arm, where it is none of the robot's joints.
 bool NamesExternalAxis(const std::string& header);

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "problems/input_error.h"
+#include "problems/io/import/header_words.h"
 #include "problems/io/import/mapped_columns.h"
 #include "problems/text.h"
 
@@ -67,7 +68,7 @@ ColumnMeaning MeaningOfOurs(const std::string& column) {
     }
   }
   static const std::vector<std::pair<std::vector<std::string>, Role>> kListed = {
-      {{"ow", "ox", "oy", "oz"}, Role::kQuaternion}, {{"fx", "fy", "fz", "mx", "my", "mz"}, Role::kWrench}};
+      {{"ow", "ox", "oy", "oz"}, Role::kQuaternion}, {WrenchNames(), Role::kWrench}};
   for (const auto& [names, role] : kListed) {
     const auto found = std::find(names.begin(), names.end(), stem);
     if (found != names.end()) meaning.role = role, meaning.index = static_cast<int>(found - names.begin());

@@ -46,13 +46,8 @@ class OtherColumns {
     const std::optional<ColumnsOfOneTime> found = FindColumnsOfOneTime(table_, ColumnsOf(Role::kTime));
     if (!found || taken_.count(found->first) + taken_.count(found->second) > 0) return false;
     time_ = *found;
-    PlannedColumn planned;
-    planned.stem = planned.meaning = "time";
-    planned.unit = "s";
-    planned.source = found->first;
-    planned.second = found->second;
-    planned.header = HeaderOf(found->first) + " + " + HeaderOf(found->second);
-    plan_.columns.push_back(planned);
+    plan_.Add("time", "s", found->first, HeaderOf(found->first) + " + " + HeaderOf(found->second), "time");
+    plan_.columns.back().second = found->second;
     return true;
   }
 
@@ -69,10 +64,9 @@ class OtherColumns {
 
   // The name of the column in measurements.csv; "": it has none for it.
   static std::string StemFor(const ColumnMeaning& meaning) {
-    static const char* kWrench[] = {"fx", "fy", "fz", "mx", "my", "mz"};
     if (meaning.role == Role::kText) return meaning.name;
     if (meaning.role == Role::kWrench && meaning.unit == (meaning.index < 3 ? "N" : "Nm")) {
-      return kWrench[meaning.index];
+      return WrenchNames()[static_cast<size_t>(meaning.index)];
     }
     if (meaning.role == Role::kApproach) return "approach" + std::to_string(meaning.index + 1);
     if (meaning.role == Role::kTime) return "time";
@@ -104,13 +98,7 @@ class OtherColumns {
       if (!unit.empty() && unit != "degC") return LeaveOut(c, "a temperature that is not in degC");
       unit = "degC";
     }
-    PlannedColumn planned;
-    planned.stem = stem;
-    planned.unit = unit;
-    planned.source = c;
-    planned.header = HeaderOf(c);
-    planned.meaning = stem;
-    plan_.columns.push_back(planned);
+    plan_.Add(stem, unit, c, HeaderOf(c), stem);
     if (stem == "load") AddLoad(meaning.unit, c);
   }
 

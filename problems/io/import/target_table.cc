@@ -10,6 +10,7 @@
 #include "problems/io/files.h"
 #include "problems/io/import/column_meaning.h"
 #include "problems/io/import/header_words.h"
+#include "problems/io/import/joint_columns.h"
 #include "problems/io/import/text_table.h"
 #include "problems/io/units.h"
 #include "problems/text.h"
@@ -114,17 +115,13 @@ void NameJointsOfAxes(const std::vector<std::string>& header, const std::vector<
     turns |= meaning.role != Role::kJoint && angles.count(c) > 0;
     if (meaning.role != Role::kPoint) continue;
     axes.insert(meaning.index);
-    const auto own =
-        std::find_if(joints.begin(), joints.end(), [&](const Joint& joint) { return joint.name == StemOf(header[c]); });
-    const bool is_joint = own != joints.end() && !meaning.says_measured;
+    const int joint = JointNamed(header[c], joints);
+    const bool is_joint = joint >= 0 && !meaning.says_measured;
     all_are_joints &= is_joint;
-    if (is_joint) joint_of[c] = static_cast<int>(own - joints.begin());
+    if (is_joint) joint_of[c] = joint;
   }
   if (axes.size() == 3 && (turns || !all_are_joints)) return;
-  for (const auto& [column, joint] : joint_of) {
-    (*meanings)[column].role = Role::kJoint;
-    (*meanings)[column].index = joint;
-  }
+  SetJoints(joint_of, meanings);
 }
 
 }  // namespace
