@@ -345,12 +345,13 @@ std::vector<int> ShotsOfProposal(const Measurements& data, int configuration) {
   std::vector<int> picked;
   for (size_t s = 0; s < data.shots.size(); ++s) {
     const Shot& shot = data.shots[s];
+    if (shot.configuration != configuration) continue;
     const bool is_elsewhen = std::any_of(picked.begin(), picked.end(), [&](int p) {
       const Shot& other = data.shots[p];
       return other.station == shot.station && other.load == shot.load && other.wrench.force == shot.wrench.force &&
              other.wrench.moment == shot.wrench.moment && other.visit != shot.visit;
     });
-    if (shot.configuration == configuration && !is_elsewhen) picked.push_back(static_cast<int>(s));
+    if (!is_elsewhen) picked.push_back(static_cast<int>(s));
   }
   return picked;
 }

@@ -19,8 +19,8 @@ constexpr size_t kInPlace = 6;
 constexpr size_t kFurther = 20;
 // Of all that is asked: the sums of the groups are 360 MB then. The UR5 and the UR10 stay below it.
 constexpr size_t kMostColumns = 1500;
-constexpr double kWorthSharing =
-    3.0;  // log units: a twentieth of the best moves an average of eleven by half a percent
+// Log units: a twentieth of the best moves an average of eleven by half a percent.
+constexpr double kWorthSharing = 3.0;
 
 // Explanations that may have a place on some poses, ascending.
 std::vector<int> WorthAsking(const Evidence& evidence, const WeightedModel& leading,

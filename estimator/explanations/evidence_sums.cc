@@ -16,14 +16,6 @@ namespace {
 // Of J'J scaled to a unit diagonal: below, a direction is rounding.
 constexpr double kRankOfSums = 1e-13;
 
-// x <- L^-1 x. A pose has a few rows: a solver that packs blocks costs several times as much.
-void SolveForward(const Eigen::MatrixXd& root, double* x) {
-  for (long i = 0; i < root.rows(); ++i) {
-    x[i] /= root(i, i);
-    for (long k = i + 1; k < root.rows(); ++k) x[k] -= root(k, i) * x[i];
-  }
-}
-
 }  // namespace
 
 std::vector<EvidenceColumns::PoseRows> EvidenceColumns::PosesAmong(const std::vector<int>& observations) const {
@@ -84,7 +76,10 @@ double EvidenceColumns::Whiten(const BlockRoots& roots, Eigen::MatrixXd* rows) {
   double log_det = 0.0;
   for (const PoseRoot& pose : roots) log_det += LogDeterminant(pose.root);
   for (long c = 0; c < rows->cols(); ++c) {
-    for (const PoseRoot& pose : roots) SolveForward(pose.root.matrixLLT(), &(*rows)(pose.top, c));
+    for (const PoseRoot& pose : roots) {
+      auto own = rows->col(c).segment(pose.top, pose.root.rows());
+      pose.root.matrixL().solveInPlace(own);
+    }
   }
   return log_det;
 }

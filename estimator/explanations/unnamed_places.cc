@@ -120,10 +120,13 @@ class PlaceFunctions : public UnnamedList {
     return spec;
   }
 
-  // About the base.
+  Settings AboutTheBase(int station) const {
+    return VectorSettings("about_", 1e3 * parameters_.BaseInStation(station).translation, "_mm");
+  }
+
   EffectSpec TurnOf(int station, const Driver& driver) const {
     EffectSpec spec = MotionOf(station, "turn", driver);
-    spec.settings.merge(VectorSettings("about_", 1e3 * parameters_.BaseInStation(station).translation, "_mm"));
+    spec.settings.merge(AboutTheBase(station));
     return spec;
   }
 
@@ -196,7 +199,7 @@ class PlaceFunctions : public UnnamedList {
       place = WithinReach(place.transpose(), ParseNumber(field.settings["reach"]).value()).transpose();
     }
     EffectSpec turn{"learnt_station_motion", name, field.settings, {}};
-    turn.settings.merge(VectorSettings("about_", 1e3 * parameters_.BaseInStation(station).translation, "_mm"));
+    turn.settings.merge(AboutTheBase(station));
     turn.settings.merge(Settings{{"by", "place"}, {"moves", "turn"}});
     AddTurns(station, OfPlace(field, false), "place", turn);
     if (!RangeOf(load).Varies()) return;
