@@ -116,9 +116,9 @@ DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>&
   extended.problem = std::make_shared<CalibrationProblem>(ExtendedProblem(model, added));
   const ParameterSet& start = extended.problem->parameters;
   QuickRefit quick = RefitQuickly(*extended.problem, start);
-  if (!IsUsable(quick.estimate.status) || !DeterminesAll(quick)) {
-    return JudgeFully(extended.problem, start, start, options);
-  }
+  if (!IsUsable(quick.estimate.status)) return JudgeFully(extended.problem, start, start, options);
+  // A spring that the data hardly determine is a valley in which a start from nominal creeps.
+  if (!DeterminesAll(quick)) return JudgeFully(extended.problem, quick.estimate.parameters, start, options);
   extended.estimate = std::move(quick.estimate);
   return extended;
 }

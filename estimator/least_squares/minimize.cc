@@ -184,7 +184,8 @@ bool StepOntoBounds(const NormalEquations& equations, ParameterSet* parameters, 
 }
 
 // Ceres searches along every step of a problem with bounds, which costs as many evaluations again: the bounds come in
-// only where the solution without them lies beyond one, and there by `step_onto` first, where it is given.
+// only where the solution without them lies beyond one, and there by `step_onto` first, where it is given. What is
+// inside is left where it is, if it creeps too: in a narrow valley the bounded search stops far above it.
 MinimizeSummary WithBoundsWhereMet(const MinimizeOptions& options,
                                    const std::function<MinimizeSummary(bool bounded)>& minimize,
                                    const std::function<bool(ParameterSet*, MinimizeSummary*)>& step_onto,
@@ -192,7 +193,7 @@ MinimizeSummary WithBoundsWhereMet(const MinimizeOptions& options,
   CheckOptions(options);
   const ParameterSet start = *parameters;
   MinimizeSummary free = minimize(false);
-  if (free.usable && free.converged && IsInside(*parameters)) return free;
+  if (free.usable && IsInside(*parameters)) return free;
   const std::vector<int> estimated = start.EstimatedCoordinates();
   const bool any_bound = std::any_of(estimated.begin(), estimated.end(),
                                      [&](int i) { return std::isfinite(start.coordinates()[i].lower); });
