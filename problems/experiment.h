@@ -12,6 +12,7 @@
 #include "models/geometry.h"
 #include "models/wrench.h"
 #include "problems/choices.h"
+#include "problems/significance.h"
 
 namespace sagitta {
 
@@ -178,7 +179,7 @@ struct Experiment {
   EstimateSpec estimate;
   std::map<std::string, Prior> priors;
   ValidationSpec validation;
-  double significance = 0.01;     // of a hundred sound experiments one fails a test
+  double significance = kDefaultSignificance;
   bool torques_measured = false;  // `torques: measured`: the columns tau<i> drive joint-wise elastic effects
   // Of the data that an estimate was made of, where other rows are predicted with it; absent: of the rows themselves.
   std::optional<ConditionOrigins> origins = {};

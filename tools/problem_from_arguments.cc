@@ -7,6 +7,7 @@
 #include "problems/input_error.h"
 #include "problems/io/effect_names.h"
 #include "problems/range.h"
+#include "problems/significance.h"
 #include "tools/command_line.h"
 
 DEFINE_double(sigma_mm, 0.0, "standard deviation of every coordinate; replaces those of the rows");
@@ -17,7 +18,7 @@ DEFINE_string(free, "", "NAME,…: parameters to estimate in addition");
 DEFINE_string(fixed, "", "NAME,…: parameters held at their file or nominal value");
 DEFINE_string(method, "joint", "joint, two-step, two-step-literal, two-step-relinearised, full-pose or differencing");
 DEFINE_bool(force, false, "go on where the nominal robot cannot have made these readings");
-DEFINE_double(significance, 0.01, "level of every test");
+DEFINE_double(significance, sagitta::kDefaultSignificance, "level of every test");
 
 namespace sagitta {
 

@@ -80,7 +80,7 @@ Differences DifferencesOfParts(const Whole& whole, const PartFit& a, const PartF
     const bool is_shared = !sandwich && whole.dof_by_repeats.size() > 0;
     const double dof =
         is_shared ? whole.dof_by_repeats[a.columns[ia]] : WelchDof(ca(ia, ia), dof_a[ia], cb(ib, ib), dof_b[ib]);
-    const double t = StudentQuantile(0.975, dof);
+    const double t = StudentQuantile(kUpperOf95, dof);
     found.over_interval.push_back(std::abs(found.value[i]) / (t * std::sqrt(found.covariance(i, i))));
   }
   found.p_value = TestAtOnce(whole, a, b, sandwich, found);

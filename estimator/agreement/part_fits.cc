@@ -98,7 +98,7 @@ RobustCovariance SandwichOf(const Whole& whole, const std::vector<int>& observat
 // Columns of both parts whose differences depend on how well the sandwiches are known: all where these are the
 // intervals. Else only how many are inside is counted, and what is inside the normal interval is inside Student's.
 std::array<std::vector<int>, 2> WithDegrees(const Whole& whole, const std::array<PartFit, 2>& fits) {
-  const double normal = StudentQuantile(0.975, std::numeric_limits<double>::infinity());
+  const double normal = StudentQuantile(kUpperOf95, std::numeric_limits<double>::infinity());
   std::array<std::vector<int>, 2> listed;
   for (size_t i = 0; i < fits[0].columns.size(); ++i) {
     const auto same = std::find(fits[1].columns.begin(), fits[1].columns.end(), fits[0].columns[i]);

@@ -26,7 +26,7 @@ constexpr double kUnexplained = 1e-3;
 // value: of one parameter as it is; of a shift its length, of several the largest one's.
 Change DescribeChange(const ChangeGroup& group, const Eigen::VectorXd& size, const Eigen::MatrixXd& covariance,
                       double probability) {
-  const double k = NormalQuantile(0.975);
+  const double k = NormalQuantile(kUpperOf95);
   Change change;
   change.kind = group.kind;
   change.target = group.target;

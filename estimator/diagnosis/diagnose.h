@@ -20,6 +20,7 @@
 #include "estimator/diagnosis/verdict.h"
 #include "estimator/evidence/next_poses.h"
 #include "models/constants.h"
+#include "problems/significance.h"
 
 namespace sagitta {
 
@@ -104,7 +105,7 @@ using FoundSoFar = std::vector<std::pair<EffectSpec, double>>;
 
 // How Diagnose searches, and to whom it reports its progress.
 struct DiagnosisOptions {
-  double significance = 0.01;
+  double significance = kDefaultSignificance;
   PriorMasses prior;
   JointOptions joint;
   bool points_are_measured = true;  // not shifted by a simulation: readings can be judged

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "estimator/evidence/posterior.h"
+#include "problems/significance.h"
 
 namespace sagitta {
 
@@ -44,8 +45,8 @@ struct HalfResult {
 };
 
 // Do two halves of the poses say the same of an effect?
-constexpr double kHalvesContradict = 0.01;  // p below which their values do not: the default significance
-constexpr double kHalvesDiffer = 0.05;      // and below which that they agree is not said: outside 95 %
+constexpr double kHalvesContradict = kDefaultSignificance;  // p below which their values do not
+constexpr double kHalvesDiffer = 0.05;                      // and below which that they agree is not said: outside 95 %
 struct Confirmation {
   std::vector<HalfResult> halves;
   double compatible_p = 1.0;  // of the halves' values being one; not a number where there is nothing to compare

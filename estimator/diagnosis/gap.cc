@@ -10,12 +10,13 @@
 #include "estimator/statistics/distributions.h"
 #include "estimator/validation/trust.h"
 #include "models/constants.h"
+#include "problems/significance.h"
 #include "problems/split.h"
 
 namespace sagitta {
 namespace {
 
-constexpr double kWorseBeyondChance = 0.01;   // the default significance
+constexpr double kWorseBeyondChance = kDefaultSignificance;
 constexpr double kBetterBeyondChance = 0.05;  // as of an effect's interval: neither may say that it is chance
 // Of the significance: asked in addition to the posterior and to lack of fit (kShareOfLackOfFit in diagnose.cc).
 constexpr double kShareOfHoldout = 0.1;

@@ -39,7 +39,7 @@ NoiseScale ScaleOf(double sum, int dof, const CalibrationProblem& stated) {
   const RatioOfSpreads ratio = RatioByRepeats(stated.repeat_scatter, dof);
   const double scale = std::sqrt(sum / dof);
   const auto end = [&](double level) { return scale / std::sqrt(ratio.factor * FQuantile(level, dof, ratio.dof)); };
-  return {scale, end(0.975), end(0.025), dof};
+  return {scale, end(kUpperOf95), end(1.0 - kUpperOf95), dof};
 }
 
 // Of what rigid motions leave.

@@ -58,7 +58,7 @@ std::vector<GroupFinding> FindGroups(const Evidence& evidence, const WeightedMod
   const double applied = evidence.IsSigmaStated() ? AppliedFactor(evidence, model) : 1.0;
   for (const ViewedGroup& viewed : evidence.ViewOf(model).groups) {
     const ReadingGroup& group = viewed.scaled.group;
-    const double factor = applied * viewed.scaled.factor, arm = std::exp(NormalQuantile(0.975) * viewed.log_sd);
+    const double factor = applied * viewed.scaled.factor, arm = std::exp(NormalQuantile(kUpperOf95) * viewed.log_sd);
     const bool is_stated_otherwise = evidence.IsSigmaStated() && (factor / arm > 1.0 || factor * arm < 1.0);
     const bool is_wrong = !group.IsDirection() || factor > 1.0;
     found.push_back(

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <map>
 
+#include "problems/significance.h"
+
 namespace sagitta {
 
 NoiseReport::NoiseReport() = default;
@@ -41,7 +43,6 @@ namespace {
 
 // A caution is a factor of two or three (an expanded uncertainty, a maximum permissible error) in place of one.
 constexpr double kVeryMuch = 10.0;
-constexpr double kByChance = 0.01;
 
 }  // namespace
 
@@ -49,7 +50,7 @@ double StatedTooLarge(const Estimate& estimate) {
   const SigmaReport& sigma = estimate.sigma;
   const bool is_compared = !sigma.IsOfResiduals() && estimate.dof > 0 && estimate.noise_report.components.empty();
   if (!is_compared || estimate.fit.rms < kBelowAnyInstrument || !(sigma.a_posteriori > 0.0)) return 1.0;
-  const bool is_small = sigma.a_posteriori * kVeryMuch < 1.0 && 1.0 - sigma.p_value < kByChance;
+  const bool is_small = sigma.a_posteriori * kVeryMuch < 1.0 && 1.0 - sigma.p_value < kDefaultSignificance;
   return is_small ? 1.0 / sigma.a_posteriori : 1.0;
 }
 

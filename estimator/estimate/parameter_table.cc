@@ -53,7 +53,7 @@ void FillTable(const CalibrationProblem& problem, Estimate* estimate) {
     const double lower = parameters.coordinates()[estimate->estimated[c]].lower;
     row.sigma = std::sqrt(estimate->covariance(c, c));
     row.dof = estimate->interval_dof[c];
-    const double quantile = StudentQuantile(0.975, row.dof);
+    const double quantile = StudentQuantile(kUpperOf95, row.dof);
     row.weak = IsWeak(row);
     row.at_bound = row.value - quantile * row.sigma < lower;
     row.ci95 = Around(row.value, quantile * row.sigma, lower);
@@ -61,13 +61,13 @@ void FillTable(const CalibrationProblem& problem, Estimate* estimate) {
     row.unconditional_sigma = std::sqrt(row.sigma * row.sigma + added(c, c));
     // What is held is as uncertain as its range says, whatever the noise is known by.
     const double dof = WelchDof(row.sigma * row.sigma, row.dof, added(c, c), std::numeric_limits<double>::infinity());
-    row.unconditional_ci95 = Around(row.value, StudentQuantile(0.975, dof) * row.unconditional_sigma, lower);
+    row.unconditional_ci95 = Around(row.value, StudentQuantile(kUpperOf95, dof) * row.unconditional_sigma, lower);
   }
   for (size_t h = 0; h < estimate->held.coordinates.size(); ++h) {
     ParameterEstimate& row = estimate->table[estimate->held.coordinates[h]];
     const double lower = parameters.coordinates()[estimate->held.coordinates[h]].lower;
     row.unconditional_sigma = std::sqrt(estimate->held.second_moment(h, h));
-    row.unconditional_ci95 = Around(row.value, NormalQuantile(0.975) * row.unconditional_sigma, lower);
+    row.unconditional_ci95 = Around(row.value, NormalQuantile(kUpperOf95) * row.unconditional_sigma, lower);
   }
 }
 

@@ -150,7 +150,7 @@ std::vector<Replicate> RunReplicates(const Setup& setup, const BootstrapOptions&
 double WideningOf(const Setup& setup, double dof) {
   const double loss = std::sqrt(setup.estimate.noise_report.loss_inflation);
   if (setup.by_configurations || setup.is_scaled) return loss;
-  return loss * StudentQuantile(0.975, dof) / NormalQuantile(0.975);
+  return loss * StudentQuantile(kUpperOf95, dof) / NormalQuantile(kUpperOf95);
 }
 
 // model: the table before the draws. Refits that end at a physical bound all have the same value, whatever their data
@@ -169,7 +169,7 @@ void Studentise(const Setup& setup, const std::vector<Replicate>& used, const Ei
     std::sort(t.begin(), t.end());
     ParameterEstimate& row = estimate->table[estimate->estimated[c]];
     const double lower = setup.estimate.parameters.coordinates()[estimate->estimated[c]].lower;
-    const double low = row.value - InterpolatedQuantile(t, 0.975) * sigma;
+    const double low = row.value - InterpolatedQuantile(t, kUpperOf95) * sigma;
     row.at_bound = low < lower;
     row.ci95 = {std::max(lower, low), std::max(lower, row.value - InterpolatedQuantile(t, 0.025) * sigma)};
     row.dof = std::numeric_limits<double>::infinity();

@@ -154,7 +154,7 @@ void ProfileIntervals(const CalibrationProblem& problem, const ProfileOptions& o
   std::vector<End> ends(2 * n);
   ParallelFor(2 * n, options.num_threads, [&](int i, int) {
     const double sign = i % 2 == 0 ? -1.0 : 1.0;
-    const double t = StudentQuantile(0.975, estimate->interval_dof[i / 2]);
+    const double t = StudentQuantile(kUpperOf95, estimate->interval_dof[i / 2]);
     const double half = t * std::sqrt(inflation * estimate->model_covariance(i / 2, i / 2));
     ends[i] = FindEnd(ProfileSide(problem, *estimate, i / 2, sign, here.chi2, scale), t, half, options);
   });

@@ -35,7 +35,7 @@ bool IsLeftOpen(const CalibrationProblem& problem, const Estimate& estimate) {
 void SetInterval(double f, VarianceComponent* component) {
   const double least = std::max(kLeastOfRotations, f);
   component->sigma = component->value / std::sqrt(2.0 * least);
-  component->low = component->value * std::sqrt(least / ChiSquareQuantile(0.975, least));
+  component->low = component->value * std::sqrt(least / ChiSquareQuantile(kUpperOf95, least));
   component->high = component->value * std::sqrt(least / ChiSquareQuantile(0.025, least));
 }
 

@@ -397,7 +397,7 @@ void RestrictedLikelihood::ProfileInterval(const RemlFit& fit, bool estimate_ins
   const double unit = i < num_noises_ ? 1.0 : kReference;  // of the standard deviation
   Eigen::VectorXd optimum = fit.variances;
   optimum.tail(groups.size()) /= kReference * kReference;
-  const double reach = NormalQuantile(0.975);
+  const double reach = NormalQuantile(kUpperOf95);
   // Root of the deviance's rise less its 95 % value: nearly straight in the standard deviation.
   const auto excess = [&](double sigma) {
     Eigen::VectorXd variances = optimum;

@@ -12,6 +12,7 @@
 #include "problems/io/text_checks.h"
 #include "problems/io/units.h"
 #include "problems/loads.h"
+#include "problems/significance.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -101,12 +102,11 @@ FormerMisfit FormerMisfitOf(const JsonValue& estimate) {
   // Where the residuals are beyond the stated noise, predictions are scaled to them, or hold what they scatter in
   // addition (sandwich, bootstrap: not said to be scaled). Either way the model error is in what is predicted, and that
   // there is one the residuals' own test says.
-  constexpr double kBeyondChance = 0.01;
   const double times = sigma->Get("a_posteriori").PositiveNumber();
   const auto p_value = sigma->Find("p_value");
   const std::optional<double> p = p_value ? p_value->NumberOrNull() : std::nullopt;
   const bool is_scaled = sigma->Get("scaled").Flag();
-  if (is_scaled || (times > 1.0 && p.value_or(1.0) < kBeyondChance)) {
+  if (is_scaled || (times > 1.0 && p.value_or(1.0) < kDefaultSignificance)) {
     former.predicted /= times;
     former.p_value = p.value_or(0.0);  // scaled: refuted
   }
@@ -123,7 +123,7 @@ void ReadModelError(const std::string& estimate_json, const std::string& file_in
 }
 
 double HalfWidth95(const Plan& plan, const PlannedParameter& parameter) {
-  return NormalQuantile(0.975) * plan.model_error * parameter.sigma;
+  return NormalQuantile(kUpperOf95) * plan.model_error * parameter.sigma;
 }
 
 Json PlanToJson(const Plan& plan) {

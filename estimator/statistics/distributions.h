@@ -4,6 +4,8 @@
 
 namespace sagitta {
 
+inline constexpr double kUpperOf95 = 0.975;  // P below the upper end of a two-sided interval of 95 %
+
 // P(chi2_dof > x).
 double ChiSquareSurvival(double x, double dof);
 // x with P(chi2_dof <= x) = p.

@@ -31,7 +31,7 @@ NoiseShare ShareOfNoise(const Estimate& estimate, const std::vector<int>& points
   noise /= static_cast<double>(points.size());
   const double square = unseen.distance_rms * unseen.distance_rms;
   const double deviation = square * std::sqrt(2.0 / unseen.freedom);
-  const double two_sided = NormalQuantile(0.975), one_sided = NormalQuantile(0.95);
+  const double two_sided = NormalQuantile(kUpperOf95), one_sided = NormalQuantile(0.95);
   const bool is_chosen = IsNoiseOfDiagnosis(estimate.sigma);
   share.of_residuals = is_chosen || IsNoiseOfResiduals(estimate);
   const double lacking = square - noise / (1.0 - unseen.parameters_share);

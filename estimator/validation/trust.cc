@@ -73,7 +73,7 @@ Widening BetweenPartsWiden(double noise, double dof, double between, double draw
   const double together = WelchDof(noise, dof, between, draws);
   Widening widening;
   widening.sigma = std::sqrt(1.0 + between / noise);
-  widening.interval = widening.sigma * StudentQuantile(0.975, together) / StudentQuantile(0.975, dof);
+  widening.interval = widening.sigma * StudentQuantile(kUpperOf95, together) / StudentQuantile(kUpperOf95, dof);
   return widening;
 }
 

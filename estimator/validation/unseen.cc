@@ -68,7 +68,7 @@ Gain CompareRms(const UnseenPoints& before, const UnseenPoints& after, double si
   for (size_t c = 0; c < n; ++c) squares += std::pow(before.squares[c] / b - after.squares[c] / a, 2);
   const double freedom = static_cast<double>(n) - 1.0;
   const double sigma = std::sqrt(static_cast<double>(n) / freedom * squares), moved = std::log(b / a);
-  if (moved > StudentQuantile(0.975, freedom) * sigma) gain.compared = Compared::kBetter;
+  if (moved > StudentQuantile(kUpperOf95, freedom) * sigma) gain.compared = Compared::kBetter;
   const double own = std::log(1.0 - std::min(after.parameters_share, 1.0 - 1e-12));
   if (own - moved > StudentQuantile(1.0 - significance, freedom) * sigma) gain.compared = Compared::kWorse;
   return gain;

@@ -1,6 +1,7 @@
 // Paper 002, section IV-A: base, tool, geometric errors, residuals.
 #include <cmath>
 
+#include "problems/significance.h"
 #include "tools/report/histograms.h"
 #include "tools/reproduce/data.h"
 #include "tools/reproduce/statistics.h"
@@ -123,7 +124,7 @@ ReproducedTable Figure4(Reproduction* reproduction) {
                   3, "of 54 residuals; 39 unknowns of 162 rows absorb a factor 0.87");
     const double p = NormalityPValue(values);
     table.State("normal in " + name, "tend to normal", "P = " + Fixed(p, 2) + ", mean " + Fixed(MeanOf(values), 3),
-                p > 0.01 ? Reproducibility::kReproduced : Reproducibility::kNotReproducible,
+                p > kDefaultSignificance ? Reproducibility::kReproduced : Reproducibility::kNotReproducible,
                 "the simulated noise is normal (Jarque-Bera)");
   }
   table.pictures = {HistogramPicture("Residuals by axis", "residual, mm", of_axis)};

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "estimator/least_squares/linearization.h"
+#include "problems/significance.h"
 #include "tools/report/histograms.h"
 #include "tools/reproduce/ablation.h"
 #include "tools/reproduce/data.h"
@@ -141,7 +142,8 @@ ReproducedTable Figure9(Reproduction* reproduction) {
                   Reproducibility::kOrderOfMagnitude);
     const double p = NormalityPValue(after);
     table.State("normal in " + name, "tend to normal", "P = " + Fixed(p, 2),
-                p > 0.01 ? Reproducibility::kReproduced : Reproducibility::kNotReproducible, "60 values, Jarque-Bera");
+                p > kDefaultSignificance ? Reproducibility::kReproduced : Reproducibility::kNotReproducible,
+                "60 values, Jarque-Bera");
   }
   table.pictures = {HistogramPicture("Errors by axis", "error, mm", of_axis)};
   return table;
@@ -219,7 +221,7 @@ ReproducedTable Figure10(Reproduction* reproduction) {
                 Reproducibility::kOrderOfMagnitude);
   table.State("lengths follow Maxwell", "tend to, with few data",
               "gap " + Fixed(maxwell.gap, 2) + ", P at most " + Fixed(maxwell.p_value, 3),
-              maxwell.p_value > 0.01 ? Reproducibility::kReproduced : Reproducibility::kNotReproducible,
+              maxwell.p_value > kDefaultSignificance ? Reproducibility::kReproduced : Reproducibility::kNotReproducible,
               "Maxwell needs equal normal errors along the axes; what joint 1 leaves is neither");
   return table;
 }
