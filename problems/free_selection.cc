@@ -82,6 +82,7 @@ std::vector<std::string> FreeSpring(const CalibrationProblem& problem) {
   const Selection& selection = problem.experiment().estimate.gravity_compensator;
   if (selection.kind == Selection::Kind::kDefault || selection.kind == Selection::Kind::kNone) return {};
   if (!problem.robot().gravity_compensator) {
+    if (selection.kind == Selection::Kind::kList && selection.names.empty()) return {};
     FailProblem(problem, "estimate.gravity_compensator", "the robot has no gravity_compensator",
                 "describe it in the robot file: joint, L_mm, a_x_mm, a_y_mm, s0_mm, Kc_N_per_mm");
   }

@@ -29,8 +29,10 @@ std::string Filter(const std::string& text, Predicate keep) {
   return kept;
 }
 
+// Without zeros in front: q01 is q1.
 std::string Digits(const std::string& text) {
-  return Filter(text, [](unsigned char c) { return std::isdigit(c) != 0; });
+  const std::string digits = Filter(text, [](unsigned char c) { return std::isdigit(c) != 0; });
+  return digits.substr(std::min(digits.find_first_not_of('0'), digits.size()));
 }
 
 std::string LettersAndDigits(const std::string& text) {

@@ -34,7 +34,7 @@ DEFINE_string(
     "URDF whose origins, or .conf whose lists, receive the robot; everything else of it is kept byte for byte. With "
     "--as=ur a calibration.yaml whose hash is kept");
 DEFINE_bool(plain, false, "DH without Hayati's beta: the best such table, refitted, with what it costs");
-DEFINE_string(convention, "", "standard or modified: of a DH table that does not say");
+DEFINE_string(convention, "", "standard or modified: of a DH table, whatever it says itself");
 DEFINE_string(base_link, "", "link of a URDF where the chain begins; default: the root");
 DEFINE_string(tip_link, "", "link of a URDF where the chain ends; default: the only end there is");
 DEFINE_string(nominal, "", "robot that the differences of a calibration.conf are from");

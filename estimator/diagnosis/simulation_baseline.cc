@@ -6,27 +6,29 @@
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/calibration/unit_guess.h"
 #include "estimator/least_squares/linearization.h"
-#include "models/constants.h"
 #include "problems/input_error.h"
 #include "problems/io/units.h"
 
 namespace sagitta {
 namespace {
 
-Vector3<double> SimulatedPoint(const Measurements& data, const Observation& observation) {
-  Vector3<double> point;
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::string column = std::string("sim_") + "xyz"[axis] + "_mm";
+// A coordinate, m, of the column that its file has, in whichever unit.
+double SimulatedCoordinate(const Measurements& data, const Observation& observation, const std::string& stem) {
+  for (const Unit& unit : UnitsOf(Dimension::kLength)) {
+    const std::string column = stem + "_" + unit.suffix;
     const std::string cell = data.Cell(observation, column);
-    const std::optional<double> value = ParseNumber(cell);
-    if (!value) {
-      throw InputError({data.SourceOf(observation), 0, column},
-                       cell.empty() ? "the row states no simulated point" : "'" + cell + "' is no number",
-                       "--simulation=columns needs sim_x_mm, sim_y_mm, sim_z_mm in every row");
-    }
-    point[axis] = kMillimetre * *value;
+    if (cell.empty()) continue;
+    if (const std::optional<double> number = ParseNumber(cell)) return unit.ToSi(*number);
+    throw InputError({data.SourceOf(observation), 0, column}, "'" + cell + "' is no number");
   }
-  return point;
+  throw InputError({data.SourceOf(observation), 0, NamesWithUnits(stem, Dimension::kLength)},
+                   "the row states no simulated point",
+                   "--simulation=columns needs sim_x_mm, sim_y_mm, sim_z_mm in every row");
+}
+
+Vector3<double> SimulatedPoint(const Measurements& data, const Observation& observation) {
+  return {SimulatedCoordinate(data, observation, "sim_x"), SimulatedCoordinate(data, observation, "sim_y"),
+          SimulatedCoordinate(data, observation, "sim_z")};
 }
 
 // Else the gap would be metres wide, and the search for its cause need minutes.

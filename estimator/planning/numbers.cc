@@ -9,6 +9,7 @@
 #include "estimator/least_squares/row_batches.h"
 #include "estimator/planning/model_field.h"
 #include "estimator/planning/pose_space.h"
+#include "models/effects/catalogue.h"
 #include "problems/input_error.h"
 
 namespace sagitta {
@@ -268,6 +269,25 @@ bool PoseRows::IsFeasible(const PlannedPose& pose) const {
   return scene_->feasible->WhyNot(pose.q, sights_[pose.way]).empty();
 }
 
+namespace {
+
+// A shot at the moment of another finds what time and temperature left there; of what the joints left, it is
+// the first.
+void RememberAs(const CalibrationProblem& problem, const ShotInput& other, ShotInput* shot) {
+  const Robot& robot = problem.robot();
+  bool any = false;
+  for (size_t i = 0; i < robot.effects.size(); ++i) {
+    const EffectDefinition& definition = *FindEffect(robot, robot.effects[i].effect);
+    if (!CarriesOn(definition, robot.effects[i])) continue;
+    if (definition.DrivenBy(robot.effects[i]) == EffectDriver::kJoint) continue;
+    shot->memory[i] = other.memory[i];
+    any = true;
+  }
+  if (any) problem.model().PrepareAgain(shot);
+}
+
+}  // namespace
+
 void PoseRows::Move(const PlannedPose& pose) {
   CalibrationProblem& problem = *scene_->problem;
   const bool has_conditions = pose.like >= 0 && (scene_->goes_with_time || scene_->goes_with_temperature);
@@ -291,6 +311,7 @@ void PoseRows::Move(const PlannedPose& pose) {
       problem.mutable_data()->shots[s].approach = pose.approach;
     }
     problem.model().Prepare(&input);
+    if (has_conditions) RememberAs(problem, problem.shot_inputs()[all_shots_[pose.like][k]], &input);
   }
 }
 

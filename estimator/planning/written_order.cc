@@ -10,10 +10,7 @@ namespace sagitta {
 std::vector<std::string> EffectsOfTheOrder(const CalibrationProblem& problem) {
   std::vector<std::string> paths;
   for (const EffectSpec& spec : problem.robot().effects) {
-    const EffectDefinition& definition = *FindEffect(problem.robot(), spec.effect);
-    if (definition.remember != nullptr && definition.DrivenBy(spec) == EffectDriver::kJoint) {
-      paths.push_back(spec.Path());
-    }
+    if (CarriesOn(*FindEffect(problem.robot(), spec.effect), spec)) paths.push_back(spec.Path());
   }
   return paths;
 }

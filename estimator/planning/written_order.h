@@ -1,6 +1,6 @@
-// What a plan brings in the order in which its rows are written. An effect that remembers the shots before (hysteresis)
-// makes of a pose what the way there makes of it: the search counts each candidate after its neighbours in the list,
-// and in what order the chosen ones are measured is known only when they are.
+// What a plan brings in the order in which its rows are written. An effect that remembers the shots before (hysteresis,
+// heat) makes of a pose what was done before makes of it: the search counts each candidate after its neighbours in the
+// list, and what is measured before the chosen ones is known only when they are.
 #pragma once
 
 #include <string>
@@ -10,8 +10,7 @@
 
 namespace sagitta {
 
-// Paths (EffectSpec::Path) of the effects that go with the order of the rows: those that remember, and not by the
-// clock.
+// Paths (EffectSpec::Path) of the effects that go with the order of the rows: those that remember.
 std::vector<std::string> EffectsOfTheOrder(const CalibrationProblem& problem);
 
 // All poses of a plan, judged by themselves.

@@ -40,13 +40,14 @@ std::string OrderIsShort(double share) {
 }
 
 std::string JudgedInItsOrder(const std::vector<std::string>& effects, double searched, double written, double asked) {
-  std::string words = "What " + Enumerate(effects) +
-                      " does goes with the order in which poses are measured. What is predicted holds for the order of "
-                      "plan.csv: " +
-                      InMillimetres(written) +
-                      " at the test poses. Poses are chosen, and certificate and curve of the "
-                      "accuracy hold, for each candidate after its neighbours in their list: " +
-                      InMillimetres(searched) + ".";
+  std::string words =
+      "What " + Enumerate(effects) +
+      " does goes with what is measured before. What is predicted holds for the order of plan.csv, and for "
+      "its times where it states them: " +
+      InMillimetres(written) +
+      " at the test poses. Poses are chosen, and certificate and curve of the "
+      "accuracy hold, for each candidate after its neighbours in their list: " +
+      InMillimetres(searched) + ".";
   if (asked > 0.0 && written > asked) {
     words += " The order leaves more than the " + InMillimetres(asked) + " that were asked for: plan with more poses.";
   }

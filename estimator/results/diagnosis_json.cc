@@ -10,7 +10,7 @@
 #include "estimator/report/diagnosis_noise_words.h"
 #include "estimator/report/diagnosis_words.h"
 #include "estimator/results/json_numbers.h"
-#include "models/effects/catalogue.h"
+#include "problems/compliance_home.h"
 #include "problems/io/effect_entries.h"
 
 namespace sagitta {
@@ -229,35 +229,11 @@ Json FinalToJson(const Diagnosis& d) {
   return json;
 }
 
-// Adds the compliance to that of the robot; not where that would be less than none, as with a simulation that is
-// softer than the arm.
-bool MoveHome(const EffectSpec& spec, Robot* robot) {
-  const int joint = robot->chain.FindJoint(spec.target);
-  const auto own = std::find_if(robot->compliances.begin(), robot->compliances.end(),
-                                [&](const JointCompliance& c) { return c.joint == joint; });
-  std::vector<JointCompliance::Node> nodes = {{0.0, 0.0}};
-  if (own != robot->compliances.end()) nodes = own->nodes;
-  for (JointCompliance::Node& node : nodes) node.k += spec.values[0];
-  if (std::any_of(nodes.begin(), nodes.end(), [](const JointCompliance::Node& node) { return node.k < 0.0; })) {
-    return false;
-  }
-  if (own != robot->compliances.end()) {
-    own->nodes = nodes;
-  } else {
-    robot->compliances.push_back({joint, nodes, false});
-  }
-  return true;
-}
-
 }  // namespace
 
 Robot RobotOf(const DiagnosedModel& model) {
   Robot robot = model.problem->RobotWith(model.estimate.parameters);
-  std::vector<EffectSpec> others;
-  for (const EffectSpec& spec : robot.effects) {
-    if (!IsUseOf(JointComplianceEffect(), spec) || !MoveHome(spec, &robot)) others.push_back(spec);
-  }
-  robot.effects = others;
+  MoveCompliancesHome(&robot);
   return robot;
 }
 

@@ -9,12 +9,6 @@
 namespace sagitta {
 namespace {
 
-// Heat follows a thermometer at once where no lag is stated.
-bool CarriesOn(const EffectDefinition& definition, const EffectSpec& spec) {
-  if (definition.remember == nullptr) return false;
-  return definition.DrivenBy(spec) != EffectDriver::kTemperature || spec.NumberSetting("lag_s", 0.0) > 0.0;
-}
-
 template <typename IsAsked>
 std::vector<std::string> PathsOf(const KnownRobot& known, const IsAsked& is_asked) {
   std::vector<std::string> paths;

@@ -105,6 +105,11 @@ bool GoesWithTime(const Robot& robot, const EffectSpec& spec) {
   return FindEffect(robot, spec.effect)->DrivenBy(spec) == EffectDriver::kTime;
 }
 
+bool CarriesOn(const EffectDefinition& definition, const EffectSpec& spec) {
+  if (definition.remember == nullptr) return false;
+  return definition.DrivenBy(spec) != EffectDriver::kTemperature || spec.NumberSetting("lag_s", 0.0) > 0.0;
+}
+
 std::string MomentOf(const Robot& robot, const EffectSpec& spec) {
   const EffectDefinition* definition = FindEffect(robot, spec.effect);
   if (definition == nullptr) return "";

@@ -90,6 +90,9 @@ inline bool IsUseOf(const EffectDefinition& definition, const EffectSpec& spec) 
 
 // Whether times of the campaign's clock drive this use.
 bool GoesWithTime(const Robot& robot, const EffectSpec& spec);
+// Whether a shot has it as the shots before left it (EffectDefinition::remember): heat follows a thermometer at once
+// where no lag is stated.
+bool CarriesOn(const EffectDefinition& definition, const EffectSpec& spec);
 // Name of its setting that is a moment, "" where there is none (of the compensator too).
 std::string MomentOf(const Robot& robot, const EffectSpec& spec);
 

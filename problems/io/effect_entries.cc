@@ -6,6 +6,7 @@
 
 #include "models/effects/catalogue.h"
 #include "models/gravity_compensator.h"
+#include "problems/calibration_problem.h"
 #include "problems/input_error.h"
 #include "problems/robot_structure.h"
 #include "problems/text.h"
@@ -35,7 +36,27 @@ std::string ReadEffectTarget(const EffectDefinition& definition, const Robot& ro
   return value.OneOf(errors);
 }
 
-std::string ReadSetting(const SettingDefinition& setting, const Robot& robot, const YamlValue& value) {
+// Of an angle (width_deg) in whichever unit it is stated.
+struct StatedSetting {
+  YamlValue value;
+  std::optional<Unit> angle;
+
+  double Number() const { return angle ? ToUnit(value.NumberIn(*angle), UnitNamed("deg")) : value.Number(); }
+};
+
+std::optional<StatedSetting> FindSetting(const SettingDefinition& setting, YamlMap* entry) {
+  const std::string ending = std::string("_") + UnitNamed("deg").suffix;
+  const size_t stem = setting.name.size() - std::min(setting.name.size(), ending.size());
+  if (setting.kind == SettingDefinition::Kind::kNumber && setting.name.find(ending, stem) == stem) {
+    const auto quantity = entry->FindQuantity(setting.name.substr(0, stem), Dimension::kAngle);
+    return quantity ? std::optional(StatedSetting{quantity->value, quantity->unit}) : std::nullopt;
+  }
+  const std::optional<YamlValue> value = entry->Find(setting.name);
+  return value ? std::optional(StatedSetting{*value, std::nullopt}) : std::nullopt;
+}
+
+std::string ReadSetting(const SettingDefinition& setting, const Robot& robot, const StatedSetting& stated) {
+  const YamlValue& value = stated.value;
   switch (setting.kind) {
     case SettingDefinition::Kind::kInteger: {
       const double number = value.Number();
@@ -47,7 +68,7 @@ std::string ReadSetting(const SettingDefinition& setting, const Robot& robot, co
     }
     case SettingDefinition::Kind::kNumber:
     case SettingDefinition::Kind::kMoment: {
-      const double number = value.Number();
+      const double number = stated.Number();
       const std::string text = FormatNumber(number);
       if (text != setting.fallback && number <= setting.above) {
         value.Fail("a number above " + FormatNumber(setting.above) + " is needed");
@@ -81,11 +102,15 @@ EffectSpec ReadEffect(const YamlValue& item, const Robot& robot) {
   YamlMap map(item);
   const std::string name = map.Get("effect").Text();
   const EffectDefinition* definition = FindEffect(robot, name);
+  EffectSpec spec;
+  spec.effect = name;
+  if (IsGravityCompensator(spec)) {
+    map.Get("effect").Fail("a gravity compensator has a key of its own in the robot file",
+                           "gravity_compensator: {joint: …, type: spring, L_mm: …}, next to effects");
+  }
   if (definition == nullptr) {
     map.Get("effect").Fail("there is no effect '" + name + "'", SpellingHint(name, EffectNames(robot)));
   }
-  EffectSpec spec;
-  spec.effect = name;
   spec.target = ReadEffectTarget(*definition, robot, &map);
   ReadSettings(*definition, robot, &map, &spec);
   const std::string slides = JointThatSlides(robot.chain, *definition, spec);
@@ -120,10 +145,10 @@ Json SettingToJson(const EffectDefinition& definition, const std::string& name, 
 
 void ReadSettings(const EffectDefinition& definition, const Robot& robot, YamlMap* entry, EffectSpec* use) {
   for (const SettingDefinition& setting : definition.settings) {
-    const auto value = entry->Find(setting.name);
-    if (value) {
+    if (const auto stated = FindSetting(setting, entry)) {
+      const YamlValue* const value = &stated->value;
       if (!setting.MeansSomethingFor(*use)) value->Fail("this goes with " + setting.only_with + " only");
-      const std::string text = ReadSetting(setting, robot, *value);
+      const std::string text = ReadSetting(setting, robot, *stated);
       if (!setting.greater_than.empty() && value->Number() <= use->NumberSetting(setting.greater_than, 0.0)) {
         value->Fail("this must be greater than '" + setting.greater_than + "'");
       }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "models/effects/catalogue.h"
+#include "problems/calibration_problem.h"
 #include "problems/input_error.h"
 #include "problems/io/effect_entries.h"
 #include "problems/text.h"
@@ -48,7 +49,11 @@ EffectSpec EffectNamed(const Robot& robot, const std::string& text, const std::s
     spec.effect.resize(open);
   }
   const EffectDefinition* definition = FindEffect(robot, spec.effect);
-  if (definition == nullptr || spec.effect == "gravity_compensator") {
+  if (IsGravityCompensator(spec)) {
+    throw InputError({"", 0, key}, "what a gravity compensator does goes with where its ends are, which no name says",
+                     "state it in the robot file (gravity_compensator: …): its parameters are then in the plan");
+  }
+  if (definition == nullptr) {
     throw InputError({"", 0, key}, "there is no effect '" + spec.effect + "' to plan for", kEffectNameHint);
   }
   for (const auto& [name, value] : spec.settings) {

@@ -2,6 +2,7 @@
 #include <filesystem>
 
 #include "problems/choices.h"
+#include "problems/compliance_home.h"
 #include "problems/input_error.h"
 #include "problems/io/effect_entries.h"
 #include "problems/io/files.h"
@@ -228,6 +229,7 @@ Robot ReadRobot(const YamlValue& root, const std::string& file,
   if (compliance) robot.compliances = ReadCompliances(*compliance, joints);
   if (compensator) robot.gravity_compensator = ReadGravityCompensator(*compensator, joints);
   if (effects) robot.effects = ReadEffects(*effects, robot);
+  MoveCompliancesHome(&robot);
   if (reference) robot.reference_temperature = reference->Number();
   return robot;
 }

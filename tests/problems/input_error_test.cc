@@ -31,6 +31,7 @@ TEST(NearestNameTest, FindsSlips) {
   EXPECT_EQ(NearestName("X_MM", names), "x_mm");
   EXPECT_EQ(NearestName("q1", names), "q1_deg");
   EXPECT_EQ(NearestName("q1_dge", names), "q1_deg");
+  EXPECT_EQ(NearestName("q01_deg", names), "q1_deg");
   EXPECT_EQ(NearestName("time_ms", names), "time_s");
 }
 

@@ -37,12 +37,12 @@ class SimulationColumnsTest : public ProgramTest {
                            more);
   }
 
-  // Measured as the robot file says, and simulated the same, in a unit of one's own.
-  Outcome Diagnose(double units_per_mm) const {
+  // Measured as the robot file says, and simulated the same, in a unit of one's own and under a name of it.
+  Outcome Diagnose(double units_per_mm, const std::string& unit = "mm") const {
     Rows rows = Cells(Read("simulated.csv"));
     for (const std::string axis : {"x", "y", "z"}) {
       const int measured = Column(rows, axis + "_mm");
-      rows[0].push_back("sim_" + axis + "_mm");
+      rows[0].push_back("sim_" + axis + "_" + unit);
       for (size_t i = 1; i < rows.size(); ++i) {
         rows[i].push_back(std::to_string(units_per_mm * std::stod(rows[i][measured])));
       }
@@ -61,6 +61,12 @@ TEST_F(SimulationColumnsTest, ThatTheFileReproducesIsSaidToBe) {
   ASSERT_NE(at, std::string::npos) << outcome.out;
   EXPECT_LT(std::stod(outcome.out.substr(at + start.size())), 1e-5);
   EXPECT_THAT(outcome.out, HasSubstr("Nothing is written; --out=DIR keeps the results."));
+}
+
+TEST_F(SimulationColumnsTest, PointsAreReadInTheirUnit) {
+  const Outcome outcome = Diagnose(1e-3, "m");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("reproduces that simulation to "));
 }
 
 // Two readings that are 5 mm off are all that is wrong: the stated sigma is not.

@@ -156,7 +156,7 @@ Examples
   sagitta reproduce 003-4 --trials=20000
   sagitta reproduce 002-VIII 002-XIII 003 --seed=7 --out=results
 )",
-          {"trials", "data", "out", "seed", "quiet"},
+          {"trials", "data", "out", "seed", "threads", "quiet"},
           RunReproduce};
 }
 

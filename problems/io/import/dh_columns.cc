@@ -7,6 +7,7 @@
 #include "problems/input_error.h"
 #include "problems/io/import/expressions.h"
 #include "problems/io/import/header_words.h"
+#include "problems/io/import/mapped_columns.h"
 #include "problems/io/pattern.h"
 #include "problems/text.h"
 

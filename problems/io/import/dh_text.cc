@@ -370,6 +370,11 @@ class DhReader {
   void SetConvention() {
     if (options_.convention) {
       dh_.convention = *options_.convention;
+      const bool is_other = dh_.convention == DhConvention::kModified ? says_standard_ : says_modified_;
+      if (is_other && says_modified_ != says_standard_) {
+        reading_.notes.push_back("convention: " + WordOf(dh_.convention) + ", as --convention says; the file says " +
+                                 WordOf(says_modified_ ? DhConvention::kModified : DhConvention::kStandard));
+      }
     } else if (says_modified_ != says_standard_) {
       dh_.convention = says_modified_ ? DhConvention::kModified : DhConvention::kStandard;
       reading_.notes.push_back("convention: " + WordOf(dh_.convention) + ", as the file says");

@@ -155,6 +155,35 @@ TEST(PlanningTest, BeatsRandomPosesAndComesBackFromItsOwnRows) {
   }
 }
 
+// An arm that follows its thermometer late has at each pose what was before it: of a pose that is moved too, and of the
+// times of plan.csv, fewer than those of the candidates.
+TEST(PlanningTest, WhatFollowsLateIsThatOfTheWrittenTimes) {
+  Measurements data = Measured(18, 3);
+  for (size_t s = 0; s < data.shots.size(); ++s) {
+    data.shots[s].has_time = data.shots[s].has_temperature = true;
+    data.shots[s].time = 300.0 * s;
+    data.shots[s].temperature = 20.0 + 6.0 * std::sin(0.7 * s);
+  }
+  Robot robot = Arm();
+  robot.effects = {{"thermal_growth", "", {{"lag_s", "1200"}}, {0.0}}};
+  Experiment experiment;
+  experiment.estimate.effects.kind = Selection::Kind::kAll;
+  const Plan plan = MakePlan(robot, data, experiment, Request(14));
+  ASSERT_TRUE(plan.moved);
+  PlanRequest request = Request(14);
+  request.candidates = &plan.rows;
+  request.move = false;
+  const Plan again = MakePlan(robot, data, experiment, request);
+  EXPECT_NEAR(again.position_rms, plan.position_rms, 1e-6 * plan.position_rms);
+  const auto growth = [](const Plan& of) {
+    const auto is_it = [](const PlannedParameter& parameter) {
+      return parameter.name.find("growth") != std::string::npos;
+    };
+    return std::find_if(of.parameters.begin(), of.parameters.end(), is_it)->sigma;
+  };
+  EXPECT_NEAR(growth(again), growth(plan), 1e-6 * growth(plan));
+}
+
 // What writes rows copies the cells of their files.
 TEST(PlanningTest, NoRowOfAPlanHasTheCellsOfAnotherPose) {
   Measurements data = Measured(18, 3);

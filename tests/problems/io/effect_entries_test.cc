@@ -33,10 +33,40 @@ std::string Refusal(const std::string& entry) {
   return "";
 }
 
+TEST(EffectEntries, AnAngleAmongTheSettingsIsReadInItsUnit) {
+  const std::string amplitude = ", amplitude_urad: 60}", start = "{effect: hysteresis, joint: A2, ";
+  const std::string path = WithEntry(start + "width_deg: 2.5" + amplitude).effects[0].Path();
+  EXPECT_EQ(WithEntry(start + "width_mrad: 43.63323129985824" + amplitude).effects[0].Path(), path);
+  EXPECT_NE(Refusal(start + "width_deg: 2.5, width_rad: 0.1" + amplitude).find("in two units"), std::string::npos);
+}
+
+TEST(EffectEntries, ACompensatorIsSentToItsHome) {
+  const std::string words = Refusal("{effect: gravity_compensator, joint: A2}");
+  EXPECT_NE(words.find("gravity_compensator: {joint"), std::string::npos) << words;
+}
+
+// A joint gives way by one number, which is estimated under one name.
+TEST(EffectEntries, AJointsComplianceHasOneHome) {
+  const Robot robot = WithEntry("{effect: joint_compliance, joint: A2, k_urad_per_Nm: 0.3}");
+  EXPECT_TRUE(robot.effects.empty());
+  ASSERT_EQ(robot.compliances.size(), 1u);
+  EXPECT_EQ(robot.compliances[0].joint, 1);
+  EXPECT_NEAR(robot.compliances[0].nodes[0].k, 0.3e-6, 1e-18);
+  const std::string both = std::string("compliance: {A2: {k_urad_per_Nm: 0.2}}\n");
+  const std::string entry = "  - {effect: joint_compliance, joint: A2, k_urad_per_Nm: 0.3}\n";
+  const Robot sum = ReadRobotText(kRobot + entry + both, "robot.yaml");
+  EXPECT_TRUE(sum.effects.empty());
+  EXPECT_NEAR(sum.compliances[0].nodes[0].k, 0.5e-6, 1e-18);
+  // One with a prior of its own, and one that is less than nothing, have none there.
+  for (const std::string own : {"k_urad_per_Nm: 0.3, prior_sigma: {k_urad_per_Nm: 0.1}", "k_urad_per_Nm: -0.3"}) {
+    EXPECT_EQ(WithEntry("{effect: joint_compliance, joint: A2, " + own + "}").effects.size(), 1u) << own;
+  }
+}
+
 TEST(EffectEntries, EveryEffectOfTheCatalogueReadsBackAsWritten) {
   for (const std::string entry :
        {"{effect: frozen_geometry, error: dq2, value_deg: 0.01}",
-        "{effect: joint_compliance, joint: A2, k_urad_per_Nm: 0.3}",
+        "{effect: joint_compliance, joint: A2, k_urad_per_Nm: -0.3}",
         "{effect: compliance_hardening, joint: A2, k3_urad_per_kNm3: 2}",
         "{effect: transverse_compliance, joint: A1, ku_urad_per_Nm: 0.1, kv_urad_per_Nm: 0.2}",
         "{effect: link_gravity, joint: A2, mass_kg: 80, mx_kgm: 20, my_kgm: 0, mz_kgm: -3}",

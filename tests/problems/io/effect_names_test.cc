@@ -62,7 +62,7 @@ TEST(RivalEffects, MistakesAreNamed) {
       {"joint_harmonic[order=2/A3,encoder_gain/A3", "lacks a ']'"},
       {"joint_harmonic[two]/A3,encoder_gain/A3", "'two' is no setting"},
       {"joint_rattle/A3,encoder_gain/A3", "there is no effect 'joint_rattle'"},
-      {"gravity_compensator/A2,encoder_gain/A3", "there is no effect 'gravity_compensator'"},
+      {"gravity_compensator/A2,encoder_gain/A3", "state it in the robot file"},
       {"joint_harmonic[orders=2]/A3,encoder_gain/A3", "has no setting 'orders'"},
       {"joint_coupling/A3,encoder_gain/A3", "needs the setting 'driver'"},
       {"joint_harmonic[order=2]/A9,encoder_gain/A3", "no joint 'A9'"},

@@ -1,0 +1,43 @@
+#include "problems/compliance_home.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+// False: it stays an effect.
+bool MoveHome(const EffectSpec& spec, Robot* robot) {
+  if (!IsUseOf(JointComplianceEffect(), spec)) return false;
+  const auto is_prior = [](double sigma) { return sigma > 0.0; };
+  if (std::any_of(spec.prior_sigmas.begin(), spec.prior_sigmas.end(), is_prior)) return false;
+  const int joint = robot->chain.FindJoint(spec.target);
+  const auto own = std::find_if(robot->compliances.begin(), robot->compliances.end(),
+                                [&](const JointCompliance& c) { return c.joint == joint; });
+  std::vector<JointCompliance::Node> nodes = {{0.0, 0.0}};
+  if (own != robot->compliances.end()) nodes = own->nodes;
+  for (JointCompliance::Node& node : nodes) node.k += spec.values[0];
+  if (std::any_of(nodes.begin(), nodes.end(), [](const JointCompliance::Node& node) { return node.k < 0.0; })) {
+    return false;
+  }
+  if (own != robot->compliances.end()) {
+    own->nodes = nodes;
+  } else {
+    robot->compliances.push_back({joint, nodes, false});
+  }
+  return true;
+}
+
+}  // namespace
+
+void MoveCompliancesHome(Robot* robot) {
+  std::vector<EffectSpec> others;
+  for (const EffectSpec& spec : robot->effects) {
+    if (!MoveHome(spec, robot)) others.push_back(spec);
+  }
+  robot->effects = others;
+}
+
+}  // namespace sagitta
