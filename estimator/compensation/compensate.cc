@@ -1,6 +1,7 @@
 #include "estimator/compensation/compensate.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -75,6 +76,7 @@ class Compensator {
   }
   void AddUncertainty(int shot, const Pose<double>& goal, CompensatedTarget* result) const;
   void AddMotionOfMarkers(const FlangeState& state, Eigen::Matrix<double, 6, Eigen::Dynamic>* columns) const;
+  void AddMotionOfBase(int shot, const FlangeState& state, Eigen::Matrix<double, 6, Eigen::Dynamic>* columns) const;
   double TurnOfRest(const FlangeState& state) const;
   std::string Words(const Target& target, const CompensatedTarget& result) const;
   std::string JointNames(const std::vector<int>& joints) const;
@@ -154,6 +156,7 @@ void Compensator::AddUncertainty(int shot, const Pose<double>& goal, Compensated
   Eigen::Matrix<double, 6, Eigen::Dynamic> columns = Eigen::MatrixXd::Zero(6, names_.size());
   for (size_t i = 0; i < active_.name.size(); ++i) columns.col(active_.name[i]) = state.by_parameters.col(i);
   AddMotionOfMarkers(state, &columns);
+  AddMotionOfBase(shot, state, &columns);
   const Eigen::MatrixXd estimated = columns.leftCols(known.estimated.size());
   Eigen::MatrixXd covariance = estimated * known.covariance * estimated.transpose();
   if (!known.held.empty()) {
@@ -175,6 +178,25 @@ void Compensator::AddMotionOfMarkers(const FlangeState& state,
   for (Eigen::Index i = 0; i < input_.flange.by_names.cols(); ++i) {
     columns->col(i).head<3>() += rotation * input_.flange.by_names.col(i).head<3>();
     columns->col(i).tail<3>() += rotation * input_.flange.by_names.col(i).tail<3>();
+  }
+}
+
+// What the target's instrument sees is put into the base where the estimate has it, base_in_station = (R, t). Where
+// that is off by dt and a turn v of its station's axes, a flange at p in the base is seen off by R'(dt + v x R p), R'v.
+void Compensator::AddMotionOfBase(int shot, const FlangeState& state,
+                                  Eigen::Matrix<double, 6, Eigen::Dynamic>* columns) const {
+  const Measurements& data = input_.problem.data();
+  const int station = data.shots[shot].station;
+  const Matrix3<double> rotation = input_.problem.parameters.BaseInStation(station).rotation;
+  const Vector3<double> arm = rotation * state.flange_in_base.translation;
+  const std::array<std::string, 6> own = BaseNames(data.stations[station]);
+  for (int k = 0; k < 6; ++k) {
+    const auto found = std::find(names_.begin(), names_.end(), own[k]);
+    if (found == names_.end()) continue;
+    const Vector3<double> unit = Vector3<double>::Unit(k % 3);
+    auto column = columns->col(found - names_.begin());
+    column.head<3>() += rotation.transpose() * (k < 3 ? unit : Vector3<double>(unit.cross(arm)));
+    if (k >= 3) column.tail<3>() += rotation.transpose() * unit;
   }
 }
 

@@ -74,9 +74,9 @@ std::string CompensationInWords(double before, double after, double u95) {
 
 std::string FlangeOfTheMarkers() {
   return "The flange is where the markers have it: these figures hold for tools that are measured through the same "
-         "markers, its face and bore by drawing are not determined. The base is where the estimate has it: "
-         "a target that is measured from the foot itself, or from one of several stations, is off by the error of the "
-         "base there in estimate.json, too.\n";
+         "markers, its face and bore by drawing are not determined. The base is where the estimate has it, "
+         "as the instrument of the target's station finds it: a target that is measured from the foot itself is off by "
+         "the error of the base in estimate.json, too.\n";
 }
 
 std::string PlanInWords(const Plan& plan) {

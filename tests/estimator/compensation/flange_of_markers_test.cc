@@ -112,8 +112,10 @@ TEST(FlangeOfMarkers, CorrectedTargetsAreAsNearAsTheySay) {
     Eigen::Matrix3Xd stated(3, truth.tools.size()), seen(3, truth.tools.size());
     for (size_t m = 0; m < truth.tools.size(); ++m) {
       stated.col(static_cast<Eigen::Index>(m)) = *known.markers.at(data.markers[m]).point;
-      seen.col(static_cast<Eigen::Index>(m)) =
-          test::IndependentKr270Point(result.solution.q, truth.errors, truth.tools[m]);
+      // By the instrument, in the base where the estimate has it.
+      const Vector3<double> in_station = test::ExactPoint(truth, result.solution.q, static_cast<int>(m), 0);
+      const Pose<double>& base = known.base_in_station.at("S1");
+      seen.col(static_cast<Eigen::Index>(m)) = base.rotation.transpose() * (in_station - base.translation);
     }
     const Eigen::Matrix4d flange = Eigen::umeyama(stated, seen, false);
     const LoadedArm nominal_arm(problem.model(), problem.model().NominalValues());
