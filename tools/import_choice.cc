@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "estimator/alignment/aligned_misfit.h"
 #include "estimator/calibration/unit_guess.h"
@@ -56,7 +58,7 @@ std::optional<Finding> WhyNot(const Robot& robot, const TextTable& table, const 
     ImportedRows rows;
     rows.Add(table, plan, {});
     const Measurements data = ReadMeasurementsText(robot, rows.ToCsv(robot.num_joints()), table.path);
-    const ReadingLint lint = LintReadingsOfGoodRows(MakeCalibrationProblem(robot, data, WithWeightlessLoads(data)));
+    const ReadingLint lint = LintReadingsOfGoodRows(ProblemOfGeometry(robot, data));
     if (lint.is_suspicious && lint.is_explained) return lint.findings.front();
   } catch (const InputError&) {  // nothing more can be said
   }
@@ -101,7 +103,7 @@ void RefuseOtherReading(const Robot& robot, const TextTable& table, const Import
   std::optional<Finding> other;
   try {
     const Measurements data = SampleOfTable(robot, table, plan);
-    const ReadingLint lint = LintReadings(MakeCalibrationProblem(robot, data, WithWeightlessLoads(data)));
+    const ReadingLint lint = LintReadings(ProblemOfGeometry(robot, data));
     if (lint.is_suspicious && lint.is_explained) other = lint.findings.front();
   } catch (const InputError&) {  // nothing can be said
   }
@@ -121,7 +123,12 @@ bool FitMost(const Robot& robot, const TextTable& table, const std::vector<Impor
 
 Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<ImportPlan>& plans, IfNoneFits policy) {
   std::vector<double> misfits;
-  for (const ImportPlan& plan : plans) misfits.push_back(MisfitOf(robot, table, plan));
+  std::vector<std::optional<InputError>> why_not;
+  for (const ImportPlan& plan : plans) {
+    RobotMisfit misfit = MisfitOf(robot, table, plan);
+    misfits.push_back(misfit.distance);
+    why_not.push_back(std::move(misfit.why_not));
+  }
   const auto best_of = [&misfits] {
     return static_cast<size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
   };
@@ -130,8 +137,10 @@ Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<
   const bool is_of_most = fits_decide && misfits[best_of()] > tolerance && policy != IfNoneFits::kRefuse &&
                           FitMost(robot, table, plans, tolerance, &misfits);
   const size_t best = best_of();
-  const ImportPlan& chosen = plans[fits_decide ? best : PlanBySize(table, plans)];
+  const size_t choice = fits_decide ? best : PlanBySize(table, plans);
+  const ImportPlan& chosen = plans[choice];
   RefuseRowsApart(robot, table, chosen);
+  if (!fits_decide && why_not[choice]) throw InputError(*why_not[choice]);
   if (!fits_decide) return {chosen};
   if (misfits[best] > tolerance) RefuseRobot(robot, table, chosen, misfits[best], policy == IfNoneFits::kSayWhy);
   if (is_of_most) RefuseOtherReading(robot, table, chosen);
@@ -160,6 +169,48 @@ Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<
   return {plans[best], misfits[best], is_of_most};
 }
 
+namespace {
+
+// Another order of the points: each row gets that of its marker and station at the pose half of them away, so that the
+// joint values are others, however often the poses are repeated. Those of a marker that was seen at one pose stay.
+TextTable WithPointsMoved(const TextTable& table, const ImportPlan& plan) {
+  struct Seen {
+    std::map<std::string, size_t> pose_of;   // by joint values, in their order
+    std::vector<std::vector<size_t>> rows;   // of each pose
+    std::vector<std::array<size_t, 3>> own;  // row, its pose, which of the pose's rows it is
+  };
+  std::map<std::string, Seen> seen;  // by marker and station
+  for (size_t r = 0; r < table.rows.size(); ++r) {
+    std::string whose, joints;
+    for (const PlannedColumn& column : plan.columns) {
+      const std::string& cell = table.rows[r].cells[static_cast<size_t>(column.source)];
+      if (column.stem == "marker" || column.stem == "station") whose += PartOfName(cell, column.part) + ";";
+      if (column.stem[0] == 'q') joints += cell + ";";
+    }
+    Seen& own = seen[whose];
+    const size_t pose = own.pose_of.emplace(joints, own.rows.size()).first->second;
+    if (pose == own.rows.size()) own.rows.emplace_back();
+    own.own.push_back({r, pose, own.rows[pose].size()});
+    own.rows[pose].push_back(r);
+  }
+  TextTable moved = table;
+  for (const auto& [whose, own] : seen) {
+    for (const auto& [r, pose, repeat] : own.own) {
+      const std::vector<size_t>& others = own.rows[(pose + own.rows.size() / 2) % own.rows.size()];
+      const TextTable::Row& other = table.rows[others[repeat % others.size()]];
+      for (const char* axis : {"x", "y", "z"}) {
+        const PlannedColumn& column = *plan.Find(axis);
+        for (const int c : {column.source, column.second}) {
+          if (c >= 0) moved.rows[r].cells[static_cast<size_t>(c)] = other.cells[static_cast<size_t>(c)];
+        }
+      }
+    }
+  }
+  return moved;
+}
+
+}  // namespace
+
 void ConfirmOrder(const Robot& robot, const TextTable& table, const Choice& choice) {
   if (!table.joined_in_order) return;
   const std::string hint = "the names of the poses next to the readings";
@@ -169,15 +220,8 @@ void ConfirmOrder(const Robot& robot, const TextTable& table, const Choice& choi
                          std::to_string(table.rows.size()) + ") do not confirm it",
                      hint);
   }
-  TextTable moved = table;  // each reading at the pose half the file away
-  for (size_t r = 0; r < table.rows.size(); ++r) {
-    const TextTable::Row& other = table.rows[(r + table.rows.size() / 2) % table.rows.size()];
-    for (const char* axis : {"x", "y", "z"}) {
-      const int column = choice.plan.Find(axis)->source;
-      moved.rows[r].cells[column] = other.cells[column];
-    }
-  }
-  double misfit = MisfitOf(robot, moved, choice.plan);
+  const TextTable moved = WithPointsMoved(table, choice.plan);
+  double misfit = MisfitOf(robot, moved, choice.plan).distance;
   if (choice.misfit_is_of_most) misfit = MisfitOfMost(robot, moved, choice.plan).value_or(misfit);
   if (misfit >= kBetter * choice.misfit) return;
   throw InputError({table.path, table.header_line, ""},
@@ -224,7 +268,7 @@ class RotationFit {
   RotationFit(const Robot& robot, const TextTable& table, const ImportPlan& points) : robot_(robot), table_(table) {
     try {
       const Measurements data = Sample(points);
-      problem_.emplace(MakeCalibrationProblem(robot, data, WithWeightlessLoads(data)));
+      problem_.emplace(ProblemOfGeometry(robot, data));
       orientations_ = AlignedOrientations(*problem_);
     } catch (const InputError&) {  // too few rows
     }
