@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <utility>
 
 #include "estimator/alignment/aligned_misfit.h"
 #include "estimator/calibration/unit_guess.h"
@@ -123,12 +122,7 @@ bool FitMost(const Robot& robot, const TextTable& table, const std::vector<Impor
 
 Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<ImportPlan>& plans, IfNoneFits policy) {
   std::vector<double> misfits;
-  std::vector<std::optional<InputError>> why_not;
-  for (const ImportPlan& plan : plans) {
-    RobotMisfit misfit = MisfitOf(robot, table, plan);
-    misfits.push_back(misfit.distance);
-    why_not.push_back(std::move(misfit.why_not));
-  }
+  for (const ImportPlan& plan : plans) misfits.push_back(MisfitOf(robot, table, plan));
   const auto best_of = [&misfits] {
     return static_cast<size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
   };
@@ -137,11 +131,12 @@ Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<
   const bool is_of_most = fits_decide && misfits[best_of()] > tolerance && policy != IfNoneFits::kRefuse &&
                           FitMost(robot, table, plans, tolerance, &misfits);
   const size_t best = best_of();
-  const size_t choice = fits_decide ? best : PlanBySize(table, plans);
-  const ImportPlan& chosen = plans[choice];
+  const ImportPlan& chosen = plans[fits_decide ? best : PlanBySize(table, plans)];
   RefuseRowsApart(robot, table, chosen);
-  if (!fits_decide && why_not[choice]) throw InputError(*why_not[choice]);
-  if (!fits_decide) return {chosen};
+  if (!fits_decide) {
+    CheckComparable(robot, table, chosen);
+    return {chosen};
+  }
   if (misfits[best] > tolerance) RefuseRobot(robot, table, chosen, misfits[best], policy == IfNoneFits::kSayWhy);
   if (is_of_most) RefuseOtherReading(robot, table, chosen);
   // Metres read as millimetres lie so near to each other that any robot is within tolerance. (Of rows in their order
@@ -221,7 +216,7 @@ void ConfirmOrder(const Robot& robot, const TextTable& table, const Choice& choi
                      hint);
   }
   const TextTable moved = WithPointsMoved(table, choice.plan);
-  double misfit = MisfitOf(robot, moved, choice.plan).distance;
+  double misfit = MisfitOf(robot, moved, choice.plan);
   if (choice.misfit_is_of_most) misfit = MisfitOfMost(robot, moved, choice.plan).value_or(misfit);
   if (misfit >= kBetter * choice.misfit) return;
   throw InputError({table.path, table.header_line, ""},

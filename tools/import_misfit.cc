@@ -17,6 +17,7 @@
 #include "estimator/inspection/sampled_problem.h"
 #include "estimator/inspection/wild_rows.h"
 #include "models/constants.h"
+#include "problems/input_error.h"
 #include "problems/io/import/marker_column.h"
 #include "problems/io/measurement_file.h"
 #include "problems/io/units.h"
@@ -117,16 +118,16 @@ std::optional<CalibrationProblem> ProblemOf(const Robot& robot, const Measuremen
 }
 
 // How far the aligned nominal robot misses.
-RobotMisfit Misfit(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
+double Misfit(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
   try {
     const std::optional<CalibrationProblem> problem = ProblemOf(robot, SampleOfTable(robot, table, plan));
-    if (!problem) return {};
+    if (!problem) return kNothing;
     const std::vector<int> sample = SampleOfRows(*problem);
     // Repeats that come in turns may leave a few poses in a sample of every so many-th row.
-    if (AreEnough(*problem, WithoutRepeats(*problem, sample))) return {AlignedMisfit(*problem, sample), {}};
-    return {AlignedMisfit(*problem, WithoutRepeats(*problem, problem->CalibrationObservations())), {}};
-  } catch (const InputError& error) {
-    return {kNothing, error};
+    if (AreEnough(*problem, WithoutRepeats(*problem, sample))) return AlignedMisfit(*problem, sample);
+    return AlignedMisfit(*problem, WithoutRepeats(*problem, problem->CalibrationObservations()));
+  } catch (const InputError&) {  // CheckComparable says which
+    return kNothing;
   }
 }
 
@@ -185,6 +186,13 @@ Eigen::Matrix3Xd PointsWithJointMoved(CalibrationProblem problem, const AlignedS
   return PredictPoints(problem, aligned.parameters, points);
 }
 
+// Of rows that were read by the name of the file that is to be written, at the row as it was given.
+InputError AtSource(const InputError& error, const ImportedRows& rows) {
+  const int row = error.where().line - kFirstRowLine;
+  return InputError({row >= 0 ? rows.SourceOf(static_cast<size_t>(row)) : "", 0, ""},
+                    RowsAreNoMeasurements(WithSources(error.what(), rows)));
+}
+
 }  // namespace
 
 CalibrationProblem ProblemOfGeometry(const Robot& robot, const Measurements& data) {
@@ -195,9 +203,7 @@ Measurements CheckedMeasurements(const Robot& robot, const ImportedRows& rows, c
   try {
     return ReadMeasurementsText(robot, csv, kWrittenRows);
   } catch (const InputError& error) {
-    const int row = error.where().line - kFirstRowLine;
-    throw InputError({row >= 0 ? rows.SourceOf(static_cast<size_t>(row)) : "", 0, ""},
-                     RowsAreNoMeasurements(WithSources(error.what(), rows)));
+    throw AtSource(error, rows);
   }
 }
 
@@ -208,10 +214,22 @@ Measurements SampleOfTable(const Robot& robot, const TextTable& table, const Imp
   return CheckedMeasurements(robot, rows, rows.ToCsv(robot.num_joints()));
 }
 
-RobotMisfit MisfitOf(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
+double MisfitOf(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
   // Nothing else that a table has may keep a robot from being compared with its points.
-  const RobotMisfit misfit = Misfit(robot, table, plan);
-  return std::isfinite(misfit.distance) ? misfit : Misfit(robot, table, GeometryOf(plan));
+  const double misfit = Misfit(robot, table, plan);
+  return std::isfinite(misfit) ? misfit : Misfit(robot, table, GeometryOf(plan));
+}
+
+void CheckComparable(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
+  ImportedRows rows;
+  rows.Add(table, plan, {});
+  const Measurements data = CheckedMeasurements(robot, rows, rows.ToCsv(robot.num_joints()));
+  try {
+    ProblemOf(robot, data);
+  } catch (const InputError& error) {
+    if (error.where().file != kWrittenRows) throw;
+    throw AtSource(error, rows);
+  }
 }
 
 std::optional<double> MisfitOfMost(const Robot& robot, const TextTable& table, const ImportPlan& plan) {

@@ -2,7 +2,6 @@
 // it did, as a controller that computes them does.
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,7 +9,6 @@
 #include "models/robot.h"
 #include "problems/calibration_problem.h"
 #include "problems/experiment.h"
-#include "problems/input_error.h"
 #include "problems/io/import/import_plan.h"
 #include "problems/io/import/imported_rows.h"
 #include "problems/measurements.h"
@@ -28,12 +26,11 @@ Measurements CheckedMeasurements(const Robot& robot, const ImportedRows& rows, c
 // A sample of the table's rows, spread over it, as measurements: a reading that is wrong shows in any ten.
 Measurements SampleOfTable(const Robot& robot, const TextTable& table, const ImportPlan& plan);
 
-// Of the aligned nominal robot, RMS of distances on a sample of the rows.
-struct RobotMisfit {
-  double distance = std::numeric_limits<double>::infinity();  // m; infinite: the robot was not compared
-  std::optional<InputError> why_not;                          // why it was not, other than for too few rows
-};
-RobotMisfit MisfitOf(const Robot& robot, const TextTable& table, const ImportPlan& plan);
+// m, RMS of distances on a sample of the rows; infinite where that cannot be said.
+double MisfitOf(const Robot& robot, const TextTable& table, const ImportPlan& plan);
+
+// Throws InputError where it cannot be said although the rows are enough: what is wrong with them or with the robot.
+void CheckComparable(const Robot& robot, const TextTable& table, const ImportPlan& plan);
 
 // The same without the rows that are far off, m. Nothing: there are none, or many, or the others do not fit as those of
 // one robot do.
