@@ -364,6 +364,7 @@ TEST_F(Import, MadeIdsOfConfigurationsAreNotThoseThatAFileStates) {
   Table none(std::vector<Reading>(all.begin() + 15, all.end()));
   for (Table* table : {&stated, &none}) table->Insert(0, "station", Always("S1")).Insert(0, "marker", Always("M1"));
   ExpectRight(stated.ToText(), all, {Write("b.csv", none.ToText())});
+  ASSERT_FALSE(HasFailure());
   const auto cells = Cells(Read("job/measurements.csv"));
   const size_t config = Column(cells, "config");
   std::set<std::string> ids;
@@ -380,6 +381,7 @@ TEST_F(Import, MadeMarkersAreNotThoseThatAFileNames) {
   Table none(std::vector<Reading>(all.begin() + 15, all.end()));
   stated.Insert(0, "marker", Always("M2")).Insert(0, "station", Always("b"));
   ExpectRight(stated.ToText(), all, {Write("b.csv", none.ToText())});
+  ASSERT_FALSE(HasFailure());
   const auto cells = Cells(Read("job/measurements.csv"));
   EXPECT_EQ(cells[1][Column(cells, "marker")], "M2");
   EXPECT_EQ(cells[30][Column(cells, "marker")], "M2_");
@@ -407,6 +409,7 @@ TEST_F(Import, TheMapDecidesWhatATimeIs) {
   Table table{Readings()};
   table.Insert(0, "t", [](size_t r) { return Text(40000.0 + 0.05 * double(r)); });
   ExpectRight(table.ToText(), Readings(), {"--strict", "--map=time_s=t"});
+  ASSERT_FALSE(HasFailure());
   const auto cells = Cells(Read("job/measurements.csv"));
   const size_t time = Column(cells, "time_s");
   EXPECT_NEAR(std::stod(cells[2][time]) - std::stod(cells[1][time]), 0.05, 1e-9);
