@@ -42,17 +42,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of rows that are measurements; InputError where they are none, at the row as it was given.
-Measurements CheckedMeasurements(const Robot& robot, const ImportedRows& rows, const std::string& csv) {
-  try {
-    return ReadMeasurementsText(robot, csv, "measurements.csv");
-  } catch (const InputError& error) {
-    const int row = error.where().line - 2;  // behind the header, counted from 0
-    throw InputError({row >= 0 ? rows.SourceOf(static_cast<size_t>(row)) : "", 0, ""},
-                     RowsAreNoMeasurements(error.what()));
-  }
-}
-
 std::map<std::string, std::string> MapFromFlags() {
   std::map<std::string, std::string> columns;
   if (FLAGS_map.empty()) return columns;
@@ -310,13 +299,34 @@ struct Interpretation {
   }
 };
 
+// What the files state in a column.
+std::set<std::string> StatedNames(const std::vector<TextTable>& tables, const std::vector<Choice>& choices,
+                                  const std::string& stem) {
+  std::set<std::string> names;
+  for (size_t t = 0; t < tables.size(); ++t) {
+    const PlannedColumn* column = choices[t].plan.Find(stem);
+    if (column == nullptr) continue;
+    for (const TextTable::Row& row : tables[t].rows) {
+      names.insert(PartOfName(row.cells[static_cast<size_t>(column->source)], column->part));
+    }
+  }
+  return names;
+}
+
+// A made name that no file states.
+std::string OtherThan(const std::set<std::string>& stated, std::string name) {
+  while (stated.count(name) > 0) name += "_";
+  return name;
+}
+
 // Several files are several stations and markers where no column says so.
-RowDefaults DefaultsOf(size_t table, const std::vector<std::string>& labels, const ImportPlan& plan,
+RowDefaults DefaultsOf(size_t table, const std::vector<TextTable>& tables, const std::vector<std::string>& labels,
                        Interpretation* read) {
   RowDefaults defaults;
   if (labels.size() == 1) return defaults;
-  defaults.station = labels[table];
-  defaults.marker = "M" + std::to_string(table + 1);
+  const ImportPlan& plan = read->choices[table].plan;
+  defaults.station = OtherThan(StatedNames(tables, read->choices, "station"), labels[table]);
+  defaults.marker = OtherThan(StatedNames(tables, read->choices, "marker"), "M" + std::to_string(table + 1));
   if (!plan.Find("station")) read->Guess(StationPerFile());
   if (!plan.Find("marker")) read->Guess(MarkerPerFile());
   return defaults;
@@ -337,8 +347,10 @@ Interpretation Interpret(const std::vector<TextTable>& tables, const RobotReadin
     RefuseComputedPoints(reading.robot, tables[t], choice, is_point_stated);
     DecideRotation(reading.robot, tables[t], rotation, &choice);
     for (const std::string& words : choice.plan.guesses) read.Guess(words);
-    read.rows.Add(tables[t], choice.plan, DefaultsOf(t, labels, choice.plan, &read));
     read.choices.push_back(std::move(choice));
+  }
+  for (size_t t = 0; t < tables.size(); ++t) {
+    read.rows.Add(tables[t], read.choices[t].plan, DefaultsOf(t, tables, labels, &read));
   }
   return read;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -56,7 +57,7 @@ std::optional<Finding> WhyNot(const Robot& robot, const TextTable& table, const 
     ImportedRows rows;
     rows.Add(table, plan, {});
     const Measurements data = ReadMeasurementsText(robot, rows.ToCsv(robot.num_joints()), table.path);
-    const ReadingLint lint = LintReadingsOfGoodRows(MakeCalibrationProblem(robot, data, WithWeightlessLoads(data)));
+    const ReadingLint lint = LintReadingsOfGoodRows(ProblemOfGeometry(robot, data));
     if (lint.is_suspicious && lint.is_explained) return lint.findings.front();
   } catch (const InputError&) {  // nothing more can be said
   }
@@ -101,7 +102,7 @@ void RefuseOtherReading(const Robot& robot, const TextTable& table, const Import
   std::optional<Finding> other;
   try {
     const Measurements data = SampleOfTable(robot, table, plan);
-    const ReadingLint lint = LintReadings(MakeCalibrationProblem(robot, data, WithWeightlessLoads(data)));
+    const ReadingLint lint = LintReadings(ProblemOfGeometry(robot, data));
     if (lint.is_suspicious && lint.is_explained) other = lint.findings.front();
   } catch (const InputError&) {  // nothing can be said
   }
@@ -132,7 +133,10 @@ Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<
   const size_t best = best_of();
   const ImportPlan& chosen = plans[fits_decide ? best : PlanBySize(table, plans)];
   RefuseRowsApart(robot, table, chosen);
-  if (!fits_decide) return {chosen};
+  if (!fits_decide) {
+    CheckComparable(robot, table, chosen);
+    return {chosen};
+  }
   if (misfits[best] > tolerance) RefuseRobot(robot, table, chosen, misfits[best], policy == IfNoneFits::kSayWhy);
   if (is_of_most) RefuseOtherReading(robot, table, chosen);
   // Metres read as millimetres lie so near to each other that any robot is within tolerance. (Of rows in their order
@@ -160,6 +164,48 @@ Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<
   return {plans[best], misfits[best], is_of_most};
 }
 
+namespace {
+
+// Another order of the points: each row gets that of its marker and station at the pose half of them away, so that the
+// joint values are others, however often the poses are repeated. Those of a marker that was seen at one pose stay.
+TextTable WithPointsMoved(const TextTable& table, const ImportPlan& plan) {
+  struct Seen {
+    std::map<std::string, size_t> pose_of;   // by joint values, in their order
+    std::vector<std::vector<size_t>> rows;   // of each pose
+    std::vector<std::array<size_t, 3>> own;  // row, its pose, which of the pose's rows it is
+  };
+  std::map<std::string, Seen> seen;  // by marker and station
+  for (size_t r = 0; r < table.rows.size(); ++r) {
+    std::string whose, joints;
+    for (const PlannedColumn& column : plan.columns) {
+      const std::string& cell = table.rows[r].cells[static_cast<size_t>(column.source)];
+      if (column.stem == "marker" || column.stem == "station") whose += PartOfName(cell, column.part) + ";";
+      if (column.stem[0] == 'q') joints += cell + ";";
+    }
+    Seen& own = seen[whose];
+    const size_t pose = own.pose_of.emplace(joints, own.rows.size()).first->second;
+    if (pose == own.rows.size()) own.rows.emplace_back();
+    own.own.push_back({r, pose, own.rows[pose].size()});
+    own.rows[pose].push_back(r);
+  }
+  TextTable moved = table;
+  for (const auto& [whose, own] : seen) {
+    for (const auto& [r, pose, repeat] : own.own) {
+      const std::vector<size_t>& others = own.rows[(pose + own.rows.size() / 2) % own.rows.size()];
+      const TextTable::Row& other = table.rows[others[repeat % others.size()]];
+      for (const char* axis : {"x", "y", "z"}) {
+        const PlannedColumn& column = *plan.Find(axis);
+        for (const int c : {column.source, column.second}) {
+          if (c >= 0) moved.rows[r].cells[static_cast<size_t>(c)] = other.cells[static_cast<size_t>(c)];
+        }
+      }
+    }
+  }
+  return moved;
+}
+
+}  // namespace
+
 void ConfirmOrder(const Robot& robot, const TextTable& table, const Choice& choice) {
   if (!table.joined_in_order) return;
   const std::string hint = "the names of the poses next to the readings";
@@ -169,14 +215,7 @@ void ConfirmOrder(const Robot& robot, const TextTable& table, const Choice& choi
                          std::to_string(table.rows.size()) + ") do not confirm it",
                      hint);
   }
-  TextTable moved = table;  // each reading at the pose half the file away
-  for (size_t r = 0; r < table.rows.size(); ++r) {
-    const TextTable::Row& other = table.rows[(r + table.rows.size() / 2) % table.rows.size()];
-    for (const char* axis : {"x", "y", "z"}) {
-      const int column = choice.plan.Find(axis)->source;
-      moved.rows[r].cells[column] = other.cells[column];
-    }
-  }
+  const TextTable moved = WithPointsMoved(table, choice.plan);
   double misfit = MisfitOf(robot, moved, choice.plan);
   if (choice.misfit_is_of_most) misfit = MisfitOfMost(robot, moved, choice.plan).value_or(misfit);
   if (misfit >= kBetter * choice.misfit) return;
@@ -224,7 +263,7 @@ class RotationFit {
   RotationFit(const Robot& robot, const TextTable& table, const ImportPlan& points) : robot_(robot), table_(table) {
     try {
       const Measurements data = Sample(points);
-      problem_.emplace(MakeCalibrationProblem(robot, data, WithWeightlessLoads(data)));
+      problem_.emplace(ProblemOfGeometry(robot, data));
       orientations_ = AlignedOrientations(*problem_);
     } catch (const InputError&) {  // too few rows
     }

@@ -17,14 +17,13 @@
 #include "estimator/inspection/sampled_problem.h"
 #include "estimator/inspection/wild_rows.h"
 #include "models/constants.h"
-#include "problems/calibration_problem.h"
 #include "problems/input_error.h"
-#include "problems/io/import/imported_rows.h"
 #include "problems/io/import/marker_column.h"
 #include "problems/io/measurement_file.h"
 #include "problems/io/units.h"
 #include "problems/split.h"
 #include "tools/import_choice.h"
+#include "tools/report/command_words.h"
 
 namespace sagitta {
 namespace {
@@ -35,6 +34,8 @@ constexpr size_t kRowsOfDigits = 1000;    // one in ten ends with a zero: of so 
 constexpr size_t kEquationsPerPlace = 2;  // to every coordinate of a base or marker
 constexpr double kMostFarOff = 0.2;       // of all: more are no exceptions, as in reading_lint.cc
 constexpr double kNothing = std::numeric_limits<double>::infinity();
+constexpr char kWrittenRows[] = "measurements.csv";
+constexpr int kFirstRowLine = 2;  // of its rows, behind the header
 // rad and m: controllers show joint values to a hundredth of a degree or of a millimetre at least. Values of fewer
 // digits are those of poses that somebody wrote down, and the arm was driven to just these.
 constexpr double kCoarsestAngle = 0.01 * kDegree, kCoarsestLength = 1e-5;
@@ -72,30 +73,76 @@ bool AreEnough(const CalibrationProblem& problem, const std::vector<int>& rows) 
   return 3 * rows.size() >= kEquationsPerPlace * problem.parameters.EstimatedCoordinates().size();
 }
 
+// One pose, or fewer than twice as many equations as all base poses and markers have coordinates.
+bool AreTooFew(const Measurements& data) {
+  const std::vector<int> groups = GroupsOfConfigurations(data);
+  const std::set<int> poses(groups.begin(), groups.end());
+  std::set<std::tuple<int, int, int>> points;
+  for (const Observation& row : data.observations) {
+    if (!row.is_point()) continue;
+    const Shot& shot = data.shots[static_cast<size_t>(row.shot)];
+    points.emplace(groups[static_cast<size_t>(shot.configuration)], shot.station, row.marker);
+  }
+  return poses.size() < 2 ||
+         3 * points.size() < kEquationsPerPlace * (6 * data.stations.size() + 3 * data.markers.size());
+}
+
+Robot WithoutEffects(Robot robot) {
+  robot.effects.clear();
+  return robot;
+}
+
+Experiment WithWeightlessLoads(const Measurements& data) {
+  Experiment experiment;
+  experiment.load_point = Vector3<double>::Zero();
+  for (const std::string& load : LoadsOf(data)) experiment.loads[load].mass = 0.0;
+  return experiment;
+}
+
 // Base poses and markers alone are unknown: the nominal robot is compared, and as many rows as they need will do.
-// Throws InputError where there are fewer than twice as many equations as these unknowns: any robot fits few rows.
-CalibrationProblem ProblemOf(const Robot& robot, const Measurements& data) {
+// Nothing: there are fewer than twice as many equations as these unknowns, and any robot fits few rows. Throws
+// InputError where they are enough and no measurements of this robot.
+std::optional<CalibrationProblem> ProblemOf(const Robot& robot, const Measurements& data) {
   Experiment experiment = WithWeightlessLoads(data);
   for (Selection* each : {&experiment.estimate.geometry, &experiment.estimate.compliance,
                           &experiment.estimate.gravity_compensator, &experiment.estimate.effects})
     each->kind = Selection::Kind::kNone;
-  CalibrationProblem problem = MakeCalibrationProblem(robot, data, experiment);
-  if (!AreEnough(problem, WithoutRepeats(problem, problem.CalibrationObservations())))
-    throw InputError({"", 0, ""}, "too few rows to compare the robot with");
-  return problem;
+  try {
+    CalibrationProblem problem = MakeCalibrationProblem(WithoutEffects(robot), data, experiment);
+    if (!AreEnough(problem, WithoutRepeats(problem, problem.CalibrationObservations()))) return std::nullopt;
+    return problem;
+  } catch (const InputError&) {
+    if (AreTooFew(data)) return std::nullopt;
+    throw;
+  }
 }
 
-// How far the aligned nominal robot misses; infinite where that cannot be said.
+// How far the aligned nominal robot misses.
 double Misfit(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
   try {
-    const CalibrationProblem problem = ProblemOf(robot, SampleOfTable(robot, table, plan));
-    const std::vector<int> sample = SampleOfRows(problem);
+    const std::optional<CalibrationProblem> problem = ProblemOf(robot, SampleOfTable(robot, table, plan));
+    if (!problem) return kNothing;
+    const std::vector<int> sample = SampleOfRows(*problem);
     // Repeats that come in turns may leave a few poses in a sample of every so many-th row.
-    if (AreEnough(problem, WithoutRepeats(problem, sample))) return AlignedMisfit(problem, sample);
-    return AlignedMisfit(problem, WithoutRepeats(problem, problem.CalibrationObservations()));
-  } catch (const InputError&) {  // too few rows: nothing can be said
+    if (AreEnough(*problem, WithoutRepeats(*problem, sample))) return AlignedMisfit(*problem, sample);
+    return AlignedMisfit(*problem, WithoutRepeats(*problem, problem->CalibrationObservations()));
+  } catch (const InputError&) {  // CheckComparable says which
     return kNothing;
   }
+}
+
+// What a message says of rows of the file that is to be written, of those that they were read from.
+std::string WithSources(std::string words, const ImportedRows& rows) {
+  const std::string name = std::string(kWrittenRows) + ":";
+  for (size_t at = 0; (at = words.find(name, at)) != std::string::npos;) {
+    const int row = std::atoi(words.c_str() + at + name.size()) - kFirstRowLine;
+    const std::string source = row >= 0 ? rows.SourceOf(static_cast<size_t>(row)) : "";
+    const size_t end = std::min(words.find_first_not_of("0123456789", at + name.size()), words.size());
+    const std::string& instead = source.empty() ? words.substr(at, end - at) : source;
+    words.replace(at, end - at, instead);
+    at += instead.size();
+  }
+  return words;
 }
 
 bool AreFew(size_t far, size_t all) { return static_cast<double>(far) <= kMostFarOff * static_cast<double>(all); }
@@ -139,20 +186,32 @@ Eigen::Matrix3Xd PointsWithJointMoved(CalibrationProblem problem, const AlignedS
   return PredictPoints(problem, aligned.parameters, points);
 }
 
+// Of rows that were read by the name of the file that is to be written, at the row as it was given.
+InputError AtSource(const InputError& error, const ImportedRows& rows) {
+  const int row = error.where().line - kFirstRowLine;
+  return InputError({row >= 0 ? rows.SourceOf(static_cast<size_t>(row)) : "", 0, ""},
+                    RowsAreNoMeasurements(WithSources(error.what(), rows)));
+}
+
 }  // namespace
 
-Experiment WithWeightlessLoads(const Measurements& data) {
-  Experiment experiment;
-  experiment.load_point = Vector3<double>::Zero();
-  for (const std::string& load : LoadsOf(data)) experiment.loads[load].mass = 0.0;
-  return experiment;
+CalibrationProblem ProblemOfGeometry(const Robot& robot, const Measurements& data) {
+  return MakeCalibrationProblem(WithoutEffects(robot), data, WithWeightlessLoads(data));
+}
+
+Measurements CheckedMeasurements(const Robot& robot, const ImportedRows& rows, const std::string& csv) {
+  try {
+    return ReadMeasurementsText(robot, csv, kWrittenRows);
+  } catch (const InputError& error) {
+    throw AtSource(error, rows);
+  }
 }
 
 Measurements SampleOfTable(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
   ImportedRows rows;
   const size_t stride = std::min(table.rows.size() / kSampleRows, DifferentPoses(table, plan) / kSampleShots);
   rows.Add(table, plan, {}, std::max<size_t>(1, stride));
-  return ReadMeasurementsText(robot, rows.ToCsv(robot.num_joints()), "measurements.csv");
+  return CheckedMeasurements(robot, rows, rows.ToCsv(robot.num_joints()));
 }
 
 double MisfitOf(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
@@ -161,10 +220,22 @@ double MisfitOf(const Robot& robot, const TextTable& table, const ImportPlan& pl
   return std::isfinite(misfit) ? misfit : Misfit(robot, table, GeometryOf(plan));
 }
 
+void CheckComparable(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
+  ImportedRows rows;
+  rows.Add(table, plan, {});
+  const Measurements data = CheckedMeasurements(robot, rows, rows.ToCsv(robot.num_joints()));
+  try {
+    ProblemOf(robot, data);
+  } catch (const InputError& error) {
+    if (error.where().file != kWrittenRows) throw;
+    throw AtSource(error, rows);
+  }
+}
+
 std::optional<double> MisfitOfMost(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
   try {
-    const CalibrationProblem problem = ProblemOf(robot, SampleOfTable(robot, table, GeometryOf(plan)));
-    const std::optional<FarRows> rows = FewFarRows(problem);
+    const std::optional<CalibrationProblem> problem = ProblemOf(robot, SampleOfTable(robot, table, GeometryOf(plan)));
+    const std::optional<FarRows> rows = problem ? FewFarRows(*problem) : std::nullopt;
     return rows ? std::optional<double>(rows->near_rms) : std::nullopt;
   } catch (const InputError&) {
     return std::nullopt;
@@ -195,7 +266,9 @@ ReadingsFarOff FartherThan(double limit, const CalibrationProblem& problem, cons
 
 std::optional<ReadingsFarOff> FindReadingsFarOff(const Robot& robot, const Measurements& data) {
   try {
-    const CalibrationProblem problem = ProblemOf(robot, data);
+    const std::optional<CalibrationProblem> made = ProblemOf(robot, data);
+    if (!made) return std::nullopt;
+    const CalibrationProblem& problem = *made;
     const AlignedSample aligned(problem);
     const std::vector<int> points = problem.data().PointsAmong(problem.CalibrationObservations());
     const double least = SuspiciousMisfit(problem);
@@ -240,7 +313,9 @@ double SpreadOfPoints(const TextTable& table, const ImportPlan& plan) {
 // fast it moves the point.
 double MisfitOfRounding(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
   try {
-    const CalibrationProblem problem = ProblemOf(robot, SampleOfTable(robot, table, GeometryOf(plan)));
+    const std::optional<CalibrationProblem> made = ProblemOf(robot, SampleOfTable(robot, table, GeometryOf(plan)));
+    if (!made) return kNothing;
+    const CalibrationProblem& problem = *made;
     const AlignedSample aligned(problem);
     const std::vector<int> points = problem.data().PointsAmong(aligned.rows);
     const Eigen::Matrix3Xd at_rest = PointsWithJointMoved(problem, aligned, points, 0, 0.0);

@@ -3,24 +3,34 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "models/robot.h"
+#include "problems/calibration_problem.h"
 #include "problems/experiment.h"
 #include "problems/io/import/import_plan.h"
+#include "problems/io/import/imported_rows.h"
 #include "problems/measurements.h"
 
 namespace sagitta {
 
-// What loads weigh and where they hang stands in no table; they bend an arm by millimetres, much less than the misfit
-// of another robot (kNotThisRobot).
-Experiment WithWeightlessLoads(const Measurements& data);
+// The readings with the robot's geometry alone. What loads weigh and where they hang stands in no table, nor does much
+// of what the effects of a robot file need (times, sides of approach, a load): both move points by millimetres, much
+// less than the misfit of another robot (kNotThisRobot). Throws InputError.
+CalibrationProblem ProblemOfGeometry(const Robot& robot, const Measurements& data);
+
+// Of rows that are measurements; InputError where they are none, at the row as it was given.
+Measurements CheckedMeasurements(const Robot& robot, const ImportedRows& rows, const std::string& csv);
 
 // A sample of the table's rows, spread over it, as measurements: a reading that is wrong shows in any ten.
 Measurements SampleOfTable(const Robot& robot, const TextTable& table, const ImportPlan& plan);
 
 // m, RMS of distances on a sample of the rows; infinite where that cannot be said.
 double MisfitOf(const Robot& robot, const TextTable& table, const ImportPlan& plan);
+
+// Throws InputError where it cannot be said although the rows are enough: what is wrong with them or with the robot.
+void CheckComparable(const Robot& robot, const TextTable& table, const ImportPlan& plan);
 
 // The same without the rows that are far off, m. Nothing: there are none, or many, or the others do not fit as those of
 // one robot do.

@@ -113,6 +113,53 @@ TEST_F(ImportJoined, WithoutNamesAsManyRowsAreInOrderWhichIsAGuess) {
   EXPECT_EQ(ImportText(points.ToText(), With(poses.ToText())).status, 2);
 }
 
+// Two rounds, or all poses for one marker or station and then for the next: half the file away are the same joint
+// values.
+TEST_F(ImportJoined, AnOrderThatRepeatsItselfIsConfirmed) {
+  const std::vector<test::Reading> other = test::MakeReadings(false, KDL::Vector(-0.04, 0.02, 0.08));
+  std::vector<test::Reading> rounds = Readings(), markers = Readings();
+  for (test::Reading again : Readings()) {
+    again.xyz_mm[1] += 0.002;
+    rounds.push_back(again);
+  }
+  markers.insert(markers.end(), other.begin(), other.end());
+  const auto of = [](size_t row) { return std::string(row < 30 ? "M1" : "M2"); };
+  for (const bool are_markers : {false, true}) {
+    const std::vector<test::Reading>& readings = are_markers ? markers : rounds;
+    Table points = Table(readings).Reordered({6, 7, 8});
+    if (are_markers) points.Insert(3, "marker", of);
+    Table poses = Table(readings).Reordered({0, 1, 2, 3, 4, 5});
+    ExpectRight(points.ToText(), readings, With(poses.ToText()));
+    // The same rows one on.
+    Table shifted = points;
+    std::rotate(shifted.rows.begin(), shifted.rows.begin() + 1, shifted.rows.end());
+    EXPECT_EQ(ImportText(shifted.ToText(), With(poses.ToText())).status, 2) << are_markers;
+  }
+}
+
+// A plan states the times and temperatures that it was made for. Those of the readings are others.
+TEST_F(ImportJoined, TimesAndTemperaturesOfAListAreNotMeasured) {
+  Table poses = Table(Readings()).Reordered({0, 1, 2, 3, 4, 5});
+  poses.Insert(0, "config", PoseName);
+  poses.Insert(7, "time_s", [](size_t row) { return std::to_string(60 * row); });
+  poses.Insert(8, "temperature_degC", [](size_t row) { return test::Text(20.0 + 0.2 * static_cast<double>(row)); });
+  Table in_order = Table(Readings()).Reordered({6, 7, 8});
+  for (const std::string& points : {Points().ToText(), in_order.ToText()}) {
+    ExpectRight(points, Readings(), With(poses.ToText()));
+    const std::string written = Read("job/measurements.csv");
+    EXPECT_EQ(written.find("temperature_degC"), std::string::npos);
+    EXPECT_EQ(written.find("time_s"), std::string::npos);
+    const test::Outcome outcome = ImportText(points, With(poses.ToText()));
+    EXPECT_NE(outcome.out.find("--map=temperature_degC=temperature_degC uses it"), std::string::npos) << outcome.out;
+  }
+  // Who says that they are those of the readings is believed, and a time of their own is used.
+  Table own = Points();
+  own.Insert(4, "Time [s]", [](size_t row) { return std::to_string(500 + 45 * row); });
+  ExpectRight(own.ToText(), Readings(), With(poses.ToText(), {"--map=temperature_degC=temperature_degC"}));
+  EXPECT_EQ(Column("temperature_degC")[5], "21");
+  EXPECT_EQ(Column("time_s")[1], "545");
+}
+
 // Numbers of poses next to numbers of markers: each of these is a pose's, too, but they say less.
 TEST_F(ImportJoined, NumbersOfMarkersAreNoPoses) {
   Table points = Table(Readings()).Reordered({6, 7, 8});

@@ -71,6 +71,44 @@ TEST_F(ImportMisfit, ReadingsThatAreFarOffAreNamedWhereverTheyStand) {
   }
 }
 
+// What an effect of the robot file needs (sides of approach, times, a load) a table need not have: the arm is compared
+// without it.
+TEST_F(ImportMisfit, ARobotWithEffectsIsCompared) {
+  std::vector<Reading> scrambled = Readings();
+  for (size_t r = 0; r < scrambled.size(); ++r) scrambled[r].xyz_mm = Readings()[(r * 7 + 3) % scrambled.size()].xyz_mm;
+  for (const char* effect :
+       {"{effect: backlash, joint: j2, by: approach, half_gap_urad: 30}",
+        "{effect: thermal_growth, growth_ppm_per_K: 11}", "{effect: station_drift, station: S1, x_um_per_h: 10}",
+        "{effect: payload, load: L1, dmass_kg: 1}"}) {
+    const std::string robot = Write("effects.yaml", std::string(test::kRobot) + "effects:\n  - " + effect + "\n");
+    const auto import = [&](const std::vector<Reading>& readings) {
+      std::filesystem::remove_all(Path("job"));
+      return Run({"import", robot, Write("export.txt", Table(readings).ToText()), "--out=" + Path("job")});
+    };
+    const test::Outcome right = import(Readings());
+    EXPECT_EQ(right.status, 0) << effect << right.err;
+    EXPECT_NE(right.out.find("the columns fit the robot"), std::string::npos) << effect << right.out;
+    EXPECT_NE(Read("job/robot.yaml").find("effects:"), std::string::npos) << "the robot is written as it is";
+    const test::Outcome wrong = import(scrambled);
+    EXPECT_EQ(wrong.status, 2) << effect;
+    EXPECT_NE(wrong.err.find("cannot have made these readings"), std::string::npos) << effect << wrong.err;
+    const test::Outcome computed = import(MakeReadings(true));
+    EXPECT_NE(computed.err.find("they were computed"), std::string::npos) << effect << computed.err;
+  }
+}
+
+// Enough rows that are no measurements of the robot are not called too few: the row is named that says why.
+TEST_F(ImportMisfit, WhatKeepsTheRobotFromBeingComparedIsSaid) {
+  std::string locked = test::kRobot;
+  const std::string joint = "{name: j6, type: revolute}";
+  locked.replace(locked.find(joint), joint.size(), "{name: j6, type: revolute, min_deg: 5, max_deg: 5}");
+  const test::Outcome outcome = Run({"import", Write("locked.yaml", locked),
+                                     Write("export.txt", Table(Readings()).ToText()), "--out=" + Path("job")});
+  EXPECT_EQ(outcome.status, 2) << outcome.out;
+  EXPECT_NE(outcome.err.find("joint 'j6' does not move by itself"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("export.txt:2"), std::string::npos) << outcome.err;
+}
+
 // Many repeats of each pose: a sample of the rows has to have several poses all the same, or any robot fits it.
 TEST_F(ImportMisfit, RepeatsOfFewPosesAreComparedAtSeveralOfThem) {
   std::vector<Reading> repeats;

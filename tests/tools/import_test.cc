@@ -341,6 +341,94 @@ TEST_F(Convert, RoundTripAndWords) {
   EXPECT_NE(unknown.err.find(".urdf"), std::string::npos);
 }
 
+// Units in round brackets behind Rx, Ry, Rz make no robot of a table.
+TEST_F(Import, RotationsWithUnitsInBracketsAreATable) {
+  const char* const headers[][3] = {{"Rx (deg)", "Ry (deg)", "Rz (deg)"},
+                                    {"Rx(deg)", "Ry(deg)", "Rz(deg)"},
+                                    {"rx(rad)", "ry(rad)", "rz(rad)"},
+                                    {"Rx (mrad)", "Ry (mrad)", "Rz (mrad)"},
+                                    {"Rx (tool)", "Ry (tool)", "Rz (tool)"}};
+  for (const auto& names : headers) {
+    Table table{Readings()};
+    for (const char* name : names)
+      table.Insert(table.header.size(), name, [](size_t r) { return std::to_string(0.1 * double(r)); });
+    ExpectRight(table.ToText(), Readings());
+  }
+}
+
+// Ids that a file states are not given to poses of another that states none.
+TEST_F(Import, MadeIdsOfConfigurationsAreNotThoseThatAFileStates) {
+  const std::vector<Reading> all = Readings();
+  Table stated(std::vector<Reading>(all.begin(), all.begin() + 15));
+  stated.Insert(0, "config", [](size_t r) { return "c000" + std::to_string(r + 16); });
+  Table none(std::vector<Reading>(all.begin() + 15, all.end()));
+  for (Table* table : {&stated, &none}) table->Insert(0, "station", Always("S1")).Insert(0, "marker", Always("M1"));
+  ExpectRight(stated.ToText(), all, {Write("b.csv", none.ToText())});
+  ASSERT_FALSE(HasFailure());
+  const auto cells = Cells(Read("job/measurements.csv"));
+  const size_t config = Column(cells, "config");
+  std::set<std::string> ids;
+  for (size_t r = 1; r < cells.size(); ++r) ids.insert(cells[r][config]);
+  EXPECT_EQ(ids.size(), 30u);
+  EXPECT_EQ(cells[1][config], "c00016");
+  EXPECT_EQ(cells[16][config], "c00031");
+}
+
+// Nor is a marker of a file without names one that another file names.
+TEST_F(Import, MadeMarkersAreNotThoseThatAFileNames) {
+  const std::vector<Reading> all = Readings();
+  Table stated(std::vector<Reading>(all.begin(), all.begin() + 15));
+  Table none(std::vector<Reading>(all.begin() + 15, all.end()));
+  stated.Insert(0, "marker", Always("M2")).Insert(0, "station", Always("b"));
+  ExpectRight(stated.ToText(), all, {Write("b.csv", none.ToText())});
+  ASSERT_FALSE(HasFailure());
+  const auto cells = Cells(Read("job/measurements.csv"));
+  EXPECT_EQ(cells[1][Column(cells, "marker")], "M2");
+  EXPECT_EQ(cells[30][Column(cells, "marker")], "M2_");
+  EXPECT_EQ(cells[30][Column(cells, "station")], "b_");
+}
+
+// Dates in one file and seconds from a start in another would be half a century apart, in either order.
+TEST_F(Import, TimesOfTwoClocksAreRefused) {
+  const std::vector<Reading> all = Readings();
+  Table seconds(std::vector<Reading>(all.begin(), all.begin() + 15));
+  Table stamps(std::vector<Reading>(all.begin() + 15, all.end()));
+  for (Table* table : {&seconds, &stamps}) table->Insert(0, "station", Always("S1")).Insert(0, "marker", Always("M1"));
+  Table other = stamps;
+  seconds.Insert(0, "time [s]", [](size_t r) { return std::to_string(60 * r); });
+  stamps.Insert(0, "time", [](size_t r) { return "2024-03-05 10:" + std::to_string(20 + r) + ":00"; });
+  ExpectRefused(seconds.ToText(), {"b.csv:1", "dates", "export.txt", "start of their own", "one clock"},
+                {Write("b.csv", stamps.ToText())});
+  ExpectRefused(stamps.ToText(), {"b.csv:1", "start of their own", "one clock"}, {Write("b.csv", seconds.ToText())});
+  other.Insert(0, "time [s]", [](size_t r) { return std::to_string(900 + 60 * r); });
+  ExpectRight(seconds.ToText(), all, {Write("b.csv", other.ToText())});
+  ExpectRight(Table(all).ToText(), all, {});
+}
+
+TEST_F(Import, TheMapDecidesWhatATimeIs) {
+  Table table{Readings()};
+  table.Insert(0, "t", [](size_t r) { return Text(40000.0 + 0.05 * double(r)); });
+  ExpectRight(table.ToText(), Readings(), {"--strict", "--map=time_s=t"});
+  ASSERT_FALSE(HasFailure());
+  const auto cells = Cells(Read("job/measurements.csv"));
+  const size_t time = Column(cells, "time_s");
+  EXPECT_NEAR(std::stod(cells[2][time]) - std::stod(cells[1][time]), 0.05, 1e-9);
+  Table since_1970{Readings()};
+  since_1970.Insert(0, "t", [](size_t r) { return std::to_string(1700000000000 + 60000 * r); });
+  ExpectRefused(since_1970.ToText(), {"'t' are too large for s", "Time [ms]"}, {"--map=time_s=t"});
+}
+
+TEST_F(Import, ColumnsThatStandTwiceAlikeAreOne) {
+  Table table{Readings()};
+  for (const size_t c : {0u, 6u}) {
+    const auto rows = table.rows;
+    table.Insert(table.header.size(), table.header[c], [&rows, c](size_t r) { return rows[r][c]; });
+  }
+  ExpectRight(table.ToText(), Readings(), {"--strict"});
+  table.rows[3].back() = "1";
+  ExpectRefused(table.ToText(), {"may both be the measured x"});
+}
+
 // A gantry's joints are called as the axes of the points are.
 TEST_F(Import, JointsNamedLikeAxes) {
   const std::string robot = Write("gantry.yaml",

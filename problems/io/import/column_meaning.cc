@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <set>
@@ -42,11 +43,16 @@ ColumnMeaning Unused(const std::string& why) {
   return meaning;
 }
 
-// Universal Robots' joints in the order of their description.
-std::optional<int> NamedJoint(const std::string& name, const std::vector<std::string>& joints) {
+// Exactly as the robot calls it.
+std::optional<int> OwnJoint(const std::string& name, const std::vector<std::string>& joints) {
   for (size_t j = 0; j < joints.size(); ++j) {
     if (LowerCaseOf(joints[j]) == name && AxisNamed(name) < 0) return static_cast<int>(j);
   }
+  return std::nullopt;
+}
+
+// Universal Robots' joints in the order of their description, wherever the name has them.
+std::optional<int> UniversalJoint(const std::string& name) {
   static const Words kUniversal = {"shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"};
   for (size_t j = 0; j < kUniversal.size(); ++j) {
     if (name.find(kUniversal[j]) != std::string::npos) return static_cast<int>(j);
@@ -57,9 +63,9 @@ std::optional<int> NamedJoint(const std::string& name, const std::vector<std::st
 // joint_1, q1, A1, "Axis 1", "J1", "actual_q_1", "joint 1 angle": the number, as written.
 std::optional<int> NumberedJoint(const Words& words) {
   static const std::set<std::string> kJoint = {
-      "q", "j",  "joint", "joints",       "axis",         "achse",  "axe",    "a",    "theta",
-      "θ", "th", "jnt",   "articulation", "articulación", "gelenk", "giunto", "asse", "eje"};
-  static const std::set<std::string> kAround = {"angle", "pos", "position", "value", "robot", "encoder"};
+      "q",  "j",   "joint",        "joints",       "axis",   "achse",  "axe",  "a",   "theta", "θ",
+      "th", "jnt", "articulation", "articulación", "gelenk", "giunto", "asse", "eje", "rax"};
+  static const std::set<std::string> kAround = {"angle", "pos", "position", "value", "robot", "encoder", "robax"};
   std::optional<int> number;
   bool named = false;
   for (const std::string& word : words) {
@@ -76,9 +82,18 @@ std::optional<int> NumberedJoint(const Words& words) {
 
 std::optional<ColumnMeaning> AsJoint(const std::string& name, const Words& words,
                                      const std::vector<std::string>& joints) {
+  static const std::set<std::string> kOtherQuantities = {
+      "velocity",        "velocities",    "vel",   "speed",       "qd",           "rate",    "acceleration",
+      "accelerations",   "acc",           "accel", "qdd",         "jerk",         "current", "currents",
+      "strom",           "voltage",       "power", "temperature", "temperatures", "temp",    "temperatur",
+      "geschwindigkeit", "beschleunigung"};
   if (Has(words, kSigmaWords) || Has(words, kDifferenceWords)) return std::nullopt;
   ColumnMeaning meaning;
-  std::optional<int> index = NamedJoint(name, joints);
+  std::optional<int> index = OwnJoint(name, joints);
+  if (!index) {
+    index = UniversalJoint(name);
+    if (index && Has(words, kOtherQuantities)) return Unused("of a joint, and not its angle or travel");
+  }
   if (!index) {
     index = NumberedJoint(words);
     if (!index) return std::nullopt;
@@ -202,7 +217,7 @@ std::optional<ColumnMeaning> AsTorque(const std::string& name, const Words& word
   static const std::set<std::string> kAround = {"joint", "j", "axis", "a", "achse", "sensor", "ext", "external"};
   if (!Has(words, kTorque)) return std::nullopt;
   ColumnMeaning meaning;
-  const std::optional<int> universal = NamedJoint(name, {});
+  const std::optional<int> universal = UniversalJoint(name);
   if (universal) meaning.index = *universal;
   if (universal) meaning.role = Role::kTorque;
   bool foreign = Has(words, {"ext", "external"});  // without the arm's own weight: other torques than those asked for
@@ -300,10 +315,15 @@ ColumnMeaning ByName(const std::string& header, const std::vector<std::string>& 
   // How long something lasts, and what a part of the machine has.
   static const std::set<std::string> kLasts = {"exposure", "integration", "cycle",      "dwell",  "settling",
                                                "duration", "delay",       "processing", "flight", "averaging"};
-  static const std::set<std::string> kParts = {"motor", "gear",  "gearbox", "joint", "axis",    "achse",     "drive",
-                                               "cpu",   "board", "winding", "oil",   "encoder", "controller"};
+  static const std::set<std::string> kParts = {"motor",      "gear",  "gearbox", "joint",   "axis", "achse",
+                                               "drive",      "cpu",   "board",   "winding", "oil",  "encoder",
+                                               "controller", "elbow", "wrist",   "shoulder"};
   ColumnMeaning meaning;
-  if (Has(words, kTemperature) && Has(words, kParts)) return Unused("the temperature of a part");
+  Words others;
+  std::copy_if(words.begin(), words.end(), std::back_inserter(others),
+               [](const std::string& word) { return kTemperature.count(word) == 0; });
+  if (Has(words, kTemperature) && (Has(words, kParts) || NumberedJoint(others)))
+    return Unused("the temperature of a part");
   if (Has(words, kTime) && Has(words, kLasts)) return Unused("how long something lasts");
   if (Has(words, kTemperature)) meaning.role = Role::kTemperature;
   if (Has(words, kTime)) meaning.role = Role::kTime;

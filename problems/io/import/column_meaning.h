@@ -40,6 +40,7 @@ struct ColumnMeaning {
   bool is_numbered = false;      // a joint value whose name has the joint's number and no joint's own name
   bool says_measured = false;    // a point or rotation that the name calls measured
   bool may_be_expanded = false;  // of kSigma: an uncertainty, and no word for how many standard deviations
+  bool is_mapped = false;        // --map says it
   std::string why;               // of kOther and kTarget, in words
   std::string unread_unit;       // of kOther: the unit, as written, for which alone it has no other role
 };

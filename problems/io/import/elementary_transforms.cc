@@ -6,8 +6,11 @@
 
 #include "problems/input_error.h"
 #include "problems/io/import/expressions.h"
+#include "problems/io/import/header_words.h"
+#include "problems/io/import/text_table.h"
 #include "problems/io/pattern.h"
 #include "problems/io/robot_units.h"
+#include "problems/io/trimmed.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -189,11 +192,24 @@ class TransformReader {
   RobotReading reading_;
 };
 
+// Whether rows of numbers stand below what looks like transforms: those are headers then, as of Rx (tool), Ry (tool).
+bool HoldsTable(const std::string& text) {
+  try {
+    return ParseTextTable(text, "").rows.size() > 1;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 }  // namespace
 
 bool HoldsElementaryTransforms(const std::string& text) {
   const std::string plain = WithBlankComments(text);
-  return AllMatches(plain.begin(), plain.end(), TransformPattern()).size() > 1;
+  // A header's Rx (deg), Ry (deg): a unit is no argument.
+  const auto names_unit = [](const std::smatch& match) { return IsUnit(std::string(Trimmed(match.str(3)))); };
+  const std::vector<std::smatch> matches = AllMatches(plain.begin(), plain.end(), TransformPattern());
+  const auto units = std::count_if(matches.begin(), matches.end(), names_unit);
+  return matches.size() > 1 + static_cast<size_t>(units) && !HoldsTable(text);
 }
 
 RobotReading ReadElementaryTransforms(const std::string& text, const std::string& path) {

@@ -33,7 +33,7 @@ class Planner {
     AddColumnsNotJoined(table_, &plan_);
     TakeMapped();
     if (table_.has_header()) {
-      meanings_ = MeaningsOf(table_.header, joints_);
+      meanings_ = MeaningsOf(HeadersOnce(), joints_);
       for (const int c : taken_) meanings_[static_cast<size_t>(c)] = ColumnMeaning();
       TakeJoints();
       TakePoints();
@@ -69,6 +69,7 @@ class Planner {
       std::tie(planned.stem, planned.unit) = StemAndUnit(column);
       planned.header = text;
       planned.meaning = "as --map says";
+      planned.is_mapped = true;
       planned.source = ColumnNamed(text);
       for (size_t at = 1; planned.source < 0 && at < text.size(); ++at) {
         if (text[at] != '+' && text[at] != '-') continue;
@@ -87,6 +88,25 @@ class Planner {
     }
     plan_.rotation_is_mapped = !plan_.rotation_columns.empty();
     if (plan_.rotation_is_mapped) SortMappedRotation(table_, &plan_.rotation_columns);
+  }
+
+  // The headers, "" in place of those of columns that stand a second time with the same cells, which are left out.
+  std::vector<std::string> HeadersOnce() {
+    std::vector<std::string> headers = table_.header;
+    const auto are_equal = [this](size_t a, size_t b) {
+      return std::all_of(table_.rows.begin(), table_.rows.end(),
+                         [a, b](const TextTable::Row& row) { return row.cells[a] == row.cells[b]; });
+    };
+    for (size_t c = 0; c < headers.size(); ++c) {
+      if (headers[c].empty() || taken_.count(static_cast<int>(c)) > 0) continue;
+      for (size_t before = 0; before < c && !headers[c].empty(); ++before) {
+        if (table_.header[before] == table_.header[c] && are_equal(before, c)) headers[c].clear();
+      }
+      if (!headers[c].empty()) continue;
+      taken_.insert(static_cast<int>(c));
+      plan_.unused.emplace_back(table_.header[c], "stands twice with the same cells");
+    }
+    return headers;
   }
 
   // Nothing is found for `what`, perhaps because of units.
@@ -429,7 +449,7 @@ std::vector<ImportPlan> PossiblePlans(const TextTable& table, const std::vector<
   std::vector<ImportPlan> plans = Planner(table, joints, columns).Plans();
   NameMarkers(table, columns.count("marker") > 0, &plans);
   NamePoses(table, &plans);
-  if (columns.count("time_s") == 0) DecideTimes(table, &plans);
+  DecideTimes(table, &plans);
   return plans;
 }
 

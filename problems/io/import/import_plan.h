@@ -31,6 +31,7 @@ struct PlannedColumn {
   std::string text_unit;             // of a text: what the header says, as kg of a load
   std::string header;                // as the table has it, for people
   std::string meaning;               // in words
+  bool is_mapped = false;            // --map says it
 };
 
 struct ImportPlan {
@@ -38,7 +39,8 @@ struct ImportPlan {
   std::vector<std::pair<std::string, std::string>> unused;  // header, why
   std::vector<std::string> moved_axes;  // headers of those that are axes outside the arm and did not stand still
   std::vector<std::string> guesses;
-  std::string choice;  // what distinguishes this plan from the others, in words
+  std::vector<PlannedColumn> other_times;  // columns that may be the time where the one in `columns` is not
+  std::string choice;                      // what distinguishes this plan from the others, in words
 
   // Columns of a rotation and its standard deviations, used once it is known what they mean.
   std::vector<PlannedColumn> rotation_columns;

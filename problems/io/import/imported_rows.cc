@@ -48,12 +48,19 @@ void ImportedRows::NameConfigurations(std::vector<ImportedRow>* rows, bool has_c
     }
     if (!keep) notes_.push_back("the ids of configurations are not used: one id stands for different joint values");
   }
+  size_t number = config_of.size();
   for (ImportedRow& row : *rows) {
     CheckInterruption();
-    if (keep) continue;
-    char name[32];
-    std::snprintf(name, sizeof name, "c%05zu", config_of.size() + 1);
-    row["config"] = config_of.emplace(joint_key(row), name).first->second;
+    if (keep) break;
+    const auto [config, is_new] = config_of.emplace(joint_key(row), "");
+    bool is_taken = is_new;  // a file before may state the very id that comes next
+    while (is_taken) {
+      char name[32];
+      std::snprintf(name, sizeof name, "c%05zu", ++number);
+      config->second = name;
+      is_taken = joints_of.count(name) > 0;
+    }
+    row["config"] = config->second;
   }
 }
 

@@ -205,6 +205,11 @@ class Joiner {
     return false;
   }
 
+  // A plan's times and temperatures are those that it was made for: the readings have their own.
+  static bool IsAssumed(const ColumnMeaning& meaning) {
+    return !meaning.is_mapped && (meaning.role == Role::kTime || meaning.role == Role::kTemperature);
+  }
+
   // Columns of the poses that are added; the name of the pose is the configuration's.
   TextTable WithHeader(int pose_name) {
     TextTable joined = readings_.table;
@@ -214,7 +219,8 @@ class Joiner {
     for (int c = 0; c < poses_.table.columns(); ++c) {
       const ColumnMeaning& meaning = poses_.meanings[c];
       const bool is_name = c == pose_name && meaning.role == Role::kOther && readings_.Find(config) < 0;
-      if (!is_name && (meaning.role == Role::kOther || IsOfPoint(meaning.role) || readings_.Find(meaning) >= 0)) {
+      const bool is_left_out = meaning.role == Role::kOther || IsOfPoint(meaning.role) || IsAssumed(meaning);
+      if (!is_name && (is_left_out || readings_.Find(meaning) >= 0)) {
         if (c != pose_name) LeaveOut(c, &joined);
         continue;
       }
@@ -229,6 +235,11 @@ class Joiner {
     TextTable::NotJoined column;
     column.header = HeaderOfColumn(poses_.table, c);
     column.why = IsOfPoint(meaning.role) && meaning.why.empty() ? "not measured" : "the readings have such a column";
+    if (IsAssumed(meaning) && readings_.Find(meaning) < 0) {
+      const char* map = meaning.role == Role::kTime ? "time_s" : "temperature_degC";
+      column.why = std::string("of the list and not of the readings, planned perhaps; --map=") + map + "=" +
+                   column.header + " uses it";
+    }
     if (meaning.role == Role::kOther || !meaning.why.empty()) {
       column.why = WhyNotUsed(poses_.table, c, meaning, &column.moved);
     }

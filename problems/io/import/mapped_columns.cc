@@ -62,14 +62,19 @@ void CheckMappedColumn(const TextTable& table, const std::vector<Joint>& joints,
   }
   const std::string& header = table.header[planned.source];
   const std::string unread = UnreadUnitIn(header).unit;
-  const bool is_other_time =
-      column == "time_s" && LookAtTime(table, planned.source, 0).seconds_per_unit.value_or(1.0) != 1.0;
+  const bool is_time = planned.stem == "time";
+  const bool is_other_time = is_time && SecondsOfHeader(header).value_or(1.0) != 1.0;
   const std::string unit = is_other_time || IsUnit(unread) ? unread : UnitInHeader(header);
   if (!unit.empty() && !planned.unit.empty() && unit != planned.unit) {
     RefuseTable(table,
                 "the column '" + table.header[planned.source] + "' says " + unit + ", the map says " + planned.unit,
                 "--map states the unit that the numbers have");
   }
+  PlannedColumn found = planned;
+  found.is_mapped = false;
+  if (!is_time || !LookAtTime(table, found, {}).since_1970) return;
+  RefuseTable(table, "the numbers of '" + header + "' are too large for s, which the map says",
+              "a header with the unit that they have, as in 'Time [ms]', is read without the map");
 }
 
 std::string HintOfJoints(const std::vector<Joint>& of_robot, const std::vector<size_t>& joints) {

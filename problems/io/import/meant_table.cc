@@ -56,6 +56,7 @@ ColumnMeaning MeaningOfOurs(const std::string& column) {
   static const std::vector<std::pair<std::string, Role>> kOfAxes = {
       {"", Role::kPoint}, {"sigma_", Role::kSigma}, {"r", Role::kRotation}, {"sigma_r", Role::kAngleSigma}};
   ColumnMeaning meaning;
+  meaning.is_mapped = true;
   const auto [stem, unit] = StemAndUnit(column);
   meaning.unit = unit;
   for (const auto& [letters, role] : kNumbered) {

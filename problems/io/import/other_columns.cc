@@ -21,10 +21,18 @@ class OtherColumns {
       : table_(table), meanings_(meanings), taken_(taken), plan_(*plan) {}
 
   void Add() {
-    if (!IsMapped("time") && !AddTimeOfTwoColumns()) time_column_ = PlainestOf(Role::kTime, "time of the readings");
+    times_are_mapped_ = IsMapped("time");
+    const bool is_of_two = !times_are_mapped_ && AddTimeOfTwoColumns();
+    for (const int c : ByWords(Role::kTime)) {
+      if (c != time_.first && c != time_.second) times_.push_back(c);
+    }
+    if (!is_of_two && !times_.empty()) time_column_ = times_[0];
     temperature_column_ = IsMapped("temperature") ? -1 : PlainestOf(Role::kTemperature, "temperature");
     for (int c = 0; c < table_.columns(); ++c) {
       if (taken_.count(c) == 0 && c != time_.first && c != time_.second) AddColumn(c);
+    }
+    for (const int c : times_) {
+      if (!times_are_mapped_ && c != time_column_) plan_.other_times.push_back(TimeIn(c));
     }
   }
 
@@ -51,11 +59,30 @@ class OtherColumns {
     return true;
   }
 
-  // Of several columns that could be it the one with the fewest words; -1: none.
-  int PlainestOf(Role role, const std::string& what) {
+  PlannedColumn TimeIn(int c) const {
+    ImportPlan plan;
+    plan.Add("time", "s", c, HeaderOf(c), "time");
+    return plan.columns[0];
+  }
+
+  // Columns that could be it, those with the fewest words first.
+  std::vector<int> ByWords(Role role) const {
     std::vector<int> columns = ColumnsOf(role);
     const auto words = [this](int c) { return WordsOf(StemOf(HeaderOf(c))).size(); };
     std::stable_sort(columns.begin(), columns.end(), [&](int a, int b) { return words(a) < words(b); });
+    return columns;
+  }
+
+  bool IsOtherTemperature(int c) const {
+    const ColumnMeaning& meaning = meanings_[static_cast<size_t>(c)];
+    return meaning.role == Role::kTemperature && !meaning.unit.empty() && meaning.unit != "degC";
+  }
+
+  // The first of them that can be used; -1: none.
+  int PlainestOf(Role role, const std::string& what) {
+    std::vector<int> columns = ByWords(role);
+    columns.erase(std::remove_if(columns.begin(), columns.end(), [this](int c) { return IsOtherTemperature(c); }),
+                  columns.end());
     for (size_t k = 1; k < columns.size(); ++k) {
       plan_.guesses.push_back("'" + HeaderOf(columns[0]) + "' is the " + what + ", not '" + HeaderOf(columns[k]) + "'");
     }
@@ -69,16 +96,18 @@ class OtherColumns {
       return WrenchNames()[static_cast<size_t>(meaning.index)];
     }
     if (meaning.role == Role::kApproach) return "approach" + std::to_string(meaning.index + 1);
-    if (meaning.role == Role::kTime) return "time";
     if (meaning.role == Role::kTemperature) return "temperature";
     return "";
   }
 
   void AddColumn(int c) {
     const ColumnMeaning& meaning = meanings_[static_cast<size_t>(c)];
-    const bool is_other = (meaning.role == Role::kTime && c != time_column_) ||
-                          (meaning.role == Role::kTemperature && c != temperature_column_);
-    if (is_other) return LeaveOut(c, "another column says it");
+    if (IsOtherTemperature(c)) return LeaveOut(c, "a temperature that is not in degC");
+    // Which of several can be used DecideTimes finds out.
+    if (meaning.role == Role::kTime && c == time_column_) return plan_.columns.push_back(TimeIn(c));
+    if (meaning.role == Role::kTime && !times_are_mapped_) return;
+    if (meaning.role == Role::kTime || (meaning.role == Role::kTemperature && c != temperature_column_))
+      return LeaveOut(c, "another column says it");
     if (meaning.role == Role::kTorque) return LeaveOut(c, "torques in N m of all joints are used, or none");
     const std::string stem = StemFor(meaning);
     if (stem.empty()) {
@@ -87,15 +116,11 @@ class OtherColumns {
       if (moved) plan_.moved_axes.push_back(HeaderOf(c));
       return;
     }
-    const TimeColumn time = meaning.role == Role::kTime ? LookAtTime(table_, c, 0) : TimeColumn();
-    if (!time.why_not.empty()) return LeaveOut(c, time.why_not);
     if (IsMapped(stem)) return LeaveOut(c, meaning.why.empty() ? "stands twice" : meaning.why);
     std::string unit = meaning.unit;
     if (meaning.role == Role::kText || meaning.role == Role::kApproach) unit = "";
-    if (meaning.role == Role::kTime) unit = time.unit;
     if (meaning.role == Role::kTemperature) {
       if (unit.empty()) plan_.guesses.push_back("'" + HeaderOf(c) + "' is in degC: the header does not say");
-      if (!unit.empty() && unit != "degC") return LeaveOut(c, "a temperature that is not in degC");
       unit = "degC";
     }
     plan_.Add(stem, unit, c, HeaderOf(c), stem);
@@ -118,6 +143,8 @@ class OtherColumns {
   const std::set<int>& taken_;
   ImportPlan& plan_;
   ColumnsOfOneTime time_;
+  std::vector<int> times_;  // that stand alone, in the order in which they are tried
+  bool times_are_mapped_ = false;
   int time_column_ = -1, temperature_column_ = -1;
 };
 

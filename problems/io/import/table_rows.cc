@@ -31,6 +31,18 @@ bool IsRequired(const PlannedColumn& column) {
 // A unit of measurements.csv for what it is used for here.
 bool IsOurs(const std::string& unit) { return unit != "um" && unit != "cm" && unit != "in"; }
 
+std::string OriginInWords(TimeOrigin origin) {
+  switch (origin) {
+    case TimeOrigin::kSince1970:
+      return "dates, or counted from 1970";
+    case TimeOrigin::kSince1900:
+      return "days counted from 1900";
+    case TimeOrigin::kUnknown:
+      break;
+  }
+  return "counted from a start of their own";
+}
+
 // What keeps a cell from being a number; "": something else.
 std::string WhyNoNumber(const std::string& cell) {
   static const std::regex kGrouped =
@@ -112,8 +124,22 @@ void DropPointSigmas(ImportedRow* row) {
 
 TableRows::TableRows(const TextTable& table, const ImportPlan& plan, const RowDefaults& defaults, ImportedNames* names)
     : table_(table), plan_(plan), defaults_(defaults), names_(names) {
-  if (const PlannedColumn* column = plan.Find("time"))
-    time_ = LookAtTime(table, column->source, CountShots(table, plan), column->second);
+  const PlannedColumn* column = plan.Find("time");
+  if (column == nullptr) return;
+  time_ = LookAtTime(table, *column, FirstRowsOfShots(table, plan));
+  if (time_.why_not.empty()) RefuseOtherClock(*column);
+}
+
+// Seconds from a start and dates in one column would be decades apart.
+void TableRows::RefuseOtherClock(const PlannedColumn& column) {
+  if (!names_->times_from) names_->times_of = table_.path;
+  const TimeOrigin first = names_->times_from.value_or(time_.origin);
+  names_->times_from = first;
+  if (time_.origin == first) return;
+  throw InputError({table_.path, table_.header_line, column.header},
+                   "the times are " + OriginInWords(time_.origin) + ", and those of " + names_->times_of + " are " +
+                       OriginInWords(first),
+                   "times of one clock in all files, or in none of them");
 }
 
 std::vector<ImportedRow> TableRows::Read(size_t stride) {

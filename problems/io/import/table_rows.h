@@ -23,6 +23,8 @@ struct RowDefaults {
 struct ImportedNames {
   std::map<std::string, std::string> unit_of;  // by stem, as the first table has it
   std::map<std::string, double> masses;        // kg, of loads whose cells state them
+  std::optional<TimeOrigin> times_from;        // as the first table with times counts them
+  std::string times_of;                        // that table's path
 };
 
 // Reads a table by its plan. A cell that is neither a number nor lost is an InputError with file and line.
@@ -38,6 +40,7 @@ class TableRows {
  private:
   enum class Found { kReading, kLost, kZeros };
 
+  void RefuseOtherClock(const PlannedColumn& column);
   std::string ShotOf(const TextTable::Row& source) const;
   // The cells of points, joints, loads, times; whether these are a reading.
   Found ReadRow(const TextTable::Row& source, ImportedRow* row);

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "models/quantiles.h"
 #include "problems/interruption.h"
 #include "problems/io/import/header_words.h"
 #include "problems/io/pattern.h"
@@ -14,6 +15,8 @@
 
 namespace sagitta {
 namespace {
+
+constexpr double kFrom2000 = 946684800.0, kTo2100 = 4102444800.0;  // s since 1970: of this century
 
 // Days from 0000-03-01, in years that begin in March, less those to 1970-01-01.
 int DaysSince1970(int year, int month, int day) {
@@ -34,10 +37,9 @@ std::optional<double> SecondsOfUnit(const std::string& word) {
 
 // ms, us or ns since 1970, by which all times are of this century; "" where none is. In s a number is one anyway.
 std::string UnitSince1970(double first, double last) {
-  constexpr double kFrom = 946684800.0, kTo = 4102444800.0;  // 2000 and 2100
   for (const char* unit : {"ms", "us", "ns"}) {
     const double seconds = *SecondsOfUnit(unit);
-    if (first * seconds >= kFrom && last * seconds <= kTo) return unit;
+    if (first * seconds >= kFrom2000 && last * seconds <= kTo2100) return unit;
   }
   return "";
 }
@@ -63,10 +65,12 @@ bool AreDates(const std::vector<double>& numbers) {
 }
 
 // Times of day like 220501, 22:05:01. Of numbers that count something else the last two and the two before are below 60
-// in a third of all: of eight hardly ever.
+// in a third of all: of eight hardly ever, and of four that all have an hour in front, as no seconds from a start have.
 bool AreTimesOfDay(const std::vector<double>& numbers) {
-  constexpr size_t kFewest = 8, kFewestMinutes = 4;
-  if (numbers.size() < kFewest || *std::max_element(numbers.begin(), numbers.end()) < 10000.0) return false;
+  constexpr size_t kFewest = 8, kFewestWithHours = 4, kFewestMinutes = 4;
+  if (numbers.size() < kFewestWithHours) return false;
+  const auto [least, most] = std::minmax_element(numbers.begin(), numbers.end());
+  if ((numbers.size() < kFewest ? *least : *most) < 10000.0) return false;
   std::set<double> minutes;
   for (const double number : numbers) minutes.insert(std::floor(number / 100.0));
   if (minutes.size() < kFewestMinutes) return false;  // seconds of less than a few minutes
@@ -78,13 +82,20 @@ bool AreTimesOfDay(const std::vector<double>& numbers) {
   });
 }
 
-// Days since 1900, as spreadsheets count them: of this century, and as seconds less than a tenth apart on average,
-// faster than any arm goes from pose to pose.
-bool AreDays(const std::vector<double>& numbers) {
+// Days since 1900, as spreadsheets count them, of this century.
+bool AreDaysSince1900(const std::vector<double>& numbers) {
   constexpr double kFrom = 36526.0, kTo = 73051.0;  // 2000 and 2100
-  if (numbers.size() < 2) return false;
-  const auto [first, last] = std::minmax_element(numbers.begin(), numbers.end());
-  return *first >= kFrom && *last <= kTo && *last - *first < 0.1 * static_cast<double>(numbers.size() - 1);
+  return std::all_of(numbers.begin(), numbers.end(), [](double number) { return number >= kFrom && number <= kTo; });
+}
+
+// The same where no header says so: as seconds, half of the shots follow each other in less than a tenth of one, faster
+// than any arm goes from pose to pose. Pauses, nights among them, count as one gap each.
+bool AreDays(const std::vector<double>& numbers, std::vector<double> shots) {
+  std::sort(shots.begin(), shots.end());
+  shots.erase(std::unique(shots.begin(), shots.end()), shots.end());
+  std::vector<double> gaps;
+  for (size_t i = 1; i < shots.size(); ++i) gaps.push_back(shots[i] - shots[i - 1]);
+  return !gaps.empty() && AreDaysSince1900(numbers) && Median(std::move(gaps)) < 0.1;
 }
 
 // Of numbers that the header gives no unit: why they are no seconds; "" where they may be.
@@ -92,6 +103,8 @@ std::string WhyNoSeconds(const std::vector<double>& numbers) {
   if (AreDates(numbers)) return "the numbers are dates like 20240305, and no column has the time of day";
   if (AreTimesOfDay(numbers))
     return "the numbers are times of day like 220501 for 22:05:01, and no column has the date";
+  const bool are_parts = std::all_of(numbers.begin(), numbers.end(), [](double n) { return n >= 0.0 && n < 1.0; });
+  if (are_parts) return "as seconds all lie within one: parts of a day, or in a unit that 'Time [min]' would state";
   return "";
 }
 
@@ -111,19 +124,29 @@ std::string CellOfTime(const TextTable::Row& row, int column, int second) {
   return IsLostCell(other) ? other : StampOfTwo(cell, other);
 }
 
+// Whether two columns are a date and a time of day. Numbers like 91501 state one only where most have an hour, with all
+// its digits or with the zero in front lost: 100 and 200 are no minutes, nor is what the header calls seconds.
+bool AreDateAndTimeOfDay(const TextTable& table, int date, int time) {
+  size_t numbers = 0, with_hours = 0;
+  for (const TextTable::Row& row : table.rows) {
+    const std::string cell = CellOfTime(row, date, time);
+    if (IsLostCell(cell)) continue;
+    if (!SecondsOfStamp(cell)) return false;
+    const std::string& of_day = row.cells[static_cast<size_t>(time)];
+    const size_t digits = std::min(of_day.find_first_not_of("0123456789"), of_day.size());
+    if (digits < of_day.size() && of_day[digits] == ':') continue;
+    ++numbers;
+    with_hours += digits >= 5;
+  }
+  return numbers == 0 || (2 * with_hours >= numbers && !SecondsOfHeader(table.header[static_cast<size_t>(time)]));
+}
+
 // Words of "header.stamp.sec" without the last where that is one of these; empty where it is not.
 std::optional<std::vector<std::string>> WordsBefore(const std::string& header, const std::set<std::string>& last) {
   std::vector<std::string> words = WordsOf(header);
   if (words.empty() || last.count(words.back()) == 0) return std::nullopt;
   words.pop_back();
   return words;
-}
-
-PlannedColumn TwoColumns(int column, int second) {
-  PlannedColumn both;
-  both.source = column;
-  both.second = second;
-  return both;
 }
 
 const std::set<std::string>& WordsForNanoseconds() {
@@ -148,11 +171,7 @@ std::optional<ColumnsOfOneTime> FindColumnsOfOneTime(const TextTable& table, con
   }
   for (const int a : times) {
     for (const int b : times) {
-      const auto is_stamp = [&](const TextTable::Row& row) {
-        const std::string cell = CellOfTime(row, a, b);
-        return IsLostCell(cell) || SecondsOfStamp(cell);
-      };
-      if (a != b && std::all_of(table.rows.begin(), table.rows.end(), is_stamp)) return ColumnsOfOneTime{a, b};
+      if (a != b && AreDateAndTimeOfDay(table, a, b)) return ColumnsOfOneTime{a, b};
     }
   }
   return std::nullopt;
@@ -203,62 +222,109 @@ std::optional<double> SecondsOfStamp(const std::string& cell) {
   return 86400.0 * DaysSince1970(year, month, day) + 3600.0 * hour + 60.0 * minute + second + part - offset;
 }
 
-size_t CountShots(const TextTable& table, const ImportPlan& plan) {
+std::optional<double> SecondsOfHeader(const std::string& header) { return SecondsOfUnit(WrittenUnit(header)); }
+
+std::vector<size_t> FirstRowsOfShots(const TextTable& table, const ImportPlan& plan) {
   std::string before;
-  size_t shots = 0;
-  for (const TextTable::Row& row : table.rows) {
+  std::vector<size_t> shots;
+  for (size_t r = 0; r < table.rows.size(); ++r) {
+    const TextTable::Row& row = table.rows[r];
     std::string shot;
     for (const PlannedColumn& column : plan.columns) {
       const bool is_joint = column.stem[0] == 'q' && column.stem != "q";
       if (is_joint || column.stem == "config" || column.stem == "station" || column.stem == "visit")
         shot += PartOfName(row.cells[static_cast<size_t>(column.source)], column.part) + ";";
     }
-    shots += shots == 0 || shot != before;
+    if (shots.empty() || shot != before) shots.push_back(r);
     before = std::move(shot);
   }
   return shots;
 }
 
+namespace {
+
+void GuessUnit(const PlannedColumn& column, const TimeColumn& time, ImportPlan* plan) {
+  if (time.since_1970) {
+    plan->guesses.push_back("'" + column.header + "' is in " + time.unit +
+                            " since 1970, by its size: the header does not say");
+  } else if (time.counts_days) {
+    plan->guesses.push_back("'" + column.header +
+                            "' is in days, as spreadsheets count them: as seconds the readings "
+                            "would follow each other in less than a tenth of one");
+  } else if (!time.stamps && !time.seconds_per_unit) {
+    plan->guesses.push_back("'" + column.header + "' is in s: the header does not say");
+  }
+}
+
+}  // namespace
+
 void DecideTimes(const TextTable& table, std::vector<ImportPlan>* plans) {
   for (ImportPlan& plan : *plans) {
     const auto is_time = [](const PlannedColumn& column) { return column.stem == "time"; };
     const auto column = std::find_if(plan.columns.begin(), plan.columns.end(), is_time);
-    if (column == plan.columns.end()) continue;
-    const TimeColumn time = LookAtTime(table, column->source, CountShots(table, plan), column->second);
-    if (!time.why_not.empty()) {
-      plan.unused.emplace_back(column->header, time.why_not);
-      plan.columns.erase(column);
-    } else if (time.since_1970) {
-      plan.guesses.push_back("'" + column->header + "' is in " + time.unit +
-                             " since 1970, by its size: the header does not say");
-    } else if (time.counts_days) {
-      plan.guesses.push_back("'" + column->header +
-                             "' is in days, as spreadsheets count them: as seconds the readings "
-                             "would follow each other in less than a tenth of one");
-    } else if (!time.stamps && !time.seconds_per_unit) {
-      plan.guesses.push_back("'" + column->header + "' is in s: the header does not say");
+    if (column == plan.columns.end() || column->is_mapped) continue;
+    const std::vector<size_t> shots = FirstRowsOfShots(table, plan);
+    std::vector<PlannedColumn> columns = {*column};
+    columns.insert(columns.end(), plan.other_times.begin(), plan.other_times.end());
+    std::optional<size_t> used;
+    for (size_t k = 0; k < columns.size(); ++k) {
+      const TimeColumn time = LookAtTime(table, columns[k], shots);
+      columns[k].unit = time.unit;
+      if (!time.why_not.empty() || used) {
+        plan.unused.emplace_back(columns[k].header, time.why_not.empty() ? "another column says it" : time.why_not);
+      }
+      if (!time.why_not.empty()) continue;
+      // A date with its time of day leaves no choice.
+      if (used && columns[*used].second < 0) {
+        plan.guesses.push_back("'" + columns[*used].header + "' is the time of the readings, not '" +
+                               columns[k].header + "'");
+      }
+      if (used) continue;
+      used = k;
+      GuessUnit(columns[k], time, &plan);
     }
+    if (used) *column = columns[*used];
+    if (!used) plan.columns.erase(column);
   }
 }
 
-TimeColumn LookAtTime(const TextTable& table, int column, size_t shots, int second) {
+namespace {
+
+// Whether these numbers are seconds since 1970, of this century.
+bool AreSince1970(const std::vector<double>& numbers, double seconds_per_unit) {
+  return std::all_of(numbers.begin(), numbers.end(), [&](double number) {
+    return number * seconds_per_unit >= kFrom2000 && number * seconds_per_unit <= kTo2100;
+  });
+}
+
+TimeOrigin OriginOf(const TimeColumn& time, const std::vector<double>& numbers) {
+  if (time.stamps) return TimeOrigin::kSince1970;
+  const double unit = time.seconds_per_unit.value_or(1.0);
+  if (unit == *SecondsOfUnit("days") && AreDaysSince1900(numbers)) return TimeOrigin::kSince1900;
+  return AreSince1970(numbers, unit) ? TimeOrigin::kSince1970 : TimeOrigin::kUnknown;
+}
+
+}  // namespace
+
+TimeColumn LookAtTime(const TextTable& table, const PlannedColumn& column, const std::vector<size_t>& shots) {
   TimeColumn time;
-  time.adds_nanoseconds = HasNanoseconds(table, second);
+  time.adds_nanoseconds = HasNanoseconds(table, column.second);
+  const auto source = static_cast<size_t>(column.source), second = static_cast<size_t>(column.second);
   std::set<std::string> different;
   bool numbers = true, has_slashes = false;
   std::vector<double> values;
-  time.stamps = !time.adds_nanoseconds;
+  time.stamps =
+      !time.adds_nanoseconds && (column.second < 0 || AreDateAndTimeOfDay(table, column.source, column.second));
   for (const TextTable::Row& row : table.rows) {
     CheckInterruption();
-    const std::string cell = time.adds_nanoseconds
-                                 ? row.cells[static_cast<size_t>(column)] + "," + row.cells[static_cast<size_t>(second)]
-                                 : CellOfTime(row, column, second);
+    const std::string cell = time.adds_nanoseconds ? row.cells[source] + "," + row.cells[second]
+                                                   : CellOfTime(row, column.source, column.second);
     if (IsLostCell(cell)) continue;
     if (!different.insert(cell).second) continue;
     time.stamps = time.stamps && SecondsOfStamp(cell).has_value();
     has_slashes = has_slashes || std::count(cell.begin(), cell.end(), '/') == 2;
     const std::optional<double> number =
-        time.adds_nanoseconds ? SecondsOfRow(table, row, TwoColumns(column, second), time) : table.Number(cell);
+        time.adds_nanoseconds ? SecondsOfRow(table, row, column, time) : table.Number(cell);
     numbers = numbers && number;
     values.push_back(number.value_or(0.0));
   }
@@ -267,22 +333,28 @@ TimeColumn LookAtTime(const TextTable& table, int column, size_t shots, int seco
   } else if (!time.stamps && !numbers) {
     time.why_not = has_slashes ? "of dates with strokes nothing says which number is the day: 2020-07-14 16:39:04 does"
                                : "the times are no seconds and no stamps like 2020-07-14 16:39:04 or 20200714163904";
-  } else if (!time.stamps && 2 * different.size() < shots) {
+  } else if (!time.stamps && 2 * different.size() < shots.size()) {
     time.why_not = "the times are rounded: " + std::to_string(different.size()) + " different ones of " +
-                   std::to_string(shots) + " shots";
+                   std::to_string(shots.size()) + " shots";
   }
-  std::string unit = time.adds_nanoseconds ? "s" : "";
-  if (unit.empty() && table.has_header()) unit = WrittenUnit(table.header[static_cast<size_t>(column)]);
+  std::string unit = time.adds_nanoseconds || column.is_mapped ? "s" : "";
+  if (unit.empty() && table.has_header()) unit = WrittenUnit(table.header[source]);
   if (unit.empty() && numbers && !time.stamps && !values.empty()) {
     const auto [first, last] = std::minmax_element(values.begin(), values.end());
     unit = UnitSince1970(*first, *last);
     time.since_1970 = !unit.empty();
-    time.counts_days = unit.empty() && AreDays(values);
+    std::vector<double> of_shots;
+    for (const size_t r : shots) {
+      const std::string& cell = table.rows[r].cells[source];
+      if (!IsLostCell(cell)) of_shots.push_back(*table.Number(cell));
+    }
+    time.counts_days = unit.empty() && AreDays(values, std::move(of_shots));
     if (time.counts_days) unit = "days";
     if (unit.empty() && time.why_not.empty()) time.why_not = WhyNoSeconds(values);
   }
   time.seconds_per_unit = SecondsOfUnit(unit);
   time.unit = time.seconds_per_unit && !time.stamps ? unit : "s";
+  time.origin = OriginOf(time, values);
   if (time.why_not.empty() && !time.stamps && !unit.empty() && !time.seconds_per_unit)
     time.why_not = "'" + unit + "' is no unit that time is read in: s, ms, us, ns, min, h or days";
   return time;

@@ -15,11 +15,17 @@ namespace sagitta {
 // one. Nothing: it is none.
 std::optional<double> SecondsOfStamp(const std::string& cell);
 
-// Rows with other joint values, station or visit than the row before: markers of one shot share its time.
-size_t CountShots(const TextTable& table, const ImportPlan& plan);
+// s, what a header calls the unit of its times; nothing where it states none.
+std::optional<double> SecondsOfHeader(const std::string& header);
 
-// How a column of times is read, or why it cannot be used: it is the same everywhere, rounded (shots: how many are
-// apart), no time, or in a unit that is none of times. Of stamps the header's unit says nothing.
+// Rows with other joint values, station or visit than the row before: markers of one shot share its time.
+std::vector<size_t> FirstRowsOfShots(const TextTable& table, const ImportPlan& plan);
+
+// From when times are counted. Those of two files with different ones are no times of one campaign.
+enum class TimeOrigin { kUnknown, kSince1970, kSince1900 };
+
+// How a column of times is read, or why it cannot be used: it is the same everywhere, rounded, no time, or in a unit
+// that is none of times. Of stamps the header's unit says nothing.
 struct TimeColumn {
   bool stamps = false;
   bool adds_nanoseconds = false;           // a second column has them, the first whole seconds
@@ -27,10 +33,12 @@ struct TimeColumn {
   bool since_1970 = false;   // the header does not say, and the numbers are of this century in one unit only
   bool counts_days = false;  // the header does not say, and as seconds the readings would follow each other too fast
   std::string unit;          // of it, as written
-  std::string why_not;       // "": it can
+  TimeOrigin origin = TimeOrigin::kUnknown;
+  std::string why_not;  // "": it can
 };
-// second: a column that states the rest of the time (ColumnsOfOneTime), -1: none.
-TimeColumn LookAtTime(const TextTable& table, int column, size_t shots, int second = -1);
+// column: of times, in which `second` states the rest of the time (ColumnsOfOneTime). Of one that --map calls seconds
+// the numbers are these, whatever they look like. shots: FirstRowsOfShots.
+TimeColumn LookAtTime(const TextTable& table, const PlannedColumn& column, const std::vector<size_t>& shots);
 
 // s, of a row; nothing where it is lost.
 std::optional<double> SecondsOfRow(const TextTable& table, const TextTable::Row& row, const PlannedColumn& column,
@@ -43,8 +51,8 @@ struct ColumnsOfOneTime {
 };
 std::optional<ColumnsOfOneTime> FindColumnsOfOneTime(const TextTable& table, const std::vector<int>& times);
 
-// Leaves out a time that was rounded away, once it is known which rows are one shot; where it stays, a unit that no
-// header states is a guess.
+// Of the columns that may be the time the first that can be used, once it is known which rows are one shot; the others
+// are left out with the reason. A unit that no header states is a guess, and so is the choice among several.
 void DecideTimes(const TextTable& table, std::vector<ImportPlan>* plans);
 
 }  // namespace sagitta

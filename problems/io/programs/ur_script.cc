@@ -58,6 +58,7 @@ class UrReader {
   void SetLoad(const std::string& call, size_t open);
   FlowValues LoadsHere();
   int AddLiteral(const std::string& name, size_t at);
+  void SayWhatMovesComputedPoints();
 
   const int joints_;
   RobotProgram& program_;
@@ -70,6 +71,7 @@ class UrReader {
   std::set<int> used_;                          // points that a motion goes to
   std::set<int> tools_;                         // points that a tool is set to
   std::map<std::string, int> named_;            // index of a point
+  std::map<int, std::string> computed_;         // what a point that has no numbers is computed from
 };
 
 constexpr const char* kOnlyStarts = "it only starts an inverse kinematics";
@@ -225,7 +227,25 @@ int UrReader::PointOf(const std::string& motion, TextRange argument) {
   if (IsName(text)) {
     return named_[text] = AddPointElsewhere(text, line, argument.first, &program_);
   }
-  return AddComputedPoint(name, line, argument.first, "it is computed: " + Quoted(code_, argument), &program_);
+  const int index =
+      AddComputedPoint(name, line, argument.first, "it is computed: " + Quoted(code_, argument), &program_);
+  computed_[index] = text;
+  return index;
+}
+
+// pose_trans(p_1, p[...]) moves with p_1 where that is corrected.
+void UrReader::SayWhatMovesComputedPoints() {
+  static const std::regex word = MakeCodePattern("\\b[A-Za-z_]\\w*\\b");
+  for (const auto& [index, text] : computed_) {
+    for (const std::smatch& match : AllMatches(text.begin(), text.end(), word)) {
+      const auto found = named_.find(match.str(0));
+      if (found == named_.end()) continue;
+      const ProgramPoint& from = program_.points[static_cast<size_t>(found->second)];
+      if (from.is_joints || !from.untouched.empty()) continue;
+      program_.points[static_cast<size_t>(index)].untouched += "; it moves with " + from.name + ", which is corrected";
+      break;
+    }
+  }
 }
 
 void UrReader::ReadTarget(const std::string& motion, TextRange argument, const Start& start) {
@@ -374,6 +394,7 @@ void UrReader::Read() {
     ProgramPoint& point = program_.points[static_cast<size_t>(index)];
     if (point.untouched.empty()) point.untouched = "it is a tool, too";
   }
+  SayWhatMovesComputedPoints();
   FindCallsElsewhere(source_, &program_);
   source_.PlaceInFile(&program_);
 }

@@ -97,6 +97,21 @@ TEST(ColumnMeanings, ADurationIsNoTimeAndAMotorIsNotTheAir) {
   EXPECT_EQ(MeaningOf("Measured time [s]", {}).role, Role::kTime);
 }
 
+// Universal Robots' names stand within names of much else.
+TEST(ColumnMeanings, WhatElseIsSaidOfAJointIsNotItsValue) {
+  for (const char* header : {"Elbow temperature [degC]", "elbow_temp", "velocity.shoulder_pan_joint", "wrist_1 speed",
+                             "wrist_2 current", "J3 temperature [degC]", "Wrist temperature [degC]", "A1 Temp [°C]"}) {
+    EXPECT_EQ(MeaningOf(header, {}).role, Role::kOther) << header;
+  }
+  for (const char* header : {"position.elbow_joint", "actual elbow", "ur5/elbow_joint", "robax.rax_3", "rax_3"}) {
+    EXPECT_EQ(MeaningOf(header, {}).role, Role::kJoint) << header;
+    EXPECT_EQ(MeaningOf(header, {}).index, 2) << header;
+  }
+  EXPECT_EQ(MeaningOf("speed_joint", {"speed_joint"}).role, Role::kJoint);  // the robot's own name
+  EXPECT_EQ(MeaningOf("effort.elbow_joint", {}).role, Role::kTorque);
+  EXPECT_EQ(MeaningOf("Base temperature [degC]", {}).role, Role::kTemperature);
+}
+
 TextTable Times(const std::string& header, const std::vector<std::string>& cells) {
   TextTable table;
   table.header = {header};
@@ -105,20 +120,29 @@ TextTable Times(const std::string& header, const std::vector<std::string>& cells
   return table;
 }
 
+// The first column, of so many shots.
+TimeColumn Look(const TextTable& table, size_t shots) {
+  PlannedColumn column;
+  column.source = 0;
+  std::vector<size_t> rows;
+  for (size_t shot = 0; shot < shots; ++shot) rows.push_back(shot * table.rows.size() / shots);
+  return LookAtTime(table, column, rows);
+}
+
 TEST(TimeColumns, NumbersAreInTheUnitOfTheHeader) {
   const std::vector<std::string> numbers = {"0", "1.5", "3"};
   const std::pair<const char*, double> units[] = {{"Time [s]", 1.0},      {"time_s", 1.0},      {"time_ms", 1e-3},
                                                   {"t (ns)", 1e-9},       {"Time [min]", 60.0}, {"time_h", 3600.0},
                                                   {"Time days", 86400.0}, {"elapsed_us", 1e-6}};
   for (const auto& [header, seconds] : units) {
-    const TimeColumn time = LookAtTime(Times(header, numbers), 0, 3);
+    const TimeColumn time = Look(Times(header, numbers), 3);
     EXPECT_EQ(time.why_not, "") << header;
     EXPECT_EQ(time.seconds_per_unit, seconds) << header;
   }
-  EXPECT_FALSE(LookAtTime(Times("Time", numbers), 0, 3).seconds_per_unit);
+  EXPECT_FALSE(Look(Times("Time", numbers), 3).seconds_per_unit);
   for (const char* header : {"Time [mm]", "Time [m]", "Time (UTC)"})
-    EXPECT_THAT(LookAtTime(Times(header, numbers), 0, 3).why_not, ::testing::HasSubstr("is no unit")) << header;
-  EXPECT_EQ(LookAtTime(Times("Time (UTC)", {"2024-03-12 09:00:11", "2024-03-12 09:01:11"}), 0, 2).why_not, "");
+    EXPECT_THAT(Look(Times(header, numbers), 3).why_not, ::testing::HasSubstr("is no unit")) << header;
+  EXPECT_EQ(Look(Times("Time (UTC)", {"2024-03-12 09:00:11", "2024-03-12 09:01:11"}), 2).why_not, "");
 }
 
 // 2023-11-14 22:13:20 and later, as computers count it; in s the unit is a guess as of any number.
@@ -127,11 +151,11 @@ TEST(TimeColumns, NumbersSince1970StateTheirUnitByTheirSize) {
   for (const auto& [zeros, seconds] : clocks) {
     std::vector<std::string> stamps;
     for (const char* time : {"1700000000", "1700000060", "1700000120"}) stamps.push_back(std::string(time) + zeros);
-    const TimeColumn time = LookAtTime(Times("timestamp", stamps), 0, 3);
+    const TimeColumn time = Look(Times("timestamp", stamps), 3);
     EXPECT_TRUE(time.since_1970);
     EXPECT_EQ(time.seconds_per_unit, seconds);
   }
-  EXPECT_FALSE(LookAtTime(Times("timestamp", {"1700000000", "1700000060"}), 0, 2).since_1970);
+  EXPECT_FALSE(Look(Times("timestamp", {"1700000000", "1700000060"}), 2).since_1970);
 }
 
 // tx, ty, tz are a point where no other column is one.
@@ -212,8 +236,8 @@ TEST(PartsOfNames, AreCountedWithoutEmptyOnes) {
 // Three markers of a shot share its time.
 TEST(TimeColumns, TimesOfShotsAreNotRounded) {
   const TextTable table = Times("time_s", {"0", "0", "0", "9", "9", "9"});
-  EXPECT_EQ(LookAtTime(table, 0, 2).why_not, "");
-  EXPECT_THAT(LookAtTime(table, 0, 6).why_not, ::testing::HasSubstr("rounded"));
+  EXPECT_EQ(Look(table, 2).why_not, "");
+  EXPECT_THAT(Look(table, 6).why_not, ::testing::HasSubstr("rounded"));
 }
 
 }  // namespace

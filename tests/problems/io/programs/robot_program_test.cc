@@ -430,6 +430,13 @@ TEST_F(RobotProgramTest, UrScriptBranchesAndThreads) {
   EXPECT_EQ(why("movel(p1)\n"), "");
   EXPECT_THAT(why("if (x == 1):\n" + other + "end\nmovel(p1)\n"), HasSubstr("more than one tool"));
   EXPECT_THAT(why("movel(p1)\n", "thread t():\n" + other + "end\n"), HasSubstr("more than one tool"));
+  const auto of_offset = [&](const std::string& before) {
+    return ReadAs("a.script", "p1=" + pose + "\n" + before + "movel(pose_trans(p1, p[0,0,0.05,0,0,0]))\n")
+        .points.back()
+        .untouched;
+  };
+  EXPECT_THAT(of_offset("movel(p1)\n"), HasSubstr("it moves with p1, which is corrected"));
+  EXPECT_THAT(of_offset(""), ::testing::Not(HasSubstr("it moves with")));  // a frame, say
   EXPECT_THAT(why("set_tcp(pose_trans(a, b))\nmovel(p1)\n"), HasSubstr("more than one tool"));
   EXPECT_EQ(why("def go():\nmovel(p1)\nend\nwhile True:\ngo()\nend\n"), "");  // the one tool of the program
   EXPECT_THAT(why("def go(p1):\nmovel(p1)\nend\ngo(p2)\n"), HasSubstr("by this name"));
