@@ -48,13 +48,25 @@ HWY_INLINE void Scale(double factor, std::size_t first, std::size_t last, double
 HWY_INLINE std::size_t Down(std::size_t i) { return i / hn::Lanes(Tag()) * hn::Lanes(Tag()); }
 HWY_INLINE std::size_t Up(std::size_t i) { return Down(i + hn::Lanes(Tag()) - 1); }
 
+// The first `count` numbers at p, fewer than a vector; zeros follow. Without masks of the instruction set MaskedLoad
+// reads a whole vector, beyond the end, and from aligned places alone.
+HWY_INLINE V LoadRest(const double* p, std::size_t count) {
+  const Tag d;
+#if HWY_MEM_OPS_MIGHT_FAULT
+  HWY_ALIGN double padded[hn::MaxLanes(Tag())] = {};
+  std::copy(p, p + count, padded);
+  return hn::Load(d, padded);
+#else
+  return hn::MaskedLoad(hn::FirstN(d, count), d, p);
+#endif
+}
+
 }  // namespace
 
 // j: n columns of `rows` numbers; product: n x n.
 void SelfProductOfLanes(const double* j, std::size_t rows, std::size_t n, double* product) {
   const Tag d;
   const std::size_t lanes = hn::Lanes(d), whole = Down(rows);
-  const auto left = hn::FirstN(d, rows - whole);
   for (std::size_t a = 0; a < n; a += kBlock) {
     for (std::size_t b = a; b < n; b += kAcross) {
       const double *x[kBlock], *y[kAcross];
@@ -73,7 +85,7 @@ void SelfProductOfLanes(const double* j, std::size_t rows, std::size_t n, double
         }
       };
       for (std::size_t r = 0; r < whole; r += lanes) add([&](const double* p) HWY_ATTR { return hn::LoadU(d, p + r); });
-      if (whole < rows) add([&](const double* p) HWY_ATTR { return hn::MaskedLoad(left, d, p + whole); });
+      if (whole < rows) add([&](const double* p) HWY_ATTR { return LoadRest(p + whole, rows - whole); });
       double total[kBlock][kAcross];  // sums that were indexed by variables would leave their registers
       for (std::size_t i = 0; i < kBlock; ++i) {
         for (std::size_t k = 0; k < kAcross; ++k) total[i][k] = hn::GetLane(hn::SumOfLanes(d, sum[i][k]));
