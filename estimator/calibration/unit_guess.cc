@@ -108,7 +108,7 @@ UnitFinding DescribeUnits(const CalibrationProblem& problem, const UnitReading& 
   finding.column = ColumnsOfReading(reading, point_prefix, problem.robot().chain, file).front();
   const std::string stem = finding.column.substr(0, finding.column.rfind('_'));
   finding.words = NumbersLookLike(reading.better_words, before, after);
-  finding.hint = ConvertNumbers(stem + reading.better);
+  finding.hint = ConvertNumbers(point_prefix.empty() ? stem + reading.better : "");
   return finding;
 }
 

@@ -28,7 +28,7 @@ struct UnitFinding {
 // Nothing when the aligned nominal robot is within 5 % of its reach, or when no
 // other reading is at least ten times better. Points of other columns than
 // x_mm, y_mm, z_mm say which: `point_prefix`, as in sim_x_mm; joints are then
-// assumed to be right.
+// assumed to be right, and the hint is to convert the numbers.
 std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem, const AlignedSample& aligned,
                                           const std::string& point_prefix = "");
 // The same of what is not aligned yet.
