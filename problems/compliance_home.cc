@@ -8,11 +8,12 @@
 namespace sagitta {
 namespace {
 
+bool HasPrior(const EffectSpec& spec) {
+  return std::any_of(spec.prior_sigmas.begin(), spec.prior_sigmas.end(), [](double sigma) { return sigma > 0.0; });
+}
+
 // False: it stays an effect.
 bool MoveHome(const EffectSpec& spec, Robot* robot) {
-  if (!IsUseOf(JointComplianceEffect(), spec)) return false;
-  const auto is_prior = [](double sigma) { return sigma > 0.0; };
-  if (std::any_of(spec.prior_sigmas.begin(), spec.prior_sigmas.end(), is_prior)) return false;
   const int joint = robot->chain.FindJoint(spec.target);
   const auto own = std::find_if(robot->compliances.begin(), robot->compliances.end(),
                                 [&](const JointCompliance& c) { return c.joint == joint; });
@@ -32,10 +33,11 @@ bool MoveHome(const EffectSpec& spec, Robot* robot) {
 
 }  // namespace
 
-void MoveCompliancesHome(Robot* robot) {
+void MoveCompliancesHome(PriorOfCompliance prior, Robot* robot) {
   std::vector<EffectSpec> others;
   for (const EffectSpec& spec : robot->effects) {
-    if (!MoveHome(spec, robot)) others.push_back(spec);
+    const bool may_move = prior == PriorOfCompliance::kIsDropped || !HasPrior(spec);
+    if (!IsUseOf(JointComplianceEffect(), spec) || !may_move || !MoveHome(spec, robot)) others.push_back(spec);
   }
   robot->effects = others;
 }

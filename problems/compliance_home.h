@@ -6,8 +6,12 @@
 
 namespace sagitta {
 
-// Adds the compliances that are stated among the robot's effects to its own. Those stay effects that have a prior, and
-// those by which a joint would give way less than nothing, as where a simulation is softer than the arm.
-void MoveCompliancesHome(Robot* robot);
+// What becomes of a compliance that has a prior of its own (EffectSpec::prior_sigmas), for which there is no place at
+// home: it stays an effect, or goes without.
+enum class PriorOfCompliance { kStays, kIsDropped };
+
+// Adds the compliances that are stated among the robot's effects to its own. Those stay effects by which a joint would
+// give way less than nothing, as where a simulation is softer than the arm.
+void MoveCompliancesHome(PriorOfCompliance prior, Robot* robot);
 
 }  // namespace sagitta

@@ -80,9 +80,9 @@ bool PullsByItself(const Robot& robot) {
 
 std::vector<std::string> FreeSpring(const CalibrationProblem& problem) {
   const Selection& selection = problem.experiment().estimate.gravity_compensator;
-  if (selection.kind == Selection::Kind::kDefault || selection.kind == Selection::Kind::kNone) return {};
+  const bool lists_none = selection.kind == Selection::Kind::kList && selection.names.empty();
+  if (selection.kind == Selection::Kind::kDefault || selection.kind == Selection::Kind::kNone || lists_none) return {};
   if (!problem.robot().gravity_compensator) {
-    if (selection.kind == Selection::Kind::kList && selection.names.empty()) return {};
     FailProblem(problem, "estimate.gravity_compensator", "the robot has no gravity_compensator",
                 "describe it in the robot file: joint, L_mm, a_x_mm, a_y_mm, s0_mm, Kc_N_per_mm");
   }

@@ -37,6 +37,17 @@ struct ArmParameters {
   std::vector<int> name;
 };
 
+// Columns of a station's base pose (BaseNames); -1: it is not uncertain.
+std::array<int, 6> FindBase(const std::string& station, const std::vector<std::string>& names) {
+  std::array<int, 6> columns;
+  const std::array<std::string, 6> own = BaseNames(station);
+  for (size_t k = 0; k < own.size(); ++k) {
+    const auto found = std::find(names.begin(), names.end(), own[k]);
+    columns[k] = found == names.end() ? -1 : static_cast<int>(found - names.begin());
+  }
+  return columns;
+}
+
 ArmParameters FindArmParameters(const ForwardModel& model, const std::vector<std::string>& names) {
   ArmParameters active;
   for (int i = 0; i < model.num_parameters(); ++i) {
@@ -58,6 +69,7 @@ class Compensator {
         shots_(input.problem.shot_inputs()),
         names_(input.uncertainty.Names()) {
     active_ = FindArmParameters(input.problem.model(), names_);
+    for (const std::string& station : input.problem.data().stations) bases_.push_back(FindBase(station, names_));
   }
 
   FlangeSolution Nominal(const Target& target, const Eigen::VectorXd& previous) const;
@@ -87,6 +99,7 @@ class Compensator {
   std::vector<ShotInput> shots_;  // of the targets
   std::vector<std::string> names_;
   ArmParameters active_;
+  std::vector<std::array<int, 6>> bases_;  // of each station
 };
 
 bool Compensator::SetWay(const std::vector<const Eigen::VectorXd*>& way) {
@@ -185,16 +198,13 @@ void Compensator::AddMotionOfMarkers(const FlangeState& state,
 // that is off by dt and a turn v of its station's axes, a flange at p in the base is seen off by R'(dt + v x R p), R'v.
 void Compensator::AddMotionOfBase(int shot, const FlangeState& state,
                                   Eigen::Matrix<double, 6, Eigen::Dynamic>* columns) const {
-  const Measurements& data = input_.problem.data();
-  const int station = data.shots[shot].station;
+  const int station = input_.problem.data().shots[shot].station;
   const Matrix3<double> rotation = input_.problem.parameters.BaseInStation(station).rotation;
   const Vector3<double> arm = rotation * state.flange_in_base.translation;
-  const std::array<std::string, 6> own = BaseNames(data.stations[station]);
   for (int k = 0; k < 6; ++k) {
-    const auto found = std::find(names_.begin(), names_.end(), own[k]);
-    if (found == names_.end()) continue;
+    if (bases_[station][k] < 0) continue;
     const Vector3<double> unit = Vector3<double>::Unit(k % 3);
-    auto column = columns->col(found - names_.begin());
+    auto column = columns->col(bases_[station][k]);
     column.head<3>() += rotation.transpose() * (k < 3 ? unit : Vector3<double>(unit.cross(arm)));
     if (k >= 3) column.tail<3>() += rotation.transpose() * unit;
   }

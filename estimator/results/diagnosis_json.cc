@@ -233,7 +233,7 @@ Json FinalToJson(const Diagnosis& d) {
 
 Robot RobotOf(const DiagnosedModel& model) {
   Robot robot = model.problem->RobotWith(model.estimate.parameters);
-  MoveCompliancesHome(&robot);
+  MoveCompliancesHome(PriorOfCompliance::kIsDropped, &robot);
   return robot;
 }
 

@@ -146,11 +146,10 @@ Json SettingToJson(const EffectDefinition& definition, const std::string& name, 
 void ReadSettings(const EffectDefinition& definition, const Robot& robot, YamlMap* entry, EffectSpec* use) {
   for (const SettingDefinition& setting : definition.settings) {
     if (const auto stated = FindSetting(setting, entry)) {
-      const YamlValue* const value = &stated->value;
-      if (!setting.MeansSomethingFor(*use)) value->Fail("this goes with " + setting.only_with + " only");
+      if (!setting.MeansSomethingFor(*use)) stated->value.Fail("this goes with " + setting.only_with + " only");
       const std::string text = ReadSetting(setting, robot, *stated);
-      if (!setting.greater_than.empty() && value->Number() <= use->NumberSetting(setting.greater_than, 0.0)) {
-        value->Fail("this must be greater than '" + setting.greater_than + "'");
+      if (!setting.greater_than.empty() && stated->Number() <= use->NumberSetting(setting.greater_than, 0.0)) {
+        stated->value.Fail("this must be greater than '" + setting.greater_than + "'");
       }
       if (!setting.silent || text != setting.FallbackFor(robot)) use->settings[setting.name] = text;
     } else if (setting.silent || !setting.MeansSomethingFor(*use)) {

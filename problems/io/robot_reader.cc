@@ -229,7 +229,7 @@ Robot ReadRobot(const YamlValue& root, const std::string& file,
   if (compliance) robot.compliances = ReadCompliances(*compliance, joints);
   if (compensator) robot.gravity_compensator = ReadGravityCompensator(*compensator, joints);
   if (effects) robot.effects = ReadEffects(*effects, robot);
-  MoveCompliancesHome(&robot);
+  MoveCompliancesHome(PriorOfCompliance::kStays, &robot);
   if (reference) robot.reference_temperature = reference->Number();
   return robot;
 }

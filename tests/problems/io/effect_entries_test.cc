@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "models/effects/catalogue.h"
+#include "problems/compliance_home.h"
 #include "problems/input_error.h"
 #include "problems/io/robot_file.h"
 #include "problems/robot_structure.h"
@@ -61,6 +62,12 @@ TEST(EffectEntries, AJointsComplianceHasOneHome) {
   for (const std::string own : {"k_urad_per_Nm: 0.3, prior_sigma: {k_urad_per_Nm: 0.1}", "k_urad_per_Nm: -0.3"}) {
     EXPECT_EQ(WithEntry("{effect: joint_compliance, joint: A2, " + own + "}").effects.size(), 1u) << own;
   }
+  // Of one that a diagnosis found the prior was the diagnosis's own.
+  Robot found = WithEntry("{effect: joint_compliance, joint: A2, k_urad_per_Nm: 0.3, prior_sigma: {k_urad_per_Nm: 1}}");
+  MoveCompliancesHome(PriorOfCompliance::kIsDropped, &found);
+  EXPECT_TRUE(found.effects.empty());
+  ASSERT_EQ(found.compliances.size(), 1u);
+  EXPECT_NEAR(found.compliances[0].nodes[0].k, 0.3e-6, 1e-18);
 }
 
 TEST(EffectEntries, EveryEffectOfTheCatalogueReadsBackAsWritten) {
