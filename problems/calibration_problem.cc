@@ -169,6 +169,11 @@ CalibrationProblem::~CalibrationProblem() = default;
 
 bool IsGravityCompensator(const EffectSpec& spec) { return spec.effect == kGravityCompensator; }
 
+bool IsWeight(const Robot& robot, const EffectSpec& spec) {
+  const EffectDefinition* effect = FindEffect(robot, spec.effect);
+  return effect != nullptr && effect->is_weight;
+}
+
 bool IsParameterOf(const EffectSpec& spec, const std::string& name) {
   const std::string family = IsGravityCompensator(spec) ? WordOf(CoordinateKind::kCompensator) : spec.Path();
   return name != family && IsWithin(name, family);

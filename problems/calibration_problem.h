@@ -36,6 +36,7 @@ extern template std::vector<ShotInput>* SharedValue<std::vector<ShotInput>>::Own
 
 // The one effect that has a home of its own in the robot (Robot::gravity_compensator).
 bool IsGravityCompensator(const EffectSpec& spec);
+bool IsWeight(const Robot& robot, const EffectSpec& spec);  // EffectDefinition::is_weight
 // Whether a coordinate of this name is a parameter of the effect, or of the compensator.
 bool IsParameterOf(const EffectSpec& spec, const std::string& name);
 

@@ -16,7 +16,7 @@
 namespace sagitta {
 namespace {
 
-// Of what functions without a name say: where they say ten times more, the linear model is not to blame for them.
+// Of what has no name: where that says ten times more, the linear model is not to blame for it.
 constexpr double kItsFault = 0.1;
 
 // between: those of the list.
@@ -50,11 +50,25 @@ std::set<std::string> PathsOf(const LinearizedAbout& about) {
   return paths;
 }
 
+// The view of the noise with the same groups in which no deviation follows the pose; else the stated one, the first.
+int ViewWithoutPose(const Evidence& evidence, const WeightedModel& model) {
+  NoiseView plain = evidence.ViewOf(model);
+  plain.kind = NoiseView::Kind::kStated;
+  plain.sigma = 0.0;
+  const auto& views = evidence.views();
+  const auto same = std::find_if(views.begin(), views.end(),
+                                 [&](const ViewedNormal& each) { return SizesOf(each.view) == SizesOf(plain); });
+  return same == views.end() ? 0 : static_cast<int>(same - views.begin());
+}
+
 // The leading set with all its effects of the catalogue, those too that may be pieces of a nameless cause, and nothing
-// else: a function without a name may be no more than what the linearization has wrong of these.
-RefittedSet WithoutFunctions(const SearchInput& input, const LeadingSet& found) {
+// else: a function without a name, or a deviation that follows the pose, may be no more than what the linearization has
+// wrong of these.
+RefittedSet WithoutUnnamed(const SearchInput& input, const LeadingSet& found) {
   WeightedModel model = found.refitted.model;
-  if (model.set.members.size() == found.refitted.effects.size()) return found.refitted;
+  const bool follows_pose = found.evidence->FollowsPose(model);
+  if (!follows_pose && model.set.members.size() == found.refitted.effects.size()) return found.refitted;
+  if (follows_pose) model.view = ViewWithoutPose(*found.evidence, model);
   const WeightedSet all = std::move(model.set);
   model.set = {};
   model.pieces.clear();
@@ -77,12 +91,15 @@ void DecideHeldAnew(const SearchInput& input, RefittedSet* effects) {
   if (IsUsable(judged.estimate.status)) with = judged;
 }
 
-// What the functions without a name of a set add to its log likelihood.
-double GainOfFunctions(const Evidence& evidence, const WeightedSet& all, const WeightedModel& without) {
-  if (all.members.size() == without.set.members.size()) return 0.0;
-  const SetSearch search = evidence.SearchIn(without.view);
-  return search.Evaluate(all.members, all.scales).log_likelihood -
-         search.Evaluate(without.set.members, without.set.scales).log_likelihood;
+double LogLikelihoodOf(const Evidence& evidence, const WeightedModel& model) {
+  return evidence.SearchIn(model.view).Evaluate(model.set.members, model.set.scales).log_likelihood +
+         evidence.views()[model.view].given_believed.log_constant;
+}
+
+// What functions without a name, and a deviation that follows the pose, add to a set's log likelihood.
+double GainOfUnnamed(const Evidence& evidence, const WeightedModel& all, const WeightedModel& without) {
+  if (all.view == without.view && all.set.members.size() == without.set.members.size()) return 0.0;
+  return LogLikelihoodOf(evidence, all) - LogLikelihoodOf(evidence, without);
 }
 
 // Effects whose setting is none of the list's.
@@ -105,11 +122,30 @@ std::vector<EffectSpec> AboutWhat(const Evidence& evidence, const RefittedSet& r
   return specs;
 }
 
-// Whether what the linear model is off by, or what other settings than the listed ones add, is in doubt. Where the
-// functions without a name say ten times more, they are not its fault.
-bool Refutes(double error, const RefittedSet& without_functions, const LeadingSet& found) {
+// Whether what the linear model is off by, or what other settings than the listed ones add, is in doubt. Where what has
+// no name says ten times more, it is not the linear model's fault.
+bool Refutes(double error, const RefittedSet& without_unnamed, const LeadingSet& found) {
   return error > kInDoubt &&
-         error > kItsFault * GainOfFunctions(*found.evidence, found.refitted.model.set, without_functions.model);
+         error > kItsFault * GainOfUnnamed(*found.evidence, found.refitted.model, without_unnamed.model);
+}
+
+// What the leading set's named effects lose with no weight among them, and the best other cause in their place.
+double LossOfWeights(const Evidence& evidence, const WeightedModel& named) {
+  const SetSearch search = evidence.SearchIn(named.view);
+  WeightedSet others;
+  for (size_t k = 0; k < named.set.members.size(); ++k) {
+    if (evidence.list().math[named.set.members[k]].is_weight) continue;
+    others.members.push_back(named.set.members[k]);
+    others.scales.push_back(named.set.scales[k]);
+  }
+  if (others.members.size() == named.set.members.size()) return 0.0;
+  const WeightedSet without = search.Evaluate(others.members, others.scales);
+  double most = without.log_weight;
+  const std::vector<double> added = search.Additions(without);
+  for (size_t k = 0; k < added.size(); ++k) {
+    if (!evidence.list().math[k].is_weight) most = std::max(most, added[k]);
+  }
+  return search.Evaluate(named.set.members, named.set.scales).log_weight - most;
 }
 
 }  // namespace
@@ -121,13 +157,15 @@ LeadingSet FindLeading(const SearchInput& input, const Evidence* before) {
   LeadingSet found = WeighAndRefit(input, between, before, {});
   std::set<std::set<std::string>> known;  // effects about which the model was linearized
   for (int again = 0; found.is_named; ++again) {
-    RefittedSet effects = WithoutFunctions(input, found);
+    RefittedSet effects = WithoutUnnamed(input, found);
     if (effects.effects.empty() || !effects.IsUsable()) break;
     DecideHeldAnew(input, &effects);
     const double error = std::abs(LogFullOverLinear(*found.evidence, effects));
     const double gain = TuneSettings(*found.evidence, input.joint, &effects);
     VLOG(1) << "diagnosis: the linear model is off by " << error << " of the leading effects' log evidence";
-    const LinearizedAbout about{AboutWhat(*found.evidence, effects), effects.with_effects.estimate.parameters};
+    const bool holds_weight = LossOfWeights(*found.evidence, effects.model) > kWorthKeeping + error;
+    const LinearizedAbout about{AboutWhat(*found.evidence, effects), effects.with_effects.estimate.parameters,
+                                holds_weight};
     found.is_refuted = Refutes(error, effects, found);
     if (!Refutes(std::max(error, gain), effects, found)) break;
     if (again == input.most_again || !known.insert(PathsOf(about)).second) break;

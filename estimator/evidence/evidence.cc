@@ -46,7 +46,7 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
       columns_(problem, parameters_, candidates.candidates, about_),
       list_(ListExplanations(problem, parameters_, candidates, masses, &columns_)),
       masses_(masses),
-      prior_{masses.nothing, masses.further},
+      prior_{masses.nothing, masses.further, about.holds_weight},
       sigma_dof_(sigma_dof),
       stated_(StatedScatter(problem)) {
   ViewedNormal stated = Viewed({});

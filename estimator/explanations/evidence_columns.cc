@@ -113,7 +113,7 @@ EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const Parame
   extended_ = problem.WithEffects(further).WithEffects(WithPull(problem, split.others));
   extended_.parameters.CopyByName(parameters);
   extended_.parameters.CopyByName(about.parameters);
-  SetSubtracted(parameters, about.parameters);
+  SetSubtracted(parameters, about);
   extended_.latent = WithAllJoints(problem.latent, problem.robot().num_joints());
   const ParameterSet& all = extended_.parameters;
   std::map<std::string, std::vector<int>> coordinates_of;  // by path
@@ -166,16 +166,21 @@ void EvidenceColumns::AddStatedSpring(const std::vector<Candidate>& candidates, 
   }
 }
 
-void EvidenceColumns::SetSubtracted(const ParameterSet& believed, const ParameterSet& about) {
+void EvidenceColumns::SetSubtracted(const ParameterSet& believed, const LinearizedAbout& about) {
   const ParameterSet& all = extended_.parameters;
+  const auto is_assumed = [this, &about](const std::string& name) {
+    return about.holds_weight && std::any_of(about.effects.begin(), about.effects.end(), [&](const EffectSpec& spec) {
+             return IsWeight(extended_.robot(), spec) && IsParameterOf(spec, name);
+           });
+  };
   for (int i = 0; i < all.num_coordinates(); ++i) {
     const Coordinate& coordinate = all.coordinates()[i];
-    const int own = believed.FindCoordinate(coordinate.name), there = about.FindCoordinate(coordinate.name);
+    const int own = believed.FindCoordinate(coordinate.name), there = about.parameters.FindCoordinate(coordinate.name);
     if (there < 0) continue;
-    if (own >= 0 && !believed.coordinates()[own].estimated() && about.coordinates()[there].estimated()) {
-      subtracted_.emplace_back(i, all.Value(i) - believed.Value(own));
+    if (own >= 0 && !believed.coordinates()[own].estimated() && about.parameters.coordinates()[there].estimated()) {
+      subtracted_.push_back({i, all.Value(i) - believed.Value(own), false});
     }
-    if (own < 0 && !IsSpringShape(coordinate)) subtracted_.emplace_back(i, all.Value(i));
+    if (own < 0 && !IsSpringShape(coordinate)) subtracted_.push_back({i, all.Value(i), is_assumed(coordinate.name)});
   }
 }
 
@@ -222,9 +227,9 @@ void EvidenceColumns::SetLinearized() {
   const ParameterSet& all = extended_.parameters;
   linearized_ = believed_;
   linearized_.insert(linearized_.end(), catalogue_.begin(), catalogue_.end());
-  for (const auto& [coordinate, value] : subtracted_) {
-    const bool is_there = std::find(catalogue_.begin(), catalogue_.end(), coordinate) != catalogue_.end();
-    if (!is_there) linearized_.push_back(coordinate);
+  for (const Subtracted& each : subtracted_) {
+    const bool is_there = std::find(catalogue_.begin(), catalogue_.end(), each.coordinate) != catalogue_.end();
+    if (!is_there) linearized_.push_back(each.coordinate);
   }
   const std::set<int> there(linearized_.begin(), linearized_.end());
   const auto append = [&](const ParameterBlock& block) {
@@ -348,10 +353,10 @@ EvidenceColumns::Block EvidenceColumns::LinearizeBlock(const std::vector<int>& o
   if (subtracted_.empty()) return block;
   ParameterSet without = extended_.parameters;
   Eigen::VectorXd step = Eigen::VectorXd::Zero(without.num_coordinates());
-  for (const auto& [coordinate, value] : subtracted_) {
-    const auto at = std::find(linearized_.begin(), linearized_.end(), coordinate) - linearized_.begin();
-    block.here.residual -= value * block.here.jacobian.col(at);
-    step[coordinate] = -value;
+  for (const Subtracted& each : subtracted_) {
+    const auto at = std::find(linearized_.begin(), linearized_.end(), each.coordinate) - linearized_.begin();
+    block.here.residual -= each.value * block.here.jacobian.col(at);
+    if (!each.is_assumed) step[each.coordinate] = -each.value;
   }
   without.Plus(step);
   block.here.jacobian.leftCols(num_believed()) =

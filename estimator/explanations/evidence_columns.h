@@ -106,10 +106,13 @@ struct GivenBelieved {
 // same linear model. A spring's torque is linear in its rate alone: e holds no shape. Believed columns are those
 // without the effects: the compliance's column at e holds the torque of a weight that is one of them, and would promise
 // that another compliance does what the weight does. A set that holds the effects needs hardly any step of what is
-// believed.
+// believed. But a set with another compliance in an effect's place does: what a tilt before a joint does, one behind it
+// and the compliances about both axes do too, given all columns are of one torque. holds_weight: that there is a weight
+// is not in question, sets without one are none, and believed columns are with the weights among the effects.
 struct LinearizedAbout {
   std::vector<EffectSpec> effects;
   ParameterSet parameters;
+  bool holds_weight = false;
 };
 
 // The columns of everything that is believed or may explain, and their sums over the rows.
@@ -201,7 +204,7 @@ class EvidenceColumns {
   };
   static SplitCandidates Split(const CalibrationProblem& problem, const std::vector<Candidate>& candidates);
   // What the effects come to about which the model is linearized.
-  void SetSubtracted(const ParameterSet& believed, const ParameterSet& about);
+  void SetSubtracted(const ParameterSet& believed, const LinearizedAbout& about);
   // A typical size, or what the effect is by the full model about which all is linearized: no usual size is held
   // against one that is larger than the widest scale of it.
   double AsFound(double size, const std::string& name) const;
@@ -254,10 +257,16 @@ class EvidenceColumns {
 
   CalibrationProblem extended_;
   RowScatter stated_;
-  std::vector<int> believed_;                       // coordinates of extended_
-  std::vector<int> catalogue_;                      // coordinates of effects that have no families
-  std::vector<int> linearized_;                     // coordinates behind the columns of a block
-  std::vector<std::pair<int, double>> subtracted_;  // coordinates and values that move the residual (LinearizedAbout)
+  std::vector<int> believed_;    // coordinates of extended_
+  std::vector<int> catalogue_;   // coordinates of effects that have no families
+  std::vector<int> linearized_;  // coordinates behind the columns of a block
+  // Values at which the model is linearized and that move its residual back to what is believed (LinearizedAbout).
+  struct Subtracted {
+    int coordinate;
+    double value;
+    bool is_assumed;  // it stays in the believed columns
+  };
+  std::vector<Subtracted> subtracted_;
   std::vector<std::vector<int>> of_candidate_;
   std::vector<double> units_;         // of the columns of catalogue_
   std::map<int, std::string> names_;  // of all candidates' columns

@@ -110,7 +110,8 @@ class ListBuilder {
               const std::string& name, const std::string& excludes) {
     list_.name.push_back(name);
     if (unnamed >= 0) group.num_scales = kNumUsualScales;
-    list_.math.push_back({std::move(group), 0.0, Number(excludes), unnamed >= 0, NeedOf(start)});
+    list_.math.push_back({std::move(group), 0.0, Number(excludes), unnamed >= 0, NeedOf(start),
+                          unnamed < 0 && IsWeight(problem_.robot(), start)});
     list_.candidate.push_back(candidate);
     list_.unnamed.push_back(unnamed);
     list_.start.push_back(start);

@@ -17,6 +17,7 @@ struct Explanation {
   // Place in the list of the explanation without which it does nothing: a set holds both, as two causes of the prior,
   // which come and go together.
   int needs = kNoExplanation;
+  bool is_weight = false;  // SetPrior::holds_weight
 };
 
 // Some of a list, and the columns they need, ascending: their groups count within those.

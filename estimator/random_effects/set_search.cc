@@ -55,6 +55,14 @@ std::vector<double> SetSearch::SharesOf(const Key& members) const {
   return shares;
 }
 
+double SetSearch::LogOfLack(const Key& members, int more) const {
+  if (!prior_.holds_weight || (more != kNoExplanation && explanations_[more].is_weight)) return 0.0;
+  const bool holds = std::any_of(members.begin(), members.end(), [&](int m) { return explanations_[m].is_weight; });
+  return holds ? 0.0 : kLogOutOfQuestion;
+}
+
+double SetSearch::LogPriorOf(const Key& members) const { return prior_.Log(SharesOf(members)) + LogOfLack(members); }
+
 double SetSearch::LogPriorWithMore(const Key& members, int count) const {
   std::vector<double> shares = SharesOf(members);
   shares.resize(shares.size() + static_cast<size_t>(count), 1.0);
@@ -150,7 +158,7 @@ WeightedSet SetSearch::EvaluateFrom(const std::vector<int>& given_members, Membe
   }
   if (!set.members.empty() && set.members.size() <= kAveragedTogether) set.log_likelihood = AverageOverScales(members);
   set.log_likelihood += members.LogOfSigns(likelihood_);
-  set.log_weight = set.log_likelihood + prior_.Log(SharesOf(set.members));
+  set.log_weight = set.log_likelihood + LogPriorOf(set.members);
   return set;
 }
 
@@ -204,7 +212,7 @@ std::vector<double> SetSearch::AdditionsTo(const WeightedSet& set, const Sweep& 
                             coming.group->num_scales,
                             coming.group->not_negative};
     weights[k] = set.log_likelihood + bases[coming.count - 1] + AverageGain(likelihood_, given, &(*scales)[k]) +
-                 coming.log_share;
+                 coming.log_share + LogOfLack(set.members, static_cast<int>(k));
   }
   return weights;
 }
@@ -236,7 +244,7 @@ void SetSearch::Expand(const WeightedSet& given) {
 void SetSearch::RecordGrown(WeightedSet set, int candidate, double scale, double log_weight) {
   set = With(std::move(set), candidate, scale);
   set.log_weight = log_weight;
-  set.log_likelihood = log_weight - prior_.Log(SharesOf(set.members));
+  set.log_likelihood = log_weight - LogPriorOf(set.members);
   Record(std::move(set));
 }
 
@@ -261,7 +269,7 @@ std::vector<WeightedSet> SetSearch::WithoutEach(const WeightedSet& set, const Me
       others = EvaluateFrom(others.members, Less(all, set, m));
     } else {
       others.log_likelihood += averages - own_averages[m];
-      others.log_weight = others.log_likelihood + prior_.Log(SharesOf(others.members));
+      others.log_weight = others.log_likelihood + LogPriorOf(others.members);
     }
   }
   return without;
@@ -306,7 +314,8 @@ std::vector<SetSearch::Swap> SetSearch::SwapsOf(const WeightedSet& set, const Sw
     for (size_t m = 0; m < set.members.size(); ++m) {
       const bool is_it = set.members[m] == static_cast<int>(k) || set.members[m] == explanations_[k].needs;
       if (is_it || IsExcluded(without[m].members, static_cast<int>(k))) continue;
-      const double base = bases[m][coming.count - 1] + coming.log_share, residual = sweeps[m].residual;
+      const double lack = LogOfLack(without[m].members, static_cast<int>(k));
+      const double base = bases[m][coming.count - 1] + coming.log_share + lack, residual = sweeps[m].residual;
       const double most_gain =
           likelihood_.Log(residual - most_quads[static_cast<long>(m)]) + MostOfSigns(coming.group->not_negative);
       const auto place = static_cast<long>(m);

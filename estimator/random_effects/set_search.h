@@ -18,6 +18,7 @@ namespace sagitta {
 struct SetPrior {
   double nothing = 0.5;
   double further = 0.3;
+  bool holds_weight = false;  // sets without a weight are out of the question
 
   double Log(const std::vector<double>& shares) const;
 };
@@ -53,6 +54,9 @@ class SetSearch {
   // What it needs and the members lack; kNoExplanation.
   int LackedBy(const Key& members, int candidate) const;
   std::vector<double> SharesOf(const Key& members) const;
+  double LogPriorOf(const Key& members) const;
+  // 0, or what a set is worth less that lacks the weight all are assumed to hold; with one more member.
+  double LogOfLack(const Key& members, int more = kNoExplanation) const;
   double LogPriorWithMore(const Key& members, int count) const;  // the shares of so many more 1
   // A candidate as it comes to a set: by itself, or with what it needs as one group of one scale.
   struct Coming {
@@ -123,6 +127,7 @@ class SetSearch {
   mutable std::unique_ptr<Place> place_;  // the set asked last, from where those next to it are reached
 };
 
-constexpr double kWorthKeeping = 12.0;  // log units: e^-12 = 6e-6 of the best
+constexpr double kLogOutOfQuestion = -1e6;  // finite: differences of such sets are numbers
+constexpr double kWorthKeeping = 12.0;      // log units: e^-12 = 6e-6 of the best
 
 }  // namespace sagitta

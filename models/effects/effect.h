@@ -281,6 +281,7 @@ struct EffectDefinition {
   // Sizes that are stated as a motion are those of the target that moves most: what a link weighs does not grow where
   // its weight turns its joint little, about a nearly vertical axis.
   bool one_size = false;
+  bool is_weight = false;  // a force or a moment: it acts only where something gives way
   StatedDriver driven_by = {};
   // "" or the column that this shot lacks, e.g. "approach3"; null: none but what drives it.
   std::string (*missing)(const EffectContext& context) = nullptr;

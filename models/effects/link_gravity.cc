@@ -35,6 +35,7 @@ const EffectDefinition& LinkGravity() {
                             EffectTarget::kJoint, link_gravity::Parameters, link_gravity::Apply};
     effect.needs = EffectNeeds::kCompliances;
     effect.one_size = true;
+    effect.is_weight = true;
     effect.on_slide = OnSlide::kStated;
     effect.separate_by = kSeparateByWeight;
     effect.note = "All that is fixed to the link counts: a drive, cables, on the last link flange and tool.";

@@ -33,6 +33,7 @@ const EffectDefinition& LoadCom() {
                             "statics: M = d x F", EffectTarget::kLoad,
                             load_com::Parameters, load_com::Apply};
     effect.needs = EffectNeeds::kLoads;
+    effect.is_weight = true;
     effect.separate_by = "the load hung on another point, or poses that turn the flange about all its axes";
     effect.sizes = "centres of gravity read from a drawing or estimated by eye: 10 to 30 mm";
     return effect;

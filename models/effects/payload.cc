@@ -26,6 +26,7 @@ const EffectDefinition& Payload() {
                             "weighing error",    EffectTarget::kLoad,
                             payload::Parameters, payload::Apply};
     effect.needs = EffectNeeds::kLoads;
+    effect.is_weight = true;
     effect.separate_by = "the load weighed, or the same poses under another load";
     effect.sizes = "5 % of the load: what weighing and forgotten adapters leave, times a deflection of 1 mrad";
     return effect;

@@ -514,6 +514,18 @@ class WhatWasOnceNamedWrong(WithFolder):
             self.assertEqual(sorted((s['effect'], s['target']) for s in diagnosis['steps']), sorted(sealed))
             self.assertGreater(diagnosis['final']['gap_closed'], 0.99)
 
+    def test_joints_that_no_data_distinguish_share_the_probability(self):
+        """Joint 4 turns about y between 3 and 5, all in one point: k (x x' + z z') is the same before and after it, so
+        a tilt of joint 3 about x is one of joint 4 with other compliances of 3 and 5. Weighed with columns of several
+        torques, with the weight and without, joint 4 had more than 99.9 %."""
+        diagnosis, sealed = self.diagnosed({'study': 70, 'case': 3, 'kinds': 'link_gravity,transverse_compliance',
+                                            'scales': '3,3', 'robot': 'seven', 'configurations': 90})
+        self.assertIn(('transverse_compliance', 'J3'), sealed)
+        share = {e['target']: e['probability'] for e in diagnosis['posterior']['explanations']
+                 if e['effect'] == 'transverse_compliance'}
+        self.assertGreater(min(share['J3'], share['J4']), 0.2, share)
+        self.assertGreater(share['J3'] + share['J4'], 0.9, share)
+
     def test_one_heavy_link_leaves_no_rest(self):
         """Twice the usual weight: the rest that was called unnamed was what the first linearization had wrong."""
         for number in (2, 11):

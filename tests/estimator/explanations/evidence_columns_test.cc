@@ -115,8 +115,8 @@ TEST(EvidenceColumns, SumsAlongSourcesAreThoseOfAConstantColumn) {
 
 // Residual r - A e, and what is believed without the effects, at an estimate that holds a weight (columns of its own),
 // a harmonic (one of a family) and a spring, by differences of predicted points. The spring's torque is linear in its
-// rate alone.
-TEST(EvidenceColumns, AboutAnEstimateWithEffectsTheResidualIsThatWithoutThem) {
+// rate alone. holds_weight: what is believed is with the weight.
+void CheckAboutAnEstimate(bool holds_weight) {
   const CalibrationProblem problem = Campaign();
   const ParameterSet parameters = EstimateJointly(problem).parameters;
   const std::vector<EffectSpec> effects = {{"link_gravity", "A3", {}, {}},
@@ -158,7 +158,8 @@ TEST(EvidenceColumns, AboutAnEstimateWithEffectsTheResidualIsThatWithoutThem) {
   for (const int i : linear) residual -= about.Value(i) * by_step(about, i, 1e-3 * about.Value(i));
   ASSERT_GT((residual - there).norm(), 10.0 * there.norm() / std::sqrt(there.size()));
 
-  const EvidenceColumns columns(problem, parameters, ListCandidates(problem, parameters).candidates, {effects, about});
+  const EvidenceColumns columns(problem, parameters, ListCandidates(problem, parameters).candidates,
+                                {effects, about, holds_weight});
   const RowSums sums = columns.Sum(StatedScatter(problem), {});
   const long last = columns.num_believed();
   EXPECT_NEAR(sums.products(last, last), residual.squaredNorm(), 1e-6 * residual.squaredNorm());
@@ -166,7 +167,10 @@ TEST(EvidenceColumns, AboutAnEstimateWithEffectsTheResidualIsThatWithoutThem) {
   ASSERT_EQ(last, static_cast<long>(believed.size()));
   ParameterSet without = about;
   Eigen::VectorXd back = Eigen::VectorXd::Zero(about.num_coordinates());
-  for (const int i : linear) back[i] = -about.Value(i);
+  for (const int i : linear) {
+    const bool is_weight = about.coordinates()[i].name.rfind("effect/link_gravity", 0) == 0;
+    if (!is_weight || !holds_weight) back[i] = -about.Value(i);
+  }
   without.Plus(back);
   for (long c = 0; c < last; ++c) {
     const std::string& name = parameters.coordinates()[believed[c]].name;
@@ -176,6 +180,10 @@ TEST(EvidenceColumns, AboutAnEstimateWithEffectsTheResidualIsThatWithoutThem) {
     EXPECT_NEAR(sums.products(c, c), column.squaredNorm(), 1e-5 * column.squaredNorm()) << name;
   }
 }
+
+TEST(EvidenceColumns, AboutAnEstimateWithEffectsTheResidualIsThatWithoutThem) { CheckAboutAnEstimate(false); }
+
+TEST(EvidenceColumns, AboutAWeightThatAllHoldWhatIsBelievedIsWithIt) { CheckAboutAnEstimate(true); }
 
 // Each group's sums are those over its poses alone, and all together they are those over all rows.
 TEST(EvidenceColumns, SumsOfGroupsOfPosesAddUp) {

@@ -95,6 +95,48 @@ TEST(Needs, ComeAndGoTogether) {
   EXPECT_NEAR(losses[2], whole.log_weight - search.Evaluate({0, 1}).log_weight, 1e-9);
 }
 
+// Where every set is to hold a weight, the best is the best of those that do, and no other is kept but that of nothing.
+TEST(Needs, SetsHoldAWeightWhereThatIsOutOfTheQuestion) {
+  int others = 0;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const ProjectedNormal normal = NormalOf(seed, 0.8, -0.9);
+    std::vector<Explanation> list = List();
+    list[3].is_weight = list[7].is_weight = true;
+    const auto holds = [](const std::vector<int>& members) {
+      return std::any_of(members.begin(), members.end(), [](int m) { return m == 3 || m == 7; });
+    };
+    const ResidualLikelihood likelihood(normal.dof, kInfinity, 0.05);
+    SetSearch search(normal, list, {0.5, 0.3, true}, likelihood);
+    const SetSearch free(normal, list, {0.5, 0.3}, likelihood);
+    search.ClimbFrom();
+    const std::vector<WeightedSet> found = search.Explore();
+    double most = -kInfinity, most_of_all = -kInfinity, sum = 0.0, kept = 0.0;
+    for (int bits = 0; bits < 1 << list.size(); ++bits) {
+      std::vector<int> members;
+      for (size_t k = 0; k < list.size(); ++k) {
+        if ((bits >> k & 1) != 0) members.push_back(static_cast<int>(k));
+      }
+      if (!HasWhatItNeeds(members)) continue;
+      const double weight = free.Evaluate(members).log_weight;
+      most_of_all = std::max(most_of_all, weight);
+      if (!holds(members)) continue;
+      EXPECT_NEAR(search.Evaluate(members).log_weight, weight, 1e-9);
+      most = std::max(most, weight);
+      sum += std::exp(weight);
+    }
+    for (const WeightedSet& set : found) {
+      EXPECT_TRUE(set.members.empty() || holds(set.members)) << "seed " << seed;
+      kept += std::exp(set.log_weight);
+    }
+    EXPECT_NEAR(search.Evaluate(found[0].members).log_weight, most, 1e-9) << "seed " << seed;
+    EXPECT_NEAR(kept, sum, 0.05 * sum) << "seed " << seed;
+    others += most_of_all > most + 1.0;
+    const std::vector<double> losses = search.LossesOf(search.Evaluate({0, 3}));
+    EXPECT_GT(losses[1], 1e5) << "seed " << seed;
+  }
+  EXPECT_GE(others, 5);  // the weight is not what the rows ask for
+}
+
 TEST(Needs, GoLastFirst) {
   const std::vector<Explanation> list = List();
   EXPECT_EQ(list[1].needs, 0);
