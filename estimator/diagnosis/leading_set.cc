@@ -129,6 +129,20 @@ bool Refutes(double error, const RefittedSet& without_unnamed, const LeadingSet&
          error > kItsFault * GainOfUnnamed(*found.evidence, found.refitted.model, without_unnamed.model);
 }
 
+// What has no name may be what a weight does through a compliance that is missing too, or by the sign of a torque: all
+// columns are of the torque without the weight, until the model is linearized about it.
+bool HidesProducts(const RefittedSet& without_unnamed, const LeadingSet& found) {
+  const Evidence& evidence = *found.evidence;
+  const std::vector<EffectSpec>& about = evidence.about().effects;
+  const bool is_about_weight =
+      std::any_of(about.begin(), about.end(), [&](const auto& spec) { return IsWeight(evidence.robot(), spec); });
+  const std::vector<int>& members = without_unnamed.model.set.members;
+  const bool has_weight =
+      std::any_of(members.begin(), members.end(), [&](int m) { return evidence.list().math[m].is_weight; });
+  return has_weight && !is_about_weight &&
+         GainOfUnnamed(evidence, found.refitted.model, without_unnamed.model) > kInDoubt;
+}
+
 // What the leading set's named effects lose with no weight among them, and the best other cause in their place.
 double LossOfWeights(const Evidence& evidence, const WeightedModel& named) {
   const SetSearch search = evidence.SearchIn(named.view);
@@ -167,7 +181,7 @@ LeadingSet FindLeading(const SearchInput& input, const Evidence* before) {
     const LinearizedAbout about{AboutWhat(*found.evidence, effects), effects.with_effects.estimate.parameters,
                                 holds_weight};
     found.is_refuted = Refutes(error, effects, found);
-    if (!Refutes(std::max(error, gain), effects, found)) break;
+    if (!Refutes(std::max(error, gain), effects, found) && !HidesProducts(effects, found)) break;
     if (again == input.most_again || !known.insert(PathsOf(about)).second) break;
     AppendTuned(*found.evidence, effects, &between);
     if (input.progress) input.progress(WeighingAboutWhatWasFound());

@@ -291,7 +291,7 @@ RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel
     any_usable |= refitted.back().IsUsable();
     const double correction = LogCorrection(*evidence, refitted.back());
     VLOG(1) << "diagnosis: refit of set " << s << " (" << posterior->sets[s].probability
-            << ") moves its log evidence by " << correction;
+            << ") moves its log evidence by " << correction << "; " << refitted.back().with_effects.estimate.message;
     order.Add(s, correction);
   }
   if (!any_usable) return refitted[0];
