@@ -99,6 +99,15 @@ bool IsSlipOfColumn(const std::string& name, const std::string& listed) {
   return !has_unit || NameDistance(BeforeLastBar(name), BeforeLastBar(listed)) >= 0;
 }
 
+bool IsAnotherLetter(const std::string& name, const std::string& other) {
+  if (name.size() != other.size()) return false;
+  for (size_t i = 0; i < name.size(); ++i) {
+    const bool is_word = (i == 0 || name[i - 1] == '_') && (i + 1 == name.size() || name[i + 1] == '_');
+    if (name[i] != other[i] && !is_word) return false;
+  }
+  return name != other;
+}
+
 std::string NearestName(const std::string& name, const std::vector<std::string>& candidates) {
   std::string nearest;
   int smallest = -1;

@@ -34,6 +34,9 @@ int NameDistance(const std::string& name, const std::string& candidate);
 // station.
 bool IsSlipOfColumn(const std::string& name, const std::string& listed);
 
+// d_mm is no misspelt a_mm, nor a_y_mm an a_x_mm: words of one letter differ, and nothing else.
+bool IsAnotherLetter(const std::string& name, const std::string& other);
+
 // The candidate that a misspelt name is nearest to (Levenshtein distance), ""
 // when none is near enough to be meant.
 std::string NearestName(const std::string& name, const std::vector<std::string>& candidates);

@@ -1,6 +1,7 @@
 // sagitta simulate: measurements of a stated truth.
 #include <gflags/gflags.h>
 
+#include <algorithm>
 #include <iostream>
 #include <optional>
 
@@ -49,8 +50,17 @@ std::optional<double> SigmaFromFlags() {
   return FLAGS_sigma_mm / 1e3;
 }
 
+bool Deviate(const std::vector<Joint>& joints, const RepeatabilitySpec& stated) {
+  return std::any_of(joints.begin(), joints.end(), [&stated](const Joint& joint) {
+    return stated.Of(joint.type).StatedFor(joint.name).value_or(0.0) > 0.0;
+  });
+}
+
 // Nothing states a standard deviation: the rows are exact.
-bool IsExact(const Measurements& rows, const Experiment& experiment, const std::optional<double>& sigma) {
+bool IsExact(const ExperimentInputs& inputs, const std::optional<double>& sigma) {
+  const Measurements& rows = inputs.data;
+  const Experiment& experiment = inputs.experiment;
+  if (Deviate(inputs.robot.chain.joints, experiment.repeatability)) return false;
   if (sigma) return *sigma == 0.0;
   for (const Observation& row : rows.observations) {
     if (IsStated(StatedRoot(experiment, rows, row, Vector3<double>::Ones()))) return false;
@@ -77,8 +87,7 @@ int RunSimulate(const CommandLine& line) {
   CheckInterruption();
   out.Write(csv);
   progress.reset();
-  std::cout << SimulatedInWords(simulated.NumRows(), FLAGS_seed, IsExact(inputs.data, inputs.experiment, sigma),
-                                FLAGS_out);
+  std::cout << SimulatedInWords(simulated.NumRows(), FLAGS_seed, IsExact(inputs, sigma), FLAGS_out);
   return 0;
 }
 

@@ -224,6 +224,9 @@ std::vector<SelectedEffect> SelectedEffectsOf(const Evidence& evidence, const We
   const ExplanationList& list = evidence.list();
   const std::vector<double> losses = evidence.SearchIn(model.view).LossesOf(model.set);
   const Members members = evidence.MembersOf(model);
+  // What determines an effect only by what is usual of another one is not determined.
+  const std::vector<double> widest(model.set.members.size(), kWidestScale);
+  const Members given_hardly_anything = evidence.MembersOf(model, &widest);
   std::vector<SelectedEffect> effects;
   for (size_t k = 0; k < model.set.members.size(); ++k) {
     const int member = model.set.members[k];
@@ -235,9 +238,8 @@ std::vector<SelectedEffect> SelectedEffectsOf(const Evidence& evidence, const We
       effect.candidate.spec = SeededSpring(evidence, model, member, lacking);
     }
     effect.candidate.rate_alone = IsRateAlone(evidence, list.math[member].group.columns);
-    const GivenOthers given = members.Of(k);
-    effect.fit = FitOf(given);
-    MarkUndetermined(evidence, member, given, &effect.candidate);
+    effect.fit = FitOf(members.Of(k));
+    MarkUndetermined(evidence, member, given_hardly_anything.Of(k), &effect.candidate);
     effect.candidate.prior_scale = std::max(kLargestUsual, model.set.scales[k]);
     effect.loss = losses[k];
     effects.push_back(std::move(effect));

@@ -318,9 +318,10 @@ void YamlMap::FailUnknown(const std::string& key, const YamlValue& at) const {
 }
 
 void YamlMap::FailMissing(const std::string& key, const std::string& spellings) const {
-  // A misspelt key explains the missing one.
+  // A misspelt key explains the missing one. Another letter is another quantity, which may be asked for later.
   for (const auto& [name, value] : entries_) {
     if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
+    if (IsAnotherLetter(name, key) || IsAnotherLetter(name, NearestName(name, known_))) continue;
     for (const UnitGroup& group : groups_) {
       if (IsStemOf(group.stem, name)) FailUnknown(name, value);
     }

@@ -218,6 +218,11 @@ TEST_F(ResultsTest, SimulatedMeasurementsGiveTheTruthBack) {
   const Outcome exact = Run({"simulate", robot_, data_, truth, "--sigma_mm=0", "--out=" + Path("exact.csv")});
   ASSERT_EQ(exact.status, 0) << exact.err;
   EXPECT_NE(exact.out.find("exact: no standard deviation above 0 is stated"), std::string::npos) << exact.out;
+  const std::string repeats = Write("repeats.yaml", "schema: sagitta/experiment/1\nrobot: " + robot_ +
+                                                        "\nmeasurements: [" + data_ + "]\nrepeatability_urad: 8\n");
+  const Outcome deviating = Run({"simulate", repeats, truth, "--sigma_mm=0", "--out=" + Path("deviating.csv")});
+  ASSERT_EQ(deviating.status, 0) << deviating.err;
+  EXPECT_EQ(deviating.out.find("exact"), std::string::npos) << deviating.out;
   ASSERT_EQ(Run({"calibrate", robot_, Path("exact.csv"), "--sigma_mm=0.1", "--out=" + Path("again")}).status, 0);
   const auto a = ReadJson("truth/estimate.json"), b = ReadJson("again/estimate.json");
   for (size_t i = 0; i < a["parameters"].size(); ++i) {
