@@ -185,8 +185,8 @@ class EvidenceColumns {
   std::vector<PoseRows> PosesAmong(const std::vector<int>& observations) const;
   void ScaleReadings(const PoseRows& pose, const std::vector<int>& observations,
                      const std::vector<ScaledGroup>& readings, Eigen::MatrixXd* covariance) const;
-  Eigen::MatrixXd SharedBy(const PoseRows& pose, const std::vector<int>& observations, const Eigen::MatrixXd& latent,
-                           const RowScatter& scatter) const;
+  Eigen::MatrixXd SharedBy(const PoseRows& pose, const std::vector<int>& observations, const Eigen::MatrixXd& of_visit,
+                           const Eigen::MatrixXd& of_pose) const;
   // Of the covariance of one pose's rows, which begin at `top` in their block.
   struct PoseRoot {
     long top = 0;
@@ -234,6 +234,9 @@ class EvidenceColumns {
                      const RowScatter& scatter) const;
   // rows <- root^-1 rows of each pose; log of the determinant of the covariance.
   static double Whiten(const BlockRoots& roots, Eigen::MatrixXd* rows);
+  // rows <- root^-T rows: of whitened rows what C^-1 makes of them.
+  static void WhitenAgain(const BlockRoots& roots, Eigen::MatrixXd* rows);
+  static Eigen::VectorXd InversePivots(const BlockRoots& roots, long rows);  // 1 / L_jj of each row
   // Believed columns, with their priors, eliminated from sums with others and the residual.
   struct Eliminated {
     Eigen::MatrixXd along;  // Q'[A r], Q orthonormal over what is believed

@@ -192,10 +192,7 @@ EvidenceColumns::AllSums EvidenceColumns::SumAll(const RowScatter& scatter, cons
       const Eigen::MatrixXd of = explaining(Eigen::all, own_places);
       all.own[list] += TallProduct(of.transpose(), of);
     }
-    for (const PoseRoot& pose : roots->back()) {
-      auto of_pose = with.middleRows(pose.top, pose.root.rows());
-      of_pose = pose.root.matrixU().solve(Eigen::MatrixXd(of_pose));
-    }
+    WhitenAgain(roots->back(), &with);
     along.push_back(with.transpose());
   }
   all.with_believed.resize(believed + num_columns_ + 1, believed + 1);
@@ -310,10 +307,8 @@ Eigen::MatrixXd EvidenceColumns::ProductsOf(const std::vector<int>& columns,
     const Block& block = stored_[b];
     FillRows(block, columns, &rows);
     Eigen::MatrixXd u = rows.middleCols(believed, size);
-    for (const PoseRoot& pose : roots[b]) {
-      auto own = u.middleRows(pose.top, pose.root.rows());
-      own = pose.root.solve(Eigen::MatrixXd(own));
-    }
+    Whiten(roots[b], &u);
+    WhitenAgain(roots[b], &u);
     along.push_back(u.transpose());
     products.leftCols(of_linearization) +=
         TallProduct(along.back(), block.here.jacobian.middleCols(believed, of_linearization));
