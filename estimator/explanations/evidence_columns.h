@@ -228,6 +228,7 @@ class EvidenceColumns {
   Eigen::VectorXd ReadingRows(const Block& block, const Source& source) const;
   // [believed, columns, residual].
   void FillRows(const Block& block, const std::vector<int>& columns, Eigen::MatrixXd* rows) const;
+  void FillColumns(const Block& block, const std::vector<int>& columns, Eigen::Ref<Eigen::MatrixXd> rows) const;
   // Their number.
   int AddPriors(Eigen::MatrixXd* own, Eigen::VectorXd* along, double* square) const;
   BlockRoots RootsOf(const std::vector<int>& observations, const Eigen::MatrixXd& latent,
@@ -249,7 +250,8 @@ class EvidenceColumns {
   struct AllSums;
   AllSums SumAll(const RowScatter& scatter, const std::set<std::vector<int>>& own,
                  std::vector<BlockRoots>* roots) const;
-  std::vector<Eigen::MatrixXd> SumsOfShots(const std::vector<Eigen::MatrixXd>& along, long first, long rows) const;
+  void SumOfShots(const std::vector<Eigen::MatrixXd>& along, long first, const std::vector<int>& places,
+                  std::vector<Eigen::MatrixXd>* sums) const;
   // u'A of all columns of families; along: u' of each block.
   Eigen::MatrixXd AlongFamilies(const std::vector<Eigen::MatrixXd>& along) const;
   // A_k' C^-1 A of some columns with all; roots: of every block.
