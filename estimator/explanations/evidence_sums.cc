@@ -30,8 +30,8 @@ std::vector<EvidenceColumns::PoseRows> EvidenceColumns::PosesAmong(const std::ve
   return poses;
 }
 
-// Sum over joints of visit_j^2 l_j l_j' within visits + pose_j^2 l_j l_j' within poses; of_visit, of_pose: visit_j l_j and
-// pose_j l_j, a column for each row of the block.
+// Sum over joints of visit_j^2 l_j l_j' within visits + pose_j^2 l_j l_j' within poses; of_visit, of_pose: visit_j l_j
+// and pose_j l_j, a column for each row of the block.
 Eigen::MatrixXd EvidenceColumns::SharedBy(const PoseRows& pose, const std::vector<int>& observations,
                                           const Eigen::MatrixXd& of_visit, const Eigen::MatrixXd& of_pose) const {
   const auto visit = [&](long row) {
