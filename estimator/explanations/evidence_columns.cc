@@ -453,11 +453,17 @@ void EvidenceColumns::FillRows(const Block& block, const std::vector<int>& colum
   rows->resize(block.here.num_rows(), believed + count + 1);
   rows->leftCols(believed) = block.here.jacobian.leftCols(believed);
   rows->col(believed + count) = block.here.residual;
+  FillColumns(block, columns, rows->middleCols(believed, count));
+}
+
+void EvidenceColumns::FillColumns(const Block& block, const std::vector<int>& columns,
+                                  Eigen::Ref<Eigen::MatrixXd> rows) const {
+  const long believed = num_believed();
   int family = -1;
   Eigen::VectorXd source;
-  for (long k = 0; k < count; ++k) {
+  for (size_t k = 0; k < columns.size(); ++k) {
     const int column = columns[k];
-    auto own = rows->col(believed + k);
+    auto own = rows.col(k);
     if (column < static_cast<int>(catalogue_.size())) {
       own = units_[column] * block.here.jacobian.col(believed + column);
       continue;

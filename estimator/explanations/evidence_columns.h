@@ -188,8 +188,8 @@ class EvidenceColumns {
   std::vector<PoseRows> PosesAmong(const std::vector<int>& observations) const;
   void ScaleReadings(const PoseRows& pose, const std::vector<int>& observations,
                      const std::vector<ScaledGroup>& readings, Eigen::MatrixXd* covariance) const;
-  Eigen::MatrixXd SharedBy(const PoseRows& pose, const std::vector<int>& observations, const Eigen::MatrixXd& latent,
-                           const RowScatter& scatter) const;
+  Eigen::MatrixXd SharedBy(const PoseRows& pose, const std::vector<int>& observations, const Eigen::MatrixXd& of_visit,
+                           const Eigen::MatrixXd& of_pose) const;
   // Of the covariance of one pose's rows, which begin at `top` in their block.
   struct PoseRoot {
     long top = 0;
@@ -231,12 +231,16 @@ class EvidenceColumns {
   Eigen::VectorXd ReadingRows(const Block& block, const Source& source) const;
   // [believed, columns, residual].
   void FillRows(const Block& block, const std::vector<int>& columns, Eigen::MatrixXd* rows) const;
+  void FillColumns(const Block& block, const std::vector<int>& columns, Eigen::Ref<Eigen::MatrixXd> rows) const;
   // Their number.
   int AddPriors(Eigen::MatrixXd* own, Eigen::VectorXd* along, double* square) const;
   BlockRoots RootsOf(const std::vector<int>& observations, const Eigen::MatrixXd& latent,
                      const RowScatter& scatter) const;
   // rows <- root^-1 rows of each pose; log of the determinant of the covariance.
   static double Whiten(const BlockRoots& roots, Eigen::MatrixXd* rows);
+  // rows <- root^-T rows: of whitened rows what C^-1 makes of them.
+  static void WhitenAgain(const BlockRoots& roots, Eigen::MatrixXd* rows);
+  static Eigen::VectorXd InversePivots(const BlockRoots& roots, long rows);  // 1 / L_jj of each row
   // Believed columns, with their priors, eliminated from sums with others and the residual.
   struct Eliminated {
     Eigen::MatrixXd along;  // Q'[A r], Q orthonormal over what is believed
@@ -249,7 +253,8 @@ class EvidenceColumns {
   struct AllSums;
   AllSums SumAll(const RowScatter& scatter, const std::set<std::vector<int>>& own,
                  std::vector<BlockRoots>* roots) const;
-  std::vector<Eigen::MatrixXd> SumsOfShots(const std::vector<Eigen::MatrixXd>& along, long first, long rows) const;
+  void SumOfShots(const std::vector<Eigen::MatrixXd>& along, long first, const std::vector<int>& places,
+                  std::vector<Eigen::MatrixXd>* sums) const;
   // u'A of all columns of families; along: u' of each block.
   Eigen::MatrixXd AlongFamilies(const std::vector<Eigen::MatrixXd>& along) const;
   // A_k' C^-1 A of some columns with all; roots: of every block.

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "estimator/explanations/evidence_columns.h"
@@ -192,10 +193,7 @@ EvidenceColumns::AllSums EvidenceColumns::SumAll(const RowScatter& scatter, cons
       const Eigen::MatrixXd of = explaining(Eigen::all, own_places);
       all.own[list] += TallProduct(of.transpose(), of);
     }
-    for (const PoseRoot& pose : roots->back()) {
-      auto of_pose = with.middleRows(pose.top, pose.root.rows());
-      of_pose = pose.root.matrixU().solve(Eigen::MatrixXd(of_pose));
-    }
+    WhitenAgain(roots->back(), &with);
     along.push_back(with.transpose());
   }
   all.with_believed.resize(believed + num_columns_ + 1, believed + 1);
@@ -245,12 +243,12 @@ GivenBelieved EvidenceColumns::ProjectAll(const RowScatter& scatter, const std::
           out.log_constant};
 }
 
-// (u's)(shot) of each source, a column for each shot that is fitted; of some rows of u', zeros below. Most sources move
-// the readings of some shots or markers only.
-std::vector<Eigen::MatrixXd> EvidenceColumns::SumsOfShots(const std::vector<Eigen::MatrixXd>& along, long first,
-                                                          long rows) const {
-  const long own = std::min(rows, along[0].rows() - first);
-  std::vector<Eigen::MatrixXd> sums(sources_.size(), Eigen::MatrixXd::Zero(rows, fitted_shots_.size()));
+// (u's)(shot) of each source, a column for each shot that is fitted, or for each of the data: of some rows of u', zeros
+// below. Most sources move the readings of some shots or markers only. sums: of each source, and where they are made.
+void EvidenceColumns::SumOfShots(const std::vector<Eigen::MatrixXd>& along, long first, const std::vector<int>& places,
+                                 std::vector<Eigen::MatrixXd>* sums) const {
+  for (Eigen::MatrixXd& of_source : *sums) of_source.setZero();
+  const long rows = sums->empty() ? 0 : sums->front().rows(), own = std::min(rows, along[0].rows() - first);
   for (size_t b = 0; b < stored_.size(); ++b) {
     const Block& block = stored_[b];
     Eigen::MatrixXd u = Eigen::MatrixXd::Zero(rows, along[b].cols());
@@ -260,39 +258,45 @@ std::vector<Eigen::MatrixXd> EvidenceColumns::SumsOfShots(const std::vector<Eige
         const long top = static_cast<long>(3 * o);
         const Vector3<double> moved = block.sources[s].segment<3>(top);
         if (moved.isZero(0.0)) continue;
-        sums[s].col(FittedShotOf(block.observations[o])) +=
+        (*sums)[s].col(places[extended_.data().observations[block.observations[o]].shot]) +=
             moved[0] * u.col(top) + moved[1] * u.col(top + 1) + moved[2] * u.col(top + 2);
       }
     }
   }
-  return sums;
 }
 
 // With u of each block:  u'A = sum over shots of (u's)(shot) f(shot). So many rows of u' at a time as fill whole
-// vectors, and what follows the same functions one after the other: sums and functions stay in the cache.
+// vectors, and what follows the same functions one after the other: sums and functions stay in the cache. To pick the
+// fitted shots out of the functions costs more than a few rows times all shots.
 Eigen::MatrixXd EvidenceColumns::AlongFamilies(const std::vector<Eigen::MatrixXd>& along) const {
   struct Followers {
-    Eigen::MatrixXd functions;                     // of the fitted shots
+    Eigen::MatrixXd fitted;                        // functions of the fitted shots, of many rows
     std::vector<std::pair<size_t, long>> sources;  // and columns of products
   };
+  const bool are_few = along[0].rows() <= kRowsTogether;
   std::map<const Eigen::MatrixXd*, Followers> followers;
   long columns = 0;
   for (size_t f = 0; f < families_.size(); ++f) {
     const Eigen::MatrixXd& functions = *families_[f].functions;
     Followers& own = followers[&functions];
-    if (own.sources.empty()) own.functions = functions(fitted_shots_, Eigen::all);
+    if (own.sources.empty() && !are_few) own.fitted = functions(fitted_shots_, Eigen::all);
     own.sources.emplace_back(source_of_family_[f], columns);
     columns += functions.cols();
   }
+  std::vector<int> all_shots(extended_.data().shots.size());
+  std::iota(all_shots.begin(), all_shots.end(), 0);
+  const auto shots = static_cast<long>(are_few ? all_shots.size() : fitted_shots_.size());
   Eigen::MatrixXd products(along[0].rows(), columns);
+  std::vector<Eigen::MatrixXd> of_shots(sources_.size());
   for (long row = 0; row < products.rows(); row += kRowsTogether) {
     const long own = std::min(kRowsTogether, products.rows() - row);
     const long wide = (own + kBatchLanes - 1) / kBatchLanes * kBatchLanes;
-    const std::vector<Eigen::MatrixXd> of_shots = SumsOfShots(along, row, wide);
-    for (const auto& [key, all] : followers) {
+    for (Eigen::MatrixXd& of_source : of_shots) of_source.resize(wide, shots);
+    SumOfShots(along, row, are_few ? all_shots : place_of_shot_, &of_shots);
+    for (const auto& [functions, all] : followers) {
       for (const auto& [source, first] : all.sources) {
-        products.block(row, first, own, all.functions.cols()) =
-            TallProduct(of_shots[source], all.functions).topRows(own);
+        products.block(row, first, own, functions->cols()) =
+            TallProduct(of_shots[source], are_few ? *functions : all.fitted).topRows(own);
       }
     }
   }
@@ -305,15 +309,13 @@ Eigen::MatrixXd EvidenceColumns::ProductsOf(const std::vector<int>& columns,
   const long of_linearization = static_cast<long>(catalogue_.size());
   Eigen::MatrixXd products = Eigen::MatrixXd::Zero(size, num_columns_);
   std::vector<Eigen::MatrixXd> along;  // A_k'C^-1 of each block
-  Eigen::MatrixXd rows;
+  Eigen::MatrixXd u;
   for (size_t b = 0; b < stored_.size(); ++b) {
     const Block& block = stored_[b];
-    FillRows(block, columns, &rows);
-    Eigen::MatrixXd u = rows.middleCols(believed, size);
-    for (const PoseRoot& pose : roots[b]) {
-      auto own = u.middleRows(pose.top, pose.root.rows());
-      own = pose.root.solve(Eigen::MatrixXd(own));
-    }
+    u.resize(block.here.num_rows(), size);
+    FillColumns(block, columns, u);
+    Whiten(roots[b], &u);
+    WhitenAgain(roots[b], &u);
     along.push_back(u.transpose());
     products.leftCols(of_linearization) +=
         TallProduct(along.back(), block.here.jacobian.middleCols(believed, of_linearization));

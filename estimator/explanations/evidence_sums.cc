@@ -30,20 +30,20 @@ std::vector<EvidenceColumns::PoseRows> EvidenceColumns::PosesAmong(const std::ve
   return poses;
 }
 
-// Sum over joints of visit_j^2 l_j l_j' within visits + pose_j^2 l_j l_j' within poses.
+// Sum over joints of visit_j^2 l_j l_j' within visits + pose_j^2 l_j l_j' within poses; of_visit, of_pose: visit_j l_j
+// and pose_j l_j, a column for each row of the block.
 Eigen::MatrixXd EvidenceColumns::SharedBy(const PoseRows& pose, const std::vector<int>& observations,
-                                          const Eigen::MatrixXd& latent, const RowScatter& scatter) const {
-  const Eigen::MatrixXd l = latent.middleRows(pose.top, pose.height);
-  const Eigen::MatrixXd of_visit = l * scatter.visit.asDiagonal(), of_pose = l * scatter.pose.asDiagonal();
-  Eigen::MatrixXd shared = of_pose * of_pose.transpose();
-  const Eigen::MatrixXd within = of_visit * of_visit.transpose();
+                                          const Eigen::MatrixXd& of_visit, const Eigen::MatrixXd& of_pose) const {
   const auto visit = [&](long row) {
-    const int observation = observations[(pose.top + row) / 3];
-    return extended_.latent.visit_of_shot[extended_.data().observations[observation].shot];
+    return extended_.latent.visit_of_shot[extended_.data().observations[observations[row / 3]].shot];
   };
-  for (long i = 0; i < pose.height; ++i) {
-    for (long j = 0; j < pose.height; ++j) {
-      if (visit(i) == visit(j)) shared(i, j) += within(i, j);
+  Eigen::MatrixXd shared(pose.height, pose.height);
+  for (long j = 0; j < pose.height; ++j) {
+    for (long i = j; i < pose.height; ++i) {
+      const long row = pose.top + i, other = pose.top + j;
+      double sum = of_pose.col(row).dot(of_pose.col(other));
+      if (i / 3 == j / 3 || visit(row) == visit(other)) sum += of_visit.col(row).dot(of_visit.col(other));
+      shared(i, j) = shared(j, i) = sum;
     }
   }
   return shared;
@@ -64,24 +64,55 @@ EvidenceColumns::BlockRoots EvidenceColumns::RootsOf(const std::vector<int>& obs
                                                      const Eigen::MatrixXd& latent, const RowScatter& scatter) const {
   BlockRoots roots;
   if (scatter.IsUnit()) return roots;
+  const Eigen::MatrixXd of_visit = scatter.visit.asDiagonal() * latent.transpose();
+  const Eigen::MatrixXd of_pose = scatter.pose.asDiagonal() * latent.transpose();
   for (const PoseRows& pose : PosesAmong(observations)) {
-    Eigen::MatrixXd covariance = SharedBy(pose, observations, latent, scatter);
+    Eigen::MatrixXd covariance = SharedBy(pose, observations, of_visit, of_pose);
     ScaleReadings(pose, observations, scatter.readings, &covariance);
     roots.push_back({pose.top, Eigen::LLT<Eigen::MatrixXd>(covariance)});
   }
   return roots;
 }
 
+// L x = b of each pose and column, as they lie in memory: x_j = b_j / L_jj, b_i -= L_ij x_j below.
 double EvidenceColumns::Whiten(const BlockRoots& roots, Eigen::MatrixXd* rows) {
   double log_det = 0.0;
   for (const PoseRoot& pose : roots) log_det += LogDeterminant(pose.root);
+  const Eigen::VectorXd inverses = InversePivots(roots, rows->rows());
   for (long c = 0; c < rows->cols(); ++c) {
     for (const PoseRoot& pose : roots) {
-      auto own = rows->col(c).segment(pose.top, pose.root.rows());
-      pose.root.matrixL().solveInPlace(own);
+      const Eigen::MatrixXd& root = pose.root.matrixLLT();
+      double* const x = rows->col(c).data() + pose.top;
+      for (long j = 0; j < root.rows(); ++j) {
+        x[j] *= inverses[pose.top + j];
+        for (long i = j + 1; i < root.rows(); ++i) x[i] -= root(i, j) * x[j];
+      }
     }
   }
   return log_det;
+}
+
+// L'y = x:  y_j = (x_j - sum over i > j of L_ij y_i) / L_jj.
+void EvidenceColumns::WhitenAgain(const BlockRoots& roots, Eigen::MatrixXd* rows) {
+  const Eigen::VectorXd inverses = InversePivots(roots, rows->rows());
+  for (long c = 0; c < rows->cols(); ++c) {
+    for (const PoseRoot& pose : roots) {
+      const Eigen::MatrixXd& root = pose.root.matrixLLT();
+      double* const x = rows->col(c).data() + pose.top;
+      for (long j = root.rows() - 1; j >= 0; --j) {
+        for (long i = j + 1; i < root.rows(); ++i) x[j] -= root(i, j) * x[i];
+        x[j] *= inverses[pose.top + j];
+      }
+    }
+  }
+}
+
+Eigen::VectorXd EvidenceColumns::InversePivots(const BlockRoots& roots, long rows) {
+  Eigen::VectorXd inverses = Eigen::VectorXd::Ones(rows);
+  for (const PoseRoot& pose : roots) {
+    inverses.segment(pose.top, pose.root.rows()) = pose.root.matrixLLT().diagonal().cwiseInverse();
+  }
+  return inverses;
 }
 
 std::vector<int> EvidenceColumns::AllColumns() const {

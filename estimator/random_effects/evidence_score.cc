@@ -25,6 +25,18 @@ GroupGain GainBy(const Eigen::Ref<const Eigen::MatrixXd>& information,
   return {variance * rotated.squaredNorm(), 2.0 * root.matrixLLT().diagonal().array().log().sum()};
 }
 
+// s^2 |L^-1 g|^2 of each gradient.
+template <typename Matrix>
+Eigen::VectorXd MostQuadsBy(const Eigen::MatrixXd& information, const Eigen::MatrixXd& gradients, double variance) {
+  Matrix posterior = variance * information;
+  posterior.diagonal().array() += 1.0;
+  const Eigen::LLT<Matrix> root(posterior);
+  if (root.info() != Eigen::Success) {
+    return Eigen::VectorXd::Constant(gradients.cols(), std::numeric_limits<double>::infinity());
+  }
+  return variance * root.matrixL().solve(gradients).colwise().squaredNorm().transpose();
+}
+
 }  // namespace
 
 // L L' = I + s^2 G:  quad = s^2 |L^-1 g|^2,  log det = 2 sum log L_ii; of one column  s^2 g^2 / t,  log t,  t = 1 + s^2
@@ -42,13 +54,11 @@ GroupGain GainOf(const Eigen::Ref<const Eigen::MatrixXd>& information,
 
 Eigen::VectorXd MostQuads(const Eigen::MatrixXd& least_information, const Eigen::MatrixXd& gradients) {
   const double variance = kWidestScale * kWidestScale;
-  Eigen::MatrixXd posterior = variance * least_information;
-  posterior.diagonal().array() += 1.0;
-  const Eigen::LLT<Eigen::MatrixXd> root(posterior);
-  if (root.info() != Eigen::Success) {
-    return Eigen::VectorXd::Constant(gradients.cols(), std::numeric_limits<double>::infinity());
+  if (gradients.rows() == 1) {
+    return variance / (1.0 + variance * std::max(0.0, least_information(0, 0))) * gradients.row(0).cwiseAbs2();
   }
-  return variance * root.matrixL().solve(gradients).colwise().squaredNorm().transpose();
+  if (gradients.rows() <= kFew) return MostQuadsBy<MatrixOfFew>(least_information, gradients, variance);
+  return MostQuadsBy<Eigen::MatrixXd>(least_information, gradients, variance);
 }
 
 // log sum exp(x) = m + log sum exp(x - m), m the largest.

@@ -1,8 +1,17 @@
 #include "estimator/random_effects/explanation.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sagitta {
+
+double SetPrior::Log(const std::vector<double>& shares) const {
+  if (shares.empty()) return std::log(nothing);
+  const double m = static_cast<double>(shares.size());
+  double log = std::log(1.0 - nothing) + (m - 1.0) * std::log(further) + std::lgamma(m + 1.0);
+  for (const double share : shares) log += std::log(share);
+  return log;
+}
 
 FewExplanations WithTheirColumns(const std::vector<Explanation>& list, const std::vector<int>& chosen) {
   FewExplanations few;

@@ -20,6 +20,16 @@ struct Explanation {
   bool is_weight = false;  // SetPrior::holds_weight
 };
 
+// nothing: no explanation holds. further: each one in addition to the first. P(set of m) = (1 - nothing) further^(m-1)
+// m! times the product of the shares: m draws in any order.
+struct SetPrior {
+  double nothing = 0.5;
+  double further = 0.3;
+  bool holds_weight = false;  // sets without a weight are out of the question
+
+  double Log(const std::vector<double>& shares) const;
+};
+
 // Some of a list, and the columns they need, ascending: their groups count within those.
 struct FewExplanations {
   std::vector<int> columns;

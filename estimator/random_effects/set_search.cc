@@ -27,14 +27,6 @@ constexpr size_t kMostSettled = 100;  // where a hundred sets share it, each has
 
 }  // namespace
 
-double SetPrior::Log(const std::vector<double>& shares) const {
-  if (shares.empty()) return std::log(nothing);
-  const double m = static_cast<double>(shares.size());
-  double log = std::log(1.0 - nothing) + (m - 1.0) * std::log(further) + std::lgamma(m + 1.0);
-  for (const double share : shares) log += std::log(share);
-  return log;
-}
-
 SetSearch::SetSearch(const ProjectedNormal& normal, const std::vector<Explanation>& explanations, const SetPrior& prior,
                      const ResidualLikelihood& likelihood)
     : normal_(normal), explanations_(explanations), prior_(prior), likelihood_(likelihood) {}
@@ -191,19 +183,23 @@ const Eigen::MatrixXd& SetSearch::OwnOf(size_t candidate) const {
 
 std::vector<double> SetSearch::Additions(const WeightedSet& given) const {
   std::vector<double> scales;
-  return AdditionsTo(given, SweepOf(given), &scales);
+  return AdditionsTo(given, {}, &scales);
 }
 
 // log w(set + k) = log L(set) + log B_k + log P(set + k), B_k by what the sweep leaves of G_kk and g_k; k with what it
-// needs where the set lacks that.
-std::vector<double> SetSearch::AdditionsTo(const WeightedSet& set, const Sweep& sweep,
+// needs where the set lacks that. log B_k is no more than with its widest scale and a certain sign.
+std::vector<double> SetSearch::AdditionsTo(const WeightedSet& set, const Asked& asked,
                                            std::vector<double>* scales) const {
+  const Sweep& sweep = SweepOf(set);
   const double bases[] = {LogPriorWithMore(set.members, 1), LogPriorWithMore(set.members, 2)};
+  const double nothing = likelihood_.Log(sweep.residual());
   std::vector<double> weights(explanations_.size(), -kInfinity);
   scales->assign(explanations_.size(), 1.0);
+  double most = asked.most;
   for (size_t k = 0; k < explanations_.size(); ++k) {
     const Explanation& candidate = explanations_[k];
     if (IsExcluded(set.members, static_cast<int>(k)) || !(candidate.share > 0.0)) continue;
+    if (candidate.group.size() >= asked.columns || (candidate.is_general && !asked.general)) continue;
     const Coming coming = ComingTo(set.members, static_cast<int>(k));
     const GivenOthers given{*coming.own - sweep.Taken(*coming.group),
                             sweep.Gradient(*coming.group),
@@ -211,8 +207,15 @@ std::vector<double> SetSearch::AdditionsTo(const WeightedSet& set, const Sweep& 
                             0.0,
                             coming.group->num_scales,
                             coming.group->not_negative};
-    weights[k] = set.log_likelihood + bases[coming.count - 1] + AverageGain(likelihood_, given, &(*scales)[k]) +
-                 coming.log_share + LogOfLack(set.members, static_cast<int>(k));
+    const double base =
+        set.log_likelihood + bases[coming.count - 1] + coming.log_share + LogOfLack(set.members, static_cast<int>(k));
+    if (asked.within < kInfinity) {
+      const double most_quad = MostQuads(given.information, given.gradient)[0];
+      const double most_gain = likelihood_.Log(given.residual - most_quad) - nothing + MostOfSigns(given.not_negative);
+      if (base + most_gain < most - asked.within) continue;
+    }
+    weights[k] = base + AverageGain(likelihood_, given, &(*scales)[k]);
+    most = std::max(most, weights[k]);
   }
   return weights;
 }
@@ -234,7 +237,8 @@ WeightedSet SetSearch::Settled(const WeightedSet& set, const Members* conditione
 void SetSearch::Expand(const WeightedSet& given) {
   if (!expanded_.insert(given.members).second || given.members.size() >= kMostMembers) return;
   std::vector<double> scales;
-  const std::vector<double> weights = AdditionsTo(given, SweepOf(given), &scales);
+  const std::vector<double> weights =
+      AdditionsTo(given, {std::numeric_limits<int>::max(), true, BestWeight(), kWorthKeeping}, &scales);
   const double most = std::max(BestWeight(), *std::max_element(weights.begin(), weights.end()));
   for (size_t k = 0; k < weights.size(); ++k) {
     if (weights[k] >= most - kWorthKeeping) RecordGrown(given, static_cast<int>(k), scales[k], weights[k]);
@@ -360,11 +364,7 @@ bool SetSearch::Exchange(const WeightedSet& set) {
 
 WeightedSet SetSearch::WithBestCause(const WeightedSet& set, int columns) {
   std::vector<double> scales;
-  std::vector<double> weights = AdditionsTo(set, SweepOf(set), &scales);
-  for (size_t k = 0; k < weights.size(); ++k) {
-    const bool is_smaller = explanations_[k].group.size() < columns && !explanations_[k].is_general;
-    if (!is_smaller) weights[k] = -kInfinity;
-  }
+  const std::vector<double> weights = AdditionsTo(set, {columns, false, -kInfinity, 0.0}, &scales);
   const auto best = std::max_element(weights.begin(), weights.end()) - weights.begin();
   if (weights[best] == -kInfinity) return set;
   return Settled(With(set, static_cast<int>(best), scales[best]));

@@ -3,6 +3,7 @@
 // it.
 #pragma once
 
+#include <limits>
 #include <map>
 #include <memory>
 #include <set>
@@ -12,16 +13,6 @@
 #include "estimator/random_effects/found_sets.h"
 
 namespace sagitta {
-
-// nothing: no explanation holds. further: each one in addition to the first. P(set of m) = (1 - nothing) further^(m-1)
-// m! times the product of the shares: m draws in any order.
-struct SetPrior {
-  double nothing = 0.5;
-  double further = 0.3;
-  bool holds_weight = false;  // sets without a weight are out of the question
-
-  double Log(const std::vector<double>& shares) const;
-};
 
 // Climbs and grows sets of explanations by their marginal likelihood.
 class SetSearch {
@@ -74,8 +65,15 @@ class SetSearch {
   WeightedSet EvaluateFrom(const std::vector<int>& given_members, Members conditioned) const;
   double AverageOverScales(const Members& members) const;
   const Eigen::MatrixXd& OwnOf(size_t candidate) const;
-  // scales: the best of each.
-  std::vector<double> AdditionsTo(const WeightedSet& set, const Sweep& sweep, std::vector<double>* scales) const;
+  // Which additions are asked for: groups of fewer columns than so many, general ones too or not, and all that come
+  // within so much of `most`, or of the best of them where that is better; others may be left out.
+  struct Asked {
+    int columns = std::numeric_limits<int>::max();
+    bool general = true;
+    double most = -std::numeric_limits<double>::infinity(), within = std::numeric_limits<double>::infinity();
+  };
+  // -infinity: left out. scales: the best of each.
+  std::vector<double> AdditionsTo(const WeightedSet& set, const Asked& asked, std::vector<double>* scales) const;
   // Given a set: by what comes to the set before, and goes from it.
   const Sweep& SweepOf(const WeightedSet& set) const;
   // Conditioned; by what comes to those of the sweep, and goes from them.

@@ -235,6 +235,9 @@ TEST(Sweep, WithoutOneIsTheSweepOfTheOthers) {
       const GroupGain gain = GainOf(direct.Information(asked), direct.Gradient(asked), scale);
       EXPECT_LE(gain.quad, most + 1e-9);
     }
+    const ColumnGroup one{{3}, {}};
+    EXPECT_NEAR(MostQuads(direct.Information(one), direct.Gradient(one))[0],
+                GainOf(direct.Information(one), direct.Gradient(one), kWidestScale).quad, 1e-9);
     EXPECT_NEAR(without.residual, direct.residual(), 1e-9);
     EXPECT_NEAR(without.log_det, direct.members().log_det(), 1e-9);
     const GivenOthers own = members.Of(k);
