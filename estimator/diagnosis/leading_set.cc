@@ -61,6 +61,18 @@ int ViewWithoutPose(const Evidence& evidence, const WeightedModel& model) {
   return same == views.end() ? 0 : static_cast<int>(same - views.begin());
 }
 
+// The members of a set that are asked for, with their scales.
+template <typename IsAskedFor>
+WeightedSet MembersThat(const WeightedSet& all, const IsAskedFor& is_asked_for) {
+  WeightedSet some;
+  for (size_t k = 0; k < all.members.size(); ++k) {
+    if (!is_asked_for(all.members[k])) continue;
+    some.members.push_back(all.members[k]);
+    some.scales.push_back(all.scales[k]);
+  }
+  return some;
+}
+
 // The leading set with all its effects of the catalogue, those too that may be pieces of a nameless cause, and nothing
 // else: a function without a name, or a deviation that follows the pose, may be no more than what the linearization has
 // wrong of these.
@@ -69,14 +81,8 @@ RefittedSet WithoutUnnamed(const SearchInput& input, const LeadingSet& found) {
   const bool follows_pose = found.evidence->FollowsPose(model);
   if (!follows_pose && model.set.members.size() == found.refitted.effects.size()) return found.refitted;
   if (follows_pose) model.view = ViewWithoutPose(*found.evidence, model);
-  const WeightedSet all = std::move(model.set);
-  model.set = {};
+  model.set = MembersThat(model.set, [&](int m) { return !found.evidence->list().IsUnnamed(m); });
   model.pieces.clear();
-  for (size_t k = 0; k < all.members.size(); ++k) {
-    if (found.evidence->list().IsUnnamed(all.members[k])) continue;
-    model.set.members.push_back(all.members[k]);
-    model.set.scales.push_back(all.scales[k]);
-  }
   return RefitSet(*found.evidence, model, input.working, input.baseline, input.joint);
 }
 
@@ -124,40 +130,31 @@ std::vector<EffectSpec> AboutWhat(const Evidence& evidence, const RefittedSet& r
 
 // Whether what the linear model is off by, or what other settings than the listed ones add, is in doubt. Where what has
 // no name says ten times more, it is not the linear model's fault.
-bool Refutes(double error, const RefittedSet& without_unnamed, const LeadingSet& found) {
-  return error > kInDoubt &&
-         error > kItsFault * GainOfUnnamed(*found.evidence, found.refitted.model, without_unnamed.model);
-}
+bool Refutes(double error, double gain_of_unnamed) { return error > kInDoubt && error > kItsFault * gain_of_unnamed; }
 
 // What has no name may be what a weight does through a compliance that is missing too, or by the sign of a torque: all
 // columns are of the torque without the weight, until the model is linearized about it.
-bool HidesProducts(const RefittedSet& without_unnamed, const LeadingSet& found) {
-  const Evidence& evidence = *found.evidence;
+bool HidesProducts(const Evidence& evidence, const WeightedModel& named, double gain_of_unnamed) {
   const std::vector<EffectSpec>& about = evidence.about().effects;
   const bool is_about_weight =
       std::any_of(about.begin(), about.end(), [&](const auto& spec) { return IsWeight(evidence.robot(), spec); });
-  const std::vector<int>& members = without_unnamed.model.set.members;
+  const std::vector<int>& members = named.set.members;
   const bool has_weight =
       std::any_of(members.begin(), members.end(), [&](int m) { return evidence.list().math[m].is_weight; });
-  return has_weight && !is_about_weight &&
-         GainOfUnnamed(evidence, found.refitted.model, without_unnamed.model) > kInDoubt;
+  return has_weight && !is_about_weight && gain_of_unnamed > kInDoubt;
 }
 
 // What the leading set's named effects lose with no weight among them, and the best other cause in their place.
 double LossOfWeights(const Evidence& evidence, const WeightedModel& named) {
   const SetSearch search = evidence.SearchIn(named.view);
-  WeightedSet others;
-  for (size_t k = 0; k < named.set.members.size(); ++k) {
-    if (evidence.list().math[named.set.members[k]].is_weight) continue;
-    others.members.push_back(named.set.members[k]);
-    others.scales.push_back(named.set.scales[k]);
-  }
+  const std::vector<Explanation>& list = evidence.list().math;
+  const WeightedSet others = MembersThat(named.set, [&](int m) { return !list[m].is_weight; });
   if (others.members.size() == named.set.members.size()) return 0.0;
   const WeightedSet without = search.Evaluate(others.members, others.scales);
   double most = without.log_weight;
   const std::vector<double> added = search.Additions(without);
   for (size_t k = 0; k < added.size(); ++k) {
-    if (!evidence.list().math[k].is_weight) most = std::max(most, added[k]);
+    if (!list[k].is_weight) most = std::max(most, added[k]);
   }
   return search.Evaluate(named.set.members, named.set.scales).log_weight - most;
 }
@@ -177,11 +174,12 @@ LeadingSet FindLeading(const SearchInput& input, const Evidence* before) {
     const double error = std::abs(LogFullOverLinear(*found.evidence, effects));
     const double gain = TuneSettings(*found.evidence, input.joint, &effects);
     VLOG(1) << "diagnosis: the linear model is off by " << error << " of the leading effects' log evidence";
+    const double unnamed = GainOfUnnamed(*found.evidence, found.refitted.model, effects.model);
+    found.is_refuted = Refutes(error, unnamed);
+    if (!Refutes(std::max(error, gain), unnamed) && !HidesProducts(*found.evidence, effects.model, unnamed)) break;
     const bool holds_weight = LossOfWeights(*found.evidence, effects.model) > kWorthKeeping + error;
     const LinearizedAbout about{AboutWhat(*found.evidence, effects), effects.with_effects.estimate.parameters,
                                 holds_weight};
-    found.is_refuted = Refutes(error, effects, found);
-    if (!Refutes(std::max(error, gain), effects, found) && !HidesProducts(effects, found)) break;
     if (again == input.most_again || !known.insert(PathsOf(about)).second) break;
     AppendTuned(*found.evidence, effects, &between);
     if (input.progress) input.progress(WeighingAboutWhatWasFound());

@@ -41,6 +41,19 @@ bool HasWhatItNeeds(const std::vector<int>& members) {
   return all.count(4) == 0 && ((all.count(1) == 0 && all.count(2) == 0) || all.count(0) == 1);
 }
 
+// That has what it needs.
+std::vector<std::vector<int>> EverySet(size_t size) {
+  std::vector<std::vector<int>> sets;
+  for (int bits = 0; bits < 1 << size; ++bits) {
+    std::vector<int> members;
+    for (size_t k = 0; k < size; ++k) {
+      if ((bits >> k & 1) != 0) members.push_back(static_cast<int>(k));
+    }
+    if (HasWhatItNeeds(members)) sets.push_back(members);
+  }
+  return sets;
+}
+
 TEST(Needs, SetsHoldWhatTheirMembersNeed) {
   int pairs = 0;
   for (unsigned seed = 1; seed <= 20; ++seed) {
@@ -50,12 +63,7 @@ TEST(Needs, SetsHoldWhatTheirMembersNeed) {
     search.ClimbFrom();
     const std::vector<WeightedSet> found = search.Explore();
     double most = -kInfinity, sum = 0.0, kept = 0.0;
-    for (int bits = 0; bits < 1 << list.size(); ++bits) {
-      std::vector<int> members;
-      for (size_t k = 0; k < list.size(); ++k) {
-        if ((bits >> k & 1) != 0) members.push_back(static_cast<int>(k));
-      }
-      if (!HasWhatItNeeds(members)) continue;
+    for (const std::vector<int>& members : EverySet(list.size())) {
       const double weight = search.Evaluate(members).log_weight;
       most = std::max(most, weight);
       sum += std::exp(weight);
@@ -96,7 +104,7 @@ TEST(Needs, ComeAndGoTogether) {
 }
 
 // Where every set is to hold a weight, the best is the best of those that do, and no other is kept but that of nothing.
-TEST(Needs, SetsHoldAWeightWhereThatIsOutOfTheQuestion) {
+TEST(Needs, SetsHoldAWeightWhereThatIsBeyondDoubt) {
   int others = 0;
   for (unsigned seed = 1; seed <= 10; ++seed) {
     const ProjectedNormal normal = NormalOf(seed, 0.8, -0.9);
@@ -111,12 +119,7 @@ TEST(Needs, SetsHoldAWeightWhereThatIsOutOfTheQuestion) {
     search.ClimbFrom();
     const std::vector<WeightedSet> found = search.Explore();
     double most = -kInfinity, most_of_all = -kInfinity, sum = 0.0, kept = 0.0;
-    for (int bits = 0; bits < 1 << list.size(); ++bits) {
-      std::vector<int> members;
-      for (size_t k = 0; k < list.size(); ++k) {
-        if ((bits >> k & 1) != 0) members.push_back(static_cast<int>(k));
-      }
-      if (!HasWhatItNeeds(members)) continue;
+    for (const std::vector<int>& members : EverySet(list.size())) {
       const double weight = free.Evaluate(members).log_weight;
       most_of_all = std::max(most_of_all, weight);
       if (!holds(members)) continue;
