@@ -301,20 +301,21 @@ void CautionOfLookAlikes(const CalibrationProblem& problem, const std::vector<Fo
 }
 
 void CautionOfNotNamed(const std::vector<std::pair<EffectSpec, double>>& unconfirmed, Diagnosis* diagnosis) {
+  const Robot& robot = diagnosis->final.problem->robot();
   std::set<std::string> said;
-  for (const FoundEffect& effect : diagnosis->effects) said.insert(effect.candidate.spec.Path());
-  for (const auto& [spec, probability] : unconfirmed) said.insert(spec.Path());
+  for (const FoundEffect& effect : diagnosis->effects) said.insert(NameOfExplanation(robot, effect.candidate.spec));
+  for (const auto& [spec, probability] : unconfirmed) said.insert(NameOfExplanation(robot, spec));
   std::set<std::string> leading;
   const ReportedPosterior& posterior = diagnosis->posterior;
   if (!posterior.sets.empty()) {
-    for (const EffectSpec& spec : posterior.sets[0].specs) leading.insert(spec.Path());
+    for (const EffectSpec& spec : posterior.sets[0].specs) leading.insert(NameOfExplanation(robot, spec));
   }
   std::vector<std::pair<EffectSpec, double>> in_leading, elsewhere;
   for (const auto& [spec, probability] : posterior.explanations) {
-    if (probability <= kEvenOdds || said.count(spec.Path()) > 0) continue;
-    (leading.count(spec.Path()) > 0 ? in_leading : elsewhere).emplace_back(spec, probability);
+    const std::string name = NameOfExplanation(robot, spec);
+    if (probability <= kEvenOdds || said.count(name) > 0) continue;
+    (leading.count(name) > 0 ? in_leading : elsewhere).emplace_back(spec, probability);
   }
-  const Robot& robot = diagnosis->final.problem->robot();
   if (!in_leading.empty()) diagnosis->cautions.push_back(NotInFullModel(robot, in_leading));
   if (!elsewhere.empty()) diagnosis->cautions.push_back(NotInLeading(robot, elsewhere));
 }

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "estimator/diagnosis/cautions.h"
+#include "estimator/diagnosis/holdout_steps.h"
 #include "estimator/diagnosis/leading_set.h"
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/diagnosis/noise_check.h"
@@ -62,6 +63,13 @@ class Session {
   }
 
  private:
+  const Evidence& evidence() const { return *found_.evidence; }
+  // The believed model with the noise that goes with the leading set.
+  const DiagnosedModel& lacking() const { return found_.refitted.lacking; }
+  const WeightedModel& leading() const { return found_.refitted.model; }
+  // Of a set that something is missing by.
+  const NameSet& LeadingNames() const { return found_.posterior.sets[found_.posterior.Leading(NamingGate())]; }
+
   void Say(const std::string& words) const {
     if (options_.progress) options_.progress(words);
   }
@@ -70,7 +78,7 @@ class Session {
     if (!options_.found) return;
     FoundSoFar found;
     for (const SelectedEffect& effect : selected_)
-      found.emplace_back(effect.candidate.spec, posterior_.Of(evidence_->list().name[effect.explanation]));
+      found.emplace_back(effect.candidate.spec, found_.posterior.Of(evidence().list().name[effect.explanation]));
     options_.found(found);
   }
 
@@ -81,26 +89,17 @@ class Session {
     working_ = std::make_unique<CalibrationProblem>(WithWorkingSigma(d_.baseline, is_stated));
     const CalibrationProblem& working = *working_;
     const double sigma_dof = is_stated ? SigmaDof(problem_.repeat_scatter) : 0.0;
-    LeadingSet found = FindLeading(
-        {working, d_.baseline, options_.prior, sigma_dof, NamingGate(), joint_, options_.progress}, evidence_.get());
-    evidence_ = std::move(found.evidence);
-    d_.not_testable = evidence_->list().not_testable;
-    posterior_ = std::move(found.posterior);
-    rivals_ = std::move(found.rivals);
-    named_ = found.is_named;
-    is_refuted_ = found.is_refuted;
-    const RefittedSet& leading = found.refitted;
-    leading_ = leading.model;
-    lacking_ = leading.lacking;
-    selected_ = leading.effects;
+    found_ = FindLeading({working, d_.baseline, options_.prior, sigma_dof, NamingGate(), joint_, options_.progress},
+                         found_.evidence.get());
+    d_.not_testable = evidence().list().not_testable;
+    selected_ = found_.refitted.effects;
     SayFound();
-    d_.final = leading.with_effects;
-    d_.has_unexplained =
-        named_ && (posterior_.sets[posterior_.Leading(NamingGate())].has_unnamed || posterior_.unnamed > kEvenOdds);
+    d_.final = found_.refitted.with_effects;
+    d_.has_unexplained = found_.is_named && (LeadingNames().has_unnamed || found_.posterior.unnamed > kEvenOdds);
     while (!selected_.empty() && !IsUsable(d_.final.estimate.status)) {
       selected_.pop_back();  // the weakest
       d_.has_unexplained = true;
-      d_.final = Extend(lacking_, CandidatesOf(selected_), joint_);
+      d_.final = Extend(lacking(), CandidatesOf(selected_), joint_);
     }
     SayFound();
     if (!is_stated && IsUsable(d_.final.estimate.status)) FollowScatter();
@@ -114,10 +113,10 @@ class Session {
       if (left.dof <= 0 || !IsUsable(left.status)) return;
       const double factor = std::sqrt(left.chi2 / left.dof);
       if (std::abs(factor - 1.0) < kSettledScatter) return;
-      const DiagnosedModel refit = RefitFully(WithScaledSigmas(*lacking_.problem, factor), lacking_.estimate, joint_);
+      const DiagnosedModel refit = RefitFully(WithScaledSigmas(*lacking().problem, factor), lacking().estimate, joint_);
       if (!IsUsable(refit.estimate.status)) return;
-      lacking_ = refit;
-      d_.final = Extend(lacking_, CandidatesOf(selected_), joint_);
+      found_.refitted.lacking = refit;
+      d_.final = Extend(lacking(), CandidatesOf(selected_), joint_);
     }
   }
 
@@ -131,69 +130,99 @@ class Session {
   // Nor is one named that the posterior does not name. What more is missing then, with that probability, is a rest.
   void JudgeFinal() {
     Say("fitting the extended model");
-    aside_.NextToMoments(SpecsOf(CandidatesOf(selected_)), {&d_.baseline, &lacking_}, &d_.cautions);
-    while (true) {
-      d_.final = selected_.empty() ? lacking_ : JudgedWith(selected_);
-      if (selected_.empty()) break;
-      int out = NotNamed();
-      if (out >= 0) d_.has_unexplained = true;
-      if (out < 0) out = LeastProbable();
-      if (out < 0) break;
-      selected_.erase(selected_.begin() + out);
-      prefixes_.resize(std::min({prefixes_.size(), static_cast<size_t>(out) + 1, selected_.size()}));
-      SayFound();
+    aside_.NextToMoments(SpecsOf(CandidatesOf(selected_)), {&d_.baseline, &found_.refitted.lacking}, &d_.cautions);
+    Name();
+    aside_.FromHeldOut(!found_.is_named, &d_.baseline, &d_.final, &found_.refitted.lacking, steps_.models());
+    if (!d_.has_unexplained && HasRest() && Misfits() && AssumeSigmaWrong()) Name();
+    if (!selected_.empty() && !d_.has_unexplained && HasRest()) {
+      d_.has_unexplained = true;
+      Name();  // what untouched rows do not confirm is not named next to a rest
     }
-    d_.has_unexplained |= posterior_.MoreThan(selected_.size()) > NamingGate();
-    d_.has_unexplained |= !selected_.empty() && weighed_.unnamed > kEvenOdds;
-    aside_.FromHeldOut(!named_, &d_.baseline, &d_.final, &lacking_, &prefixes_);
-    FindRest();
-    // The most probable set may be noise alone, and those that hold a cause more probable together.
-    const bool is_hardly_noise =
-        d_.noise.is_finding && !d_.noise.IsSureOfGroups(NamingGate()) && posterior_.Something() > kEvenOdds;
-    d_.has_unexplained |= Misfits() || (selected_.empty() && (d_.noise.MayFollowThePose() || is_hardly_noise));
+    d_.has_unexplained |= HasRest();
     if (!selected_.empty()) {
       judged_ = d_.final;
       if (d_.has_unexplained && d_.noise.MayFollowThePose()) FollowRepeatability();
       return AllowForRivals();
     }
-    judged_ = lacking_;
+    judged_ = lacking();
     if (!d_.has_unexplained) return;
     d_.final = d_.baseline;  // the noise that goes with a cause without a name is no better model
     d_.final_p = LackOfFit(problem_, d_.final, {});
   }
+
+  // Drops what is not named.
+  void Name() {
+    while (true) {
+      d_.final = selected_.empty() ? lacking() : JudgedWith(selected_);
+      if (selected_.empty()) return;
+      int out = NotNamed();
+      if (out >= 0) d_.has_unexplained = true;
+      if (out < 0) out = LeastProbable();
+      if (out < 0) return;
+      LeaveUnnamed(selected_[out]);
+      selected_.erase(selected_.begin() + out);
+      steps_.Drop(static_cast<size_t>(out), selected_.size());
+      SayFound();
+    }
+  }
+
+  // Something is left next to what is named, or instead.
+  bool HasRest() {
+    FindRest();
+    if (!selected_.empty()) {
+      return Misfits() || found_.posterior.MoreThan(selected_.size()) > NamingGate() || weighed_.unnamed > kEvenOdds;
+    }
+    // The most probable set may be noise alone, and those that hold a cause more probable together.
+    const bool is_sure_of_noise = d_.noise.IsSureOfGroups(NamingGate()) || leading().is_sigma_refuted;
+    const bool is_hardly_noise = d_.noise.is_finding && !is_sure_of_noise && found_.posterior.Something() > kEvenOdds;
+    // By the noise as stated nothing missing is all but excluded, and something is more probable than other noise.
+    const bool is_refuted = !d_.noise.is_finding && found_.posterior.nothing < 1.0 - NamingGate() &&
+                            found_.posterior.Something() > kEvenOdds;
+    return found_.posterior.MoreThan(0) > NamingGate() || d_.noise.MayFollowThePose() || is_hardly_noise ||
+           is_refuted || Misfits();
+  }
+
+  // The rows scatter more than the noise as stated, with all that is named, makes them: what is left is a wrong sigma,
+  // where that is more probable than a further cause.
+  bool AssumeSigmaWrong() {
+    const bool is_as_stated = evidence().ViewOf(leading()).IsStated() && !evidence().IsSigmaOpen(leading());
+    if (!is_as_stated || !IsSigmaRefuted(evidence(), LackOfFitLevel())) return false;
+    found_.refitted.model.is_sigma_refuted = true;
+    const CalibrationProblem scaled = WithNoiseOf(evidence(), leading(), *lacking().problem);
+    const DiagnosedModel refit = RefitFully(scaled, lacking().estimate, joint_);
+    if (!IsUsable(refit.estimate.status)) return false;
+    found_.refitted.lacking = refit;
+    steps_ = {};
+    return true;
+  }
+  double LackOfFitLevel() const { return kShareOfLackOfFit * options_.significance; }
 
   // The noise so far is what is left beyond all that the leading set holds. What is named leaves more: all that is said
   // goes by one noise, that of the final model, by which (NoiseFloor) no figure of the hold-out closes.
   void FollowRepeatability() {
     d_.final = WithOwnRepeatability(judged_, IsSigmaStated(problem_), joint_);
     if (d_.final.problem == judged_.problem) return;
-    d_.noise = FindNoise(*evidence_, leading_, problem_, d_.final);
+    d_.noise = FindNoise(evidence(), leading(), problem_, d_.final);
     d_.noise.is_of_final = true;
     d_.final_p = kNotKnown;
   }
 
-  // The last that needs an effect, which goes before that does; -1: of none.
-  int GoesFirst(int place) const {
-    if (place < 0) return -1;
-    return static_cast<int>(GoingWith(evidence_->list().math, ExplanationsOf(selected_), place).front());
-  }
-
-  // The prefix that holds an effect and what needs it: what one does alone is nothing to judge it by.
-  size_t UpTo(size_t place) const { return static_cast<size_t>(GoesFirst(static_cast<int>(place))) + 1; }
+  int DependentOf(int place) const { return GoesFirst(evidence().list().math, selected_, place); }
 
   // What the estimate holds is one of the sets that share the probability.
   void AllowForRivals() {
-    const double own = posterior_.sets[posterior_.Leading(NamingGate())].probability;
-    d_.choice = ErrorOfChoice(d_.final.estimate, own, rivals_);
-    const std::vector<std::vector<EffectSpec>> instead = WhatRivalsHold(own, rivals_, 1.0 - NamingGate());
+    const double own = LeadingNames().probability;
+    d_.choice = ErrorOfChoice(d_.final.estimate, own, found_.rivals);
+    const std::vector<std::vector<EffectSpec>> instead = WhatRivalsHold(own, found_.rivals, 1.0 - NamingGate());
     if (!instead.empty()) d_.cautions.push_back(IsOneOfSeveral(instead));
   }
 
   // Of the selected effects; -1: all hold.
   int NotNamed() {
     if (!IsUsable(d_.final.estimate.status)) return static_cast<int>(selected_.size()) - 1;
-    if (const int idle = GoesFirst(LeastSupported()); idle >= 0) return idle;
-    if (const int worse = GoesFirst(MeasurePrefixes()); worse >= 0) return worse;
+    if (const int idle = DependentOf(LeastSupported()); idle >= 0) return idle;
+    steps_.Measure(lacking(), d_.final, selected_, evidence().list().math, joint_);
+    if (const int worse = DependentOf(steps_.Worst()); worse >= 0) return worse;
     if (!d_.has_unexplained) FindRest();  // else there is a rest, whatever the noise is
     return CountHeldOut(d_.final) >= kFewGains && MayLeaveARest() ? LeastConfirmed() : -1;
   }
@@ -204,29 +233,25 @@ class Session {
     const auto is_less = [this](const auto& a, const auto& b) { return ProbabilityOf(a) < ProbabilityOf(b); };
     const auto least = std::min_element(selected_.begin(), selected_.end(), is_less);
     if (weighed_.IsNamed(ProbabilityOf(*least))) return -1;
-    const int out = GoesFirst(static_cast<int>(least - selected_.begin()));
-    LeaveUnnamed(selected_[out]);
-    return out;
+    return DependentOf(static_cast<int>(least - selected_.begin()));
   }
 
   // Of those that do not make untouched rows better beyond chance.
   int LeastConfirmed() {
-    std::vector<double> gains;
-    for (size_t k = 0; k < selected_.size(); ++k)
-      gains.push_back(AreUsable(k) ? HoldoutGain(prefixes_[k], prefixes_[UpTo(k)])
-                                   : std::numeric_limits<double>::infinity());
+    const std::vector<double> gains = steps_.Gains();
     const size_t least = std::min_element(gains.begin(), gains.end()) - gains.begin();
     VLOG(1) << "diagnosis: " << selected_[least].candidate.spec.Path() << " makes untouched rows better by "
             << gains[least] << " of the scatter of that, the others by more";
     if (IsBeyondChance(gains[least])) return -1;
-    const int out = GoesFirst(static_cast<int>(least));
-    LeaveUnnamed(selected_[out]);
+    const int out = DependentOf(static_cast<int>(least));
     unconfirmed_.push_back(selected_[out]);
     return out;
   }
 
   // It stays a piece of what has no name.
-  void LeaveUnnamed(const SelectedEffect& effect) { leading_.pieces = EachOnce(leading_.pieces, {effect.explanation}); }
+  void LeaveUnnamed(const SelectedEffect& effect) {
+    found_.refitted.model.pieces = EachOnce(leading().pieces, {effect.explanation});
+  }
 
   // The effect whose values the full estimator finds to be chance most; -1: none.
   int LeastSupported() const {
@@ -242,63 +267,23 @@ class Session {
   }
 
   DiagnosedModel JudgedWith(const std::vector<SelectedEffect>& effects) const {
-    const DiagnosedModel quick = Extend(lacking_, CandidatesOf(effects), joint_);
+    const DiagnosedModel quick = Extend(lacking(), CandidatesOf(effects), joint_);
     if (!IsUsable(quick.estimate.status)) return quick;
     const ParameterSet aligned = AlignedAs(d_.baseline.estimate.aligned, quick.problem->parameters);
     return JudgeFully(quick.problem, quick.estimate.parameters, aligned, joint_);
   }
 
-  // Whether the models with and without an effect have an optimum.
-  bool AreUsable(size_t effect) const {
-    return IsUsable(prefixes_[effect].estimate.status) && IsUsable(prefixes_[UpTo(effect)].estimate.status);
-  }
-
-  // Hold-out after each effect, fitted with what it needs: a compliance without its spring may be anything. An effect
-  // that makes it worse beyond chance, or, where all since the best prefix do together, the one of these that makes it
-  // worst; -1 where none does.
-  int MeasurePrefixes() {
-    if (prefixes_.empty()) prefixes_.push_back(PredictingHoldout(lacking_));
-    for (size_t count = prefixes_.size(); count < selected_.size(); ++count) {
-      const size_t first = count > 1 && UpTo(count - 2) == count ? count - 2 : count - 1;
-      const bool is_near = IsUsable(prefixes_[first].estimate.status);
-      const auto begin = selected_.begin() + static_cast<long>(is_near ? first : 0);
-      const std::vector<SelectedEffect> fresh(begin, selected_.begin() + static_cast<long>(count));
-      prefixes_.push_back(
-          PredictingHoldout(Extend(is_near ? prefixes_[first] : lacking_, CandidatesOf(fresh), joint_)));
-    }
-    prefixes_.push_back(d_.final);
-    for (size_t k = selected_.size(); k > 0; --k) {
-      if (AreUsable(k - 1) && MakesHoldoutWorse(prefixes_[k - 1], prefixes_[UpTo(k - 1)]))
-        return static_cast<int>(k) - 1;
-    }
-    std::vector<double> rms;
-    for (const DiagnosedModel& prefix : prefixes_) {
-      rms.push_back(IsUsable(prefix.estimate.status) ? HoldoutRms(prefix) : kNotKnown);
-    }
-    const auto is_less = [](double a, double b) { return a < b || (!std::isnan(a) && std::isnan(b)); };
-    const size_t best = std::min_element(rms.begin(), rms.end(), is_less) - rms.begin();
-    if (best == selected_.size() || !MakesHoldoutWorse(prefixes_[best], d_.final)) return -1;
-    int worst = -1;
-    double most = 0.0;
-    for (size_t k = best; k < selected_.size(); ++k) {
-      if (!(rms[UpTo(k)] - rms[k] > most)) continue;
-      most = rms[UpTo(k)] - rms[k];
-      worst = static_cast<int>(k);
-    }
-    return worst;
-  }
-
   void Describe() {
     Say("alternatives and halves");
     Weigh();
-    d_.posterior = ReportPosterior(*evidence_, posterior_, weighed_, options_.prior, NamingGate());
-    d_.candidates = Screen(*evidence_, d_.baseline);
-    d_.screened = evidence_->list().NumNamed();
+    d_.posterior = ReportPosterior(evidence(), found_.posterior, weighed_, options_.prior, NamingGate());
+    d_.candidates = Screen(evidence(), d_.baseline);
+    d_.screened = evidence().list().NumNamed();
     PredictHoldout(&d_.candidates);
     d_.where = FindWhere(d_.baseline);
     d_.effects.resize(selected_.size());
     const std::vector<CheckedEffect> checked =
-        CheckEffects(*evidence_, weighed_, leading_, InPlacesOfLeading(), ExplanationsOf(selected_));
+        CheckEffects(evidence(), weighed_, leading(), InPlacesOfLeading(), ExplanationsOf(selected_));
     double before = HoldoutRms(d_.baseline);
     const std::vector<EffectView> views = ViewEffects(d_.final, SpecsOf(CandidatesOf(selected_)));
     for (size_t k = 0; k < selected_.size(); ++k) {
@@ -306,7 +291,7 @@ class Session {
       static_cast<CheckedEffect&>(effect) = checked[k];
       effect.view = views[k];
       DescribeEffect(selected_[k], &effect);
-      const DiagnosedModel& here = k + 1 == selected_.size() ? d_.final : prefixes_[k + 1];
+      const DiagnosedModel& here = k + 1 == selected_.size() ? d_.final : steps_.With(k + 1);
       effect.holdout_before = before;
       if (IsUsable(here.estimate.status)) {
         effect.holdout_after = HoldoutRms(here);
@@ -317,16 +302,16 @@ class Session {
     }
     CautionOfHalves(d_.effects, &d_.cautions);
     CautionOfLookAlikes(problem_, d_.effects, &d_.cautions);
-    CautionOfStatedEffects(lacking_, joint_, &d_.effects, &d_.cautions);
-    if (is_refuted_) d_.cautions.push_back(ProbabilitiesAreRough());
+    CautionOfStatedEffects(lacking(), joint_, &d_.effects, &d_.cautions);
+    if (found_.is_refuted) d_.cautions.push_back(ProbabilitiesAreRough());
     d_.next = ProposeMeasuring();
     d_.gap_map = MapGap(d_.baseline, d_.final);
     d_.gap = JudgeGap(d_.baseline, d_.final, NoiseFloor(), IsSigmaStated(problem_));
     d_.gap.floor_is_as_stated = IsFloorAsStated() && !selected_.empty();
     if (selected_.empty()) d_.gap.closed = d_.gap.closed_ci95.low = kNotKnown;  // other noise closes nothing
-    d_.groups = GroupEffects(d_.effects, lacking_, d_.baseline, d_.final, NoiseFloor(), joint_);
+    d_.groups = GroupEffects(d_.effects, lacking(), d_.baseline, d_.final, NoiseFloor(), joint_);
     for (EffectGroup& group : d_.groups) {
-      const double probability = sagitta::ProbabilityOf(group.effect, *evidence_, weighed_models_);
+      const double probability = sagitta::ProbabilityOf(group.effect, evidence(), weighed_models_);
       if (probability > 0.0) group.probability = probability;  // else a group of several effects
     }
   }
@@ -334,35 +319,35 @@ class Session {
   // What does not follow the pose only a second visit shows.
   std::optional<NextPoses> ProposeMeasuring() const {
     const ParameterSet& parameters = d_.baseline.estimate.parameters;
-    if (!d_.noise.MayFollowThePose()) return ProposeNext(*evidence_, *working_, parameters);
-    return ProposeRevisits(WithNoiseOf(*evidence_, leading_, *working_), parameters);
+    if (!d_.noise.MayFollowThePose()) return ProposeNext(evidence(), *working_, parameters);
+    return ProposeRevisits(WithNoiseOf(evidence(), leading(), *working_), parameters);
   }
 
   // What effects are said to be: given a rest without a name the poses as they are would make it too sure.
   void Weigh() {
     if (weighed_models_.empty()) {
-      weighed_models_ = evidence_->models();
-      weighed_ = posterior_;
+      weighed_models_ = evidence().models();
+      weighed_ = found_.posterior;
     }
-    if (is_bagged_ || !named_ || !MayLeaveARest()) return;
+    if (is_bagged_ || !found_.is_named || !MayLeaveARest()) return;
     is_bagged_ = true;
-    weighed_models_ = BaggedModels(*evidence_, leading_, Groups());
-    if (weighed_models_.size() == evidence_->models().size()) return;  // poses are too few
+    weighed_models_ = BaggedModels(evidence(), leading(), Groups());
+    if (weighed_models_.size() == evidence().models().size()) return;  // poses are too few
     d_.cautions.push_back(AreBagged(kResamples));
-    weighed_ = PosteriorOf(*evidence_, weighed_models_);
+    weighed_ = PosteriorOf(evidence(), weighed_models_);
   }
 
   double ProbabilityOf(const SelectedEffect& effect) const {
-    return weighed_.Of(evidence_->list().name[effect.explanation]);
+    return weighed_.Of(evidence().list().name[effect.explanation]);
   }
 
   const std::vector<std::vector<NamedProbability>>& InPlacesOfLeading() {
-    if (in_places_.empty()) in_places_ = InPlaces(*evidence_, leading_);
+    if (in_places_.empty()) in_places_ = InPlaces(evidence(), leading());
     return in_places_;
   }
 
   const PoseGroups& Groups() {
-    if (!groups_) groups_ = std::make_unique<PoseGroups>(*evidence_, leading_, InPlacesOfLeading());
+    if (!groups_) groups_ = std::make_unique<PoseGroups>(evidence(), leading(), InPlacesOfLeading());
     return *groups_;
   }
 
@@ -372,11 +357,11 @@ class Session {
     int count = 0;
     for (ScreenedCandidate& entry : *candidates) {
       if (count == kMostPredicted) return;
-      if (weighed_.Of(evidence_->list().name[entry.explanation]) < kWorthListing) continue;
+      if (weighed_.Of(evidence().list().name[entry.explanation]) < kWorthListing) continue;
       ++count;
-      const WeightedModel alone = Alone(*evidence_, leading_.view, entry.explanation);
+      const WeightedModel alone = Alone(evidence(), leading().view, entry.explanation);
       const DiagnosedModel with =
-          Extend(lacking_, CandidatesOf(SelectedEffectsOf(*evidence_, alone, lacking_)), joint_);
+          Extend(lacking(), CandidatesOf(SelectedEffectsOf(evidence(), alone, lacking())), joint_);
       if (IsUsable(with.estimate.status)) entry.holdout_rms = HoldoutRms(with);
     }
   }
@@ -388,10 +373,10 @@ class Session {
     effect.reduction = chosen.fit.reduction;
     const Estimate &after = judged_.estimate, &final = d_.final.estimate;
     // The reduction is in units of the evidence's rows, the refit may have other sigmas.
-    const double unit = UnitOfRows(*evidence_, leading_);
+    const double unit = UnitOfRows(evidence(), leading());
     effect.corrected_p =
         CorrectedP(chosen.fit.reduction, chosen.fit.parameters, unit * after.chi2 / std::max(1, after.dof), after.dof,
-                   evidence_->IsSigmaStated(), d_.screened);
+                   evidence().IsSigmaStated(), d_.screened);
     effect.parameters = ParameterRowsOf(chosen.candidate.spec, final);
     effect.bounds = PhysicalBoundsOf(d_.final, chosen.candidate.spec, effect.parameters);
     effect.numbers = AllowForSetting(d_.final, chosen.candidate.spec, &effect.parameters);
@@ -399,29 +384,28 @@ class Session {
 
   // What the noise has to be with the final model, and how well that fits then.
   void FindRest() {
-    d_.noise = FindNoise(*evidence_, leading_, problem_, d_.final);
+    d_.noise = FindNoise(evidence(), leading(), problem_, d_.final);
     d_.final_p = LackOfFit(problem_, d_.final, d_.noise);
   }
 
   // Whether the noise or untouched rows say that something is left. This and the following after FindRest.
   bool Misfits() const {
     const bool is_stated = IsSigmaStated(problem_);
-    return (is_stated && d_.final_p < kShareOfLackOfFit * options_.significance) ||
-           IsFarFromFloor(d_.final, is_stated, options_.significance);
+    return (is_stated && d_.final_p < LackOfFitLevel()) || IsFarFromFloor(d_.final, is_stated, options_.significance);
   }
 
   // m. A deviation of the joints that may be an error which follows the pose is no noise: it would close the gap by
   // being called noise.
   double NoiseFloor() const { return (IsFloorAsStated() ? d_.baseline : d_.final).estimate.noise_floor; }
   bool IsFloorAsStated() const {
-    return IsSigmaStated(problem_) && (d_.noise.MayFollowThePose() || evidence_->FollowsPose(leading_));
+    return IsSigmaStated(problem_) && (d_.noise.MayFollowThePose() || evidence().FollowsPose(leading()));
   }
 
-  // Where untouched rows get no better at all, what was found is at most a part of it, too. After MeasurePrefixes,
-  // where anything is selected.
+  // Where untouched rows get no better at all, what was found is at most a part of it, too. Once steps are
+  // measured, where anything is selected.
   bool MayLeaveARest() const {
     return d_.has_unexplained || d_.noise.MayFollowThePose() ||
-           (!selected_.empty() && HoldoutRms(d_.final) >= HoldoutRms(prefixes_.front()));
+           (!selected_.empty() && HoldoutRms(d_.final) >= HoldoutRms(steps_.With(0)));
   }
 
   void Decide() {
@@ -429,9 +413,9 @@ class Session {
     d_.noise.outliers_held_out = aside_.held_out();
     d_.baseline_p = LackOfFit(problem_, d_.baseline, {});
     if (d_.has_unexplained) {
-      d_.unexplained = LearnFunction(*evidence_, posterior_, leading_, *lacking_.problem);
+      d_.unexplained = LearnFunction(evidence(), found_.posterior, leading(), *lacking().problem);
       Say("learning what has no name");
-      auto learnt = LearnModel(*evidence_, leading_, Groups(), d_.baseline, judged_, joint_);
+      auto learnt = LearnModel(evidence(), leading(), Groups(), d_.baseline, judged_, joint_);
       if (learnt) d_.learnt = std::make_shared<LearntModel>(*std::move(learnt));
       if (d_.learnt && problem_.ValidationObservations().empty()) d_.cautions.push_back(LearntUnchecked());
     }
@@ -458,18 +442,15 @@ class Session {
   Diagnosis& d_;
   SetAside aside_;
   std::unique_ptr<CalibrationProblem> working_;  // what the evidence is made of
-  std::unique_ptr<Evidence> evidence_;
-  Posterior posterior_, weighed_;              // of the evidence's models; of weighed_models_
-  std::vector<WeightedModel> weighed_models_;  // these, or averaged over resamples
-  bool is_bagged_ = false, named_ = false, is_refuted_ = false;
-  WeightedModel leading_;
-  DiagnosedModel lacking_;  // the believed model with the noise that goes with the leading set
-  DiagnosedModel judged_;   // the same with what is named
+  LeadingSet found_;
+  Posterior weighed_;                          // of weighed_models_
+  std::vector<WeightedModel> weighed_models_;  // the evidence's models, or averaged over resamples
+  bool is_bagged_ = false;
+  DiagnosedModel judged_;  // the same with what is named
   std::vector<std::vector<NamedProbability>> in_places_;
   std::unique_ptr<PoseGroups> groups_;
-  std::vector<RivalSet> rivals_;                        // of the leading set
   std::vector<SelectedEffect> selected_, unconfirmed_;  // named; what untouched rows do not confirm
-  std::vector<DiagnosedModel> prefixes_;                // the lacking model with none, one, two, … of them
+  HoldoutSteps steps_;                                  // of the selected effects
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "estimator/least_squares/linearization.h"
+#include "estimator/noise/repeat_spread.h"
 #include "estimator/statistics/distributions.h"
 #include "estimator/validation/trust.h"
 #include "models/constants.h"
@@ -135,8 +136,8 @@ double ChanceOfHoldout(const DiagnosedModel& model, bool is_sigma_stated) {
   if (held_out < kFewHeldOut || !(estimate.noise_floor > 0.0)) return kNotKnown;
   const double ratio = std::pow(estimate.validation.rms / estimate.noise_floor, 2);
   const double freedom = FreedomOfHoldout(model);
-  return is_sigma_stated ? ChiSquareSurvival(freedom * ratio, freedom)
-                         : FSurvival(ratio, freedom, std::max(1, estimate.dof));
+  const double of_noise = is_sigma_stated ? DofOfSizes(model.problem->repeat_scatter) : std::max(1, estimate.dof);
+  return std::isinf(of_noise) ? ChiSquareSurvival(freedom * ratio, freedom) : FSurvival(ratio, freedom, of_noise);
 }
 
 bool IsFarFromFloor(const DiagnosedModel& model, bool is_sigma_stated, double significance) {

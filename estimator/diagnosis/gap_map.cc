@@ -154,24 +154,6 @@ Eigen::VectorXd ShareOfRows(const CalibrationProblem& problem, const Linearizati
   return shares;
 }
 
-// The joint that a setting names, or else the target.
-std::string DrivingJoint(const EffectDefinition& definition, const EffectSpec& spec) {
-  for (const SettingDefinition& setting : definition.settings) {
-    if (setting.kind == SettingDefinition::Kind::kJoint) return spec.TextSetting(setting.name, spec.target);
-  }
-  return spec.target;
-}
-
-Driver DriverOf(const CalibrationProblem& problem, const EffectSpec& spec) {
-  const EffectDefinition* definition = FindEffect(problem.robot(), spec.effect);  // none of the compensator
-  const EffectDriver by = definition == nullptr ? EffectDriver::kJoint : definition->DrivenBy(spec);
-  if (by == EffectDriver::kTemperature) return TemperatureOf(problem);
-  if (by == EffectDriver::kTime) return TimeOf(problem);
-  const std::string name = definition == nullptr ? spec.target : DrivingJoint(*definition, spec);
-  const int joint = problem.robot().chain.FindJoint(name);
-  return joint >= 0 ? AngleOf(problem, joint) : ConfigurationNumberOf(problem);
-}
-
 // The effect's contribution to the whitened rows: its columns times its values (neutral: 0). The torque of a
 // compensator is proportional to its rate; of one that the robot states in another way, what differs counts.
 Eigen::VectorXd Contribution(const DiagnosedModel& with, const EffectSpec& spec, const Linearization& here) {

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "estimator/explanations/driver_functions.h"
+#include "estimator/explanations/drivers.h"
 #include "estimator/report/explanations_words.h"
 #include "models/constants.h"
 #include "problems/text.h"
@@ -192,57 +194,96 @@ class FormulaSearch {
   Formula best_;
 };
 
-// The posterior of one member of a set, in typical sizes: f_a(shot) = (columns - their mean) mixing_a c of each axis a.
-class FunctionOfAxes {
+// What a source does, over one driver, by all members of a set that have no name and follow that driver: pieces may
+// cancel most of each other. Of each its columns of that source,  f(shot) = sum (columns - their mean) mixing c,  and
+// the posterior of all their coefficients c, in typical sizes.
+class DeviationOfSource {
  public:
-  FunctionOfAxes(const Evidence& evidence, const WeightedModel& model, int member, std::vector<int> shots, size_t axes)
-      : group_(evidence.list().math[member].group),
-        height_(static_cast<long>(group_.columns.size() / axes)),
-        axes_(static_cast<long>(axes)),
-        shots_(std::move(shots)),
-        values_(evidence.ValuesOfMember(model, member)) {
-    const std::vector<int> own(group_.columns.begin(), group_.columns.begin() + height_);
-    columns_ = evidence.columns().FunctionOf(own);
-    mean_ = columns_(shots_, Eigen::all).colwise().mean();
+  DeviationOfSource(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& problem,
+                    const Driver& driver, const Source& source)
+      : shots_(FittedShots(problem)), of_shot_(driver.of_shot) {
+    const ExplanationList& list = evidence.list();
+    const std::vector<const ColumnGroup*> groups = GroupsOf(list.math, model.set.members);
+    const GroupValues all = ValuesOf(evidence.NormalOf(model.view), groups, model.set.scales);
+    std::vector<long> places;  // of the coefficients
+    columns_.resize(of_shot_.size(), 0);
+    long first = 0;
+    for (size_t k = 0; k < groups.size(); first += groups[k]->size(), ++k) {
+      const int member = model.set.members[k];
+      const bool is_nameless = list.IsUnnamed(member) || model.HasPiece(member);
+      if (!is_nameless || !IsOver(driver, list, member, problem)) continue;
+      const Eigen::MatrixXd own = FunctionsOf(evidence.columns(), *groups[k], source);
+      if (own.cols() == 0) continue;
+      columns_.conservativeResize(Eigen::NoChange, columns_.cols() + own.cols());
+      columns_.rightCols(own.cols()) = own;
+      for (long c = 0; c < own.cols(); ++c) places.push_back(first + c);
+    }
+    values_ = all.values(places);
+    covariance_ = all.covariance(places, places);
+    columns_.rowwise() -= columns_(shots_, Eigen::all).colwise().mean().eval();
   }
 
-  // The one that moves most.
-  long StrongestAxis() const {
-    const Eigen::MatrixXd seen = columns_(shots_, Eigen::all).rowwise() - mean_;
-    Eigen::VectorXd squares(axes_);
-    for (long a = 0; a < axes_; ++a) squares[a] = (seen * Mixing(a) * values_.values).squaredNorm();
-    long strongest = 0;
-    squares.maxCoeff(&strongest);
-    return strongest;
-  }
+  double Square() const { return (columns_(shots_, Eigen::all) * values_).squaredNorm(); }
 
   // Its values and their standard deviations times `unit`, at kTableRows of the driver's values, ascending.
-  std::vector<FunctionPoint> Table(long axis, const Eigen::VectorXd& of_shot, double unit) const {
+  std::vector<FunctionPoint> Table(double unit) const {
     std::vector<int> shots = shots_;
-    std::sort(shots.begin(), shots.end(), [&](int a, int b) { return of_shot[a] < of_shot[b]; });
-    const auto equal = [&](int a, int b) { return of_shot[a] == of_shot[b]; };
+    std::sort(shots.begin(), shots.end(), [&](int a, int b) { return of_shot_[a] < of_shot_[b]; });
+    const auto equal = [&](int a, int b) { return of_shot_[a] == of_shot_[b]; };
     shots.erase(std::unique(shots.begin(), shots.end(), equal), shots.end());
     const size_t rows = std::min(kTableRows, shots.size());
     std::vector<FunctionPoint> table;
     for (size_t r = 0; r < rows; ++r) {
       const int shot = shots[rows > 1 ? r * (shots.size() - 1) / (rows - 1) : 0];
-      const Eigen::VectorXd row = ((columns_.row(shot) - mean_) * Mixing(axis)).transpose();
-      table.push_back({of_shot[shot], unit * row.dot(values_.values),
-                       unit * std::sqrt(std::max(0.0, row.dot(values_.covariance * row)))});
+      const Eigen::VectorXd row = columns_.row(shot).transpose();
+      table.push_back(
+          {of_shot_[shot], unit * row.dot(values_), unit * std::sqrt(std::max(0.0, row.dot(covariance_ * row)))});
     }
     return table;
   }
 
  private:
-  Eigen::MatrixXd Mixing(long axis) const { return group_.mixing.middleRows(axis * height_, height_); }
+  static bool IsOver(const Driver& driver, const ExplanationList& list, int member, const CalibrationProblem& problem) {
+    const Driver own =
+        list.IsUnnamed(member) ? list.functions[list.unnamed[member]].driver : DriverOf(problem, list.SpecOf(member));
+    return own.of_shot.size() == driver.of_shot.size() && own.of_shot == driver.of_shot;
+  }
 
-  const ColumnGroup& group_;
-  long height_, axes_;
+  // One column per coefficient; none where the group moves the source in no way.
+  static Eigen::MatrixXd FunctionsOf(const EvidenceColumns& columns, const ColumnGroup& group, const Source& source) {
+    std::vector<int> own;
+    std::vector<long> rows;  // of the mixing
+    for (size_t c = 0; c < group.columns.size(); ++c) {
+      const std::optional<Source> moved = columns.MotionOf(group.columns[c]);
+      if (!moved || !(*moved == source)) continue;
+      own.push_back(group.columns[c]);
+      rows.push_back(static_cast<long>(c));
+    }
+    if (own.empty()) return {};
+    const Eigen::MatrixXd mixing =
+        group.mixing.size() > 0
+            ? group.mixing
+            : Eigen::MatrixXd::Identity(group.size(), static_cast<long>(group.columns.size())).eval();
+    return columns.FunctionOf(own) * mixing(rows, Eigen::all);
+  }
+
   std::vector<int> shots_;  // fitted
-  GroupValues values_;
-  Eigen::MatrixXd columns_;
-  Eigen::RowVectorXd mean_;
+  Eigen::VectorXd of_shot_;
+  Eigen::MatrixXd columns_;  // shots x coefficients
+  Eigen::VectorXd values_;
+  Eigen::MatrixXd covariance_;
 };
+
+// Of those that the function moves, the one that moves most.
+std::pair<Source, DeviationOfSource> StrongestOf(const std::vector<Source>& sources, const Evidence& evidence,
+                                                 const WeightedModel& model, const CalibrationProblem& problem,
+                                                 const Driver& driver) {
+  std::vector<DeviationOfSource> deviations;
+  for (const Source& source : sources) deviations.emplace_back(evidence, model, problem, driver, source);
+  const auto is_less = [](const auto& a, const auto& b) { return a.Square() < b.Square(); };
+  const auto strongest = std::max_element(deviations.begin(), deviations.end(), is_less);
+  return {sources[static_cast<size_t>(strongest - deviations.begin())], *strongest};
+}
 
 }  // namespace
 
@@ -258,11 +299,10 @@ LearntFunction LearnFunction(const Evidence& evidence, const Posterior& posterio
   for (const int m : model.pieces) learnt.pieces.push_back(evidence.list().SpecOf(m));
   const Driver& driver = learnt.what.driver;
   if (driver.of_shot.size() == 0) return learnt;
-  const FunctionOfAxes function(evidence, with, member, FittedShots(problem), learnt.what.sources.size());
-  const long axis = function.StrongestAxis();
-  const SourceUnit in = UnitOf(learnt.what.sources[axis], problem.robot().chain);
+  const auto [source, deviation] = StrongestOf(learnt.what.sources, evidence, with, problem, driver);
+  const SourceUnit in = UnitOf(source, problem.robot().chain);
   learnt.unit = in.micro;
-  learnt.table = function.Table(axis, driver.of_shot, in.typical / kMicro);
+  learnt.table = deviation.Table(in.typical / kMicro);
   const int joint = problem.robot().chain.FindJoint(driver.name);
   const bool is_joint_value = driver.kind == DriverKind::kAngle || driver.kind == DriverKind::kTravel;
   const std::string joint_value = is_joint_value && joint >= 0 ? "q" + std::to_string(joint + 1) : "";

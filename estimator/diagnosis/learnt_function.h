@@ -32,7 +32,8 @@ struct LearntFunction {
   std::vector<EffectSpec> pieces;  // of the same cause, each like an effect of the catalogue
 };
 
-// The strongest unnamed function of a model, the others of its set given; none where it has none. posterior: of the
+// The strongest unnamed function of a model, the others of its set given, and what it moves by all of them that follow
+// the same driver; none where it has none. posterior: of the
 // evidence's models.
 LearntFunction LearnFunction(const Evidence& evidence, const Posterior& posterior, const WeightedModel& model,
                              const CalibrationProblem& problem);

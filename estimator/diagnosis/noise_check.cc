@@ -15,19 +15,6 @@ namespace {
 constexpr int kFewestDof = 20;      // that determine a scale: to a sixth
 constexpr size_t kSharedRows = 10;  // beyond one per visit: 30 coordinates say what is shared to an eighth
 
-// One repeatability of all revolute joints, estimated, then those of the sliding ones as stated.
-std::vector<DeviationGroup> CommonDeviations(const CalibrationProblem& problem) {
-  std::vector<DeviationGroup> groups(1);
-  for (int j = 0; j < problem.robot().num_joints(); ++j) {
-    if (IsRevolute(problem, j)) groups[0].joints.push_back(j);
-  }
-  for (int i = 0; i < problem.latent.size(); ++i) {
-    const int joint = problem.latent.joints[i];
-    if (!IsRevolute(problem, joint)) groups.push_back({{joint}, std::pow(problem.latent.sigmas[i], 2), false});
-  }
-  return groups;
-}
-
 }  // namespace
 
 bool IsSigmaStated(const CalibrationProblem& problem) {
@@ -103,31 +90,44 @@ CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double fa
   return scaled;
 }
 
-CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double sigma) {
+CalibrationProblem WithRepeatability(const CalibrationProblem& problem, const JointSigmas& sigmas) {
   CalibrationProblem with = problem;
   RepeatabilitySpec& spec = with.mutable_experiment()->repeatability;
-  spec.angle = {};
-  bool slides = false;
+  spec.angle = spec.length = {};
   for (const Joint& joint : with.robot().chain.joints) {
-    slides |= joint.type == JointType::kPrismatic;
-    if (sigma > 0.0 && joint.type == JointType::kRevolute) spec.angle.per_joint[joint.name] = sigma;
+    const bool turns = joint.type == JointType::kRevolute;
+    const double sigma = turns ? sigmas.turn : sigmas.travel;
+    if (sigma > 0.0) (turns ? spec.angle : spec.length).per_joint[joint.name] = sigma;
   }
-  // `repeatability: estimate` asks of both kinds: alone, it would be said to ask of joints that are not there.
-  if (!slides) spec.length = {};
   with.latent = MakeLatentModel(with.robot().chain, with.data(), with.experiment());
   return with;
 }
 
 RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters, bool sigma_is_open,
                                   bool with_interval) {
-  const std::vector<DeviationGroup> joints = CommonDeviations(problem);
-  const RestrictedLikelihood reml(problem, parameters);
+  DeviationGroup turning, sliding;
+  for (int j = 0; j < problem.robot().num_joints(); ++j) {
+    (IsRevolute(problem, j) ? turning : sliding).joints.push_back(j);
+  }
   RepeatabilityFit fit;
-  if (reml.dof() <= 0 || joints[0].joints.empty()) return fit;
-  const RemlFit both = reml.Maximise(sigma_is_open, joints);
-  fit.instrument = std::sqrt(both.variances[0]);
-  fit.sigma = std::sqrt(both.variances[1]);
-  if (with_interval) reml.ProfileInterval(both, sigma_is_open, joints, 1, &fit.low, &fit.high);
+  std::vector<DeviationGroup> groups;
+  std::vector<SizeFit*> sizes;
+  const auto add = [&](const DeviationGroup& group, SizeFit* size) {
+    if (group.joints.empty()) return;
+    groups.push_back(group);
+    sizes.push_back(size);
+  };
+  add(turning, &fit.turn);
+  add(sliding, &fit.travel);
+  const RestrictedLikelihood reml(problem, parameters);
+  if (reml.dof() <= 0 || groups.empty()) return fit;
+  const RemlFit all = reml.Maximise(sigma_is_open, groups);
+  fit.instrument = std::sqrt(all.variances[0]);
+  for (size_t g = 0; g < groups.size(); ++g) {
+    sizes[g]->sigma = std::sqrt(all.variances[g + 1]);
+    if (with_interval)
+      reml.ProfileInterval(all, sigma_is_open, groups, static_cast<int>(g) + 1, &sizes[g]->low, &sizes[g]->high);
+  }
   return fit;
 }
 

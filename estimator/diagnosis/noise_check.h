@@ -31,15 +31,25 @@ inline constexpr int kMostScatterRounds = 6;  // each leaves a fraction of what 
 // The problem with every stated sigma multiplied.
 CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double factor);
 
-// The problem with one common repeatability on every revolute joint, rad, instead of what it states of them.
-CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double sigma);
+// Standard deviations of the joints at an arrival: of those that turn, rad, and of those that slide, m.
+struct JointSigmas {
+  double turn = 0.0, travel = 0.0;
+};
+// The problem with one common repeatability of all joints of a kind instead of what it states of them.
+CalibrationProblem WithRepeatability(const CalibrationProblem& problem, const JointSigmas& sigmas);
 
-// One repeatability of all revolute joints (rad, where asked for with a 95 % interval by the profile) by REML
-// (variance_components.h), given the sigmas at hand or, where sigma_is_open, together with the instrument's.
+// A size with its 95 % interval, where asked for; 0: there is none.
+struct SizeFit {
+  double sigma = 0.0, low = 0.0, high = 0.0;
+};
+// One repeatability of all joints that turn (rad) and one of all that slide (m) by REML (variance_components.h),
+// intervals by the profile, given the instrument's sigmas at hand or, where sigma_is_open, together with them.
 struct RepeatabilityFit {
   double instrument = 1.0;  // times the sigma that is assumed, where that is open
-  double sigma = 0.0;
-  double low = 0.0, high = 0.0;
+  SizeFit turn, travel;
+
+  bool IsFound() const { return turn.sigma > 0.0 || travel.sigma > 0.0; }
+  JointSigmas Sigmas() const { return {turn.sigma, travel.sigma}; }
 };
 RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters, bool sigma_is_open,
                                   bool with_interval);

@@ -15,42 +15,50 @@ constexpr double kOnePercent = 1.314;   // arms of an interval of 99 % over thos
 constexpr double kNearlyAll = 0.999;    // of the probability: best models first
 constexpr double kSettledSize = 0.005;  // of a logarithm: twenty thousand coordinates leave as much open
 
-double MeanStated(const CalibrationProblem& stated) {
-  double sum = 0.0;
-  int count = 0;
+JointSigmas MeanStated(const CalibrationProblem& stated) {
+  JointSigmas sums;
+  int turning = 0, sliding = 0;
   for (int i = 0; i < stated.latent.size(); ++i) {
-    const int joint = stated.latent.joints[i];
-    if (stated.robot().chain.joints[joint].type != JointType::kRevolute) continue;
-    sum += stated.latent.sigmas[i];
-    ++count;
+    const bool turns = stated.robot().chain.joints[stated.latent.joints[i]].type == JointType::kRevolute;
+    (turns ? sums.turn : sums.travel) += stated.latent.sigmas[i];
+    ++(turns ? turning : sliding);
   }
-  return count > 0 ? sum / count : 0.0;
+  return {sums.turn / std::max(1, turning), sums.travel / std::max(1, sliding)};
 }
 
 // The likelihood assumes sigma to be open where nothing states it or the stated one is probably wrong: then it scales
 // the whole covariance, the joints' deviations too.
 double AppliedFactor(const Evidence& evidence, const WeightedModel& model) {
-  const bool is_open = !evidence.IsSigmaStated() || evidence.SigmaIsWrong(model) > kEvenOdds;
-  return is_open ? evidence.LikelihoodOf(model.view).Factor(evidence.ResidualOf(model)) : 1.0;
+  return evidence.IsSigmaOpen(model) ? evidence.LikelihoodOf(model.view).Factor(evidence.ResidualOf(model)) : 1.0;
+}
+
+bool IsAsStated(const SizeFit& fit, double stated) {
+  if (!(stated > 0.0) || !(fit.sigma > 0.0)) return stated == fit.sigma;
+  const double off = std::log(stated / fit.sigma);
+  const double arm = std::log((off > 0.0 ? fit.high : fit.low) / fit.sigma);  // to the end of 95 %
+  return off / arm < kOnePercent;
 }
 
 // Another than stated, given sigma as it is found: where sigma is wrong and the joints are not, what is stated may be
 // found again.
 void FindRepeatability(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& stated,
                        const DiagnosedModel& final, NoiseFinding* noise) {
-  const RepeatabilityFit fit = FitRepeatability(*final.problem, final.estimate.parameters, !noise->is_stated, true);
-  const double stated_size = MeanStated(stated);
-  if (stated_size > 0.0 && fit.sigma > 0.0) {
-    const double off = std::log(stated_size / fit.sigma);
-    const double arm = std::log((off > 0.0 ? fit.high : fit.low) / fit.sigma);  // to the end of 95 %
-    if (off / arm < kOnePercent) return;
+  RepeatabilityFit fit = FitRepeatability(*final.problem, final.estimate.parameters, !noise->is_stated, true);
+  const JointSigmas size = MeanStated(stated);
+  const bool is_stated = size.turn > 0.0 || size.travel > 0.0;
+  if (is_stated && IsAsStated(fit.turn, size.turn) && IsAsStated(fit.travel, size.travel)) return;
+  if (!fit.IsFound()) {
+    const double sigma = AppliedFactor(evidence, model) * evidence.ViewOf(model).sigma;
+    for (const Joint& joint : stated.robot().chain.joints) {
+      (joint.type == JointType::kRevolute ? fit.turn.sigma = sigma : fit.travel.sigma = kTravelPerTurn * sigma);
+    }
   }
-  const NoiseView& view = evidence.ViewOf(model);
-  noise->stated_repeatability = stated_size;
-  noise->repeatability = fit.sigma > 0.0 ? fit.sigma : AppliedFactor(evidence, model) * view.sigma;
-  noise->repeatability_low = fit.low;
-  noise->repeatability_high = fit.high;
-  noise->repeatability_is_overstated = fit.high > 0.0 ? fit.high < stated_size : noise->repeatability < stated_size;
+  noise->turn = {fit.turn.sigma, fit.turn.low, fit.turn.high, size.turn};
+  noise->travel = {fit.travel.sigma, fit.travel.low, fit.travel.high, size.travel};
+  const auto is_over_or_none = [](const FoundRepeatability& found) {
+    return found.IsOverstated() || (found.sigma == 0.0 && found.stated == 0.0);
+  };
+  noise->repeatability_is_overstated = is_over_or_none(noise->turn) && is_over_or_none(noise->travel);
 }
 
 std::vector<GroupFinding> FindGroups(const Evidence& evidence, const WeightedModel& model, const Measurements& data) {
@@ -86,15 +94,17 @@ CalibrationProblem WithNoiseOf(const Evidence& evidence, const WeightedModel& mo
   const NoiseView& view = evidence.ViewOf(model);
   CalibrationProblem with = problem;
   const double factor = AppliedFactor(evidence, model);
-  if (view.kind == NoiseView::Kind::kVisit) with = WithRepeatability(with, factor * view.sigma);
-  if (view.kind == NoiseView::Kind::kPose) {
-    with = WithRepeatability(with, factor * std::hypot(view.sigma, MeanStated(problem)));
+  if (view.kind != NoiseView::Kind::kStated) {
+    const JointSigmas stated = view.kind == NoiseView::Kind::kPose ? MeanStated(problem) : JointSigmas();
+    with = WithRepeatability(with, {factor * std::hypot(view.sigma, stated.turn),
+                                    factor * std::hypot(kTravelPerTurn * view.sigma, stated.travel)});
   }
   if (!view.groups.empty()) {
     with = WithScaledGroups(with, view.Scaled());
     if (with.noise_origin != NoiseOrigin::kFound) with.noise_origin = NoiseOrigin::kScaled;
   }
   if (factor != 1.0) with = WithScaledSigmas(with, factor);
+  if (view.kind == NoiseView::Kind::kStated) with.latent.sigmas *= factor;
   if (evidence.IsSigmaStated()) with.stated_noise_factor = factor;  // and that of rows to come
   return with;
 }
@@ -102,6 +112,18 @@ CalibrationProblem WithNoiseOf(const Evidence& evidence, const WeightedModel& mo
 double UnitOfRows(const Evidence& evidence, const WeightedModel& model) {
   const double factor = AppliedFactor(evidence, model);
   return factor * factor;
+}
+
+bool IsSigmaRefuted(const Evidence& evidence, double level) {
+  double wrong = 0.0, other = 0.0, seen = 0.0;
+  for (const WeightedModel& model : evidence.models()) {
+    if (seen > kNearlyAll) break;
+    seen += model.probability;
+    const double residual = evidence.ResidualOf(model), own = evidence.SigmaIsWrong(model) * model.probability;
+    wrong += own;
+    if (evidence.LikelihoodOf(model.view).ChanceOf(residual) > level) other += model.probability - own;
+  }
+  return wrong > other;
 }
 
 NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& stated,
@@ -121,7 +143,7 @@ NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, con
   if (evidence.ViewOf(model).kind == NoiseView::Kind::kVisit) {
     FindRepeatability(evidence, model, stated, final, &noise);
   }
-  noise.scale_differs = noise.is_stated && evidence.SigmaIsWrong(model) > kEvenOdds;
+  noise.scale_differs = noise.is_stated && evidence.IsSigmaOpen(model);
   const double applied =
       noise.scale_differs ? evidence.LikelihoodOf(model.view).Factor(evidence.ResidualOf(model)) : 1.0;
   std::optional<NoiseScale> scale = InstrumentNoiseScale(*final.problem, final.estimate.parameters);
@@ -144,10 +166,11 @@ DiagnosedModel WithOwnRepeatability(const DiagnosedModel& model, bool is_sigma_s
   double last = 0.0;
   for (int round = 0; round < kMostScatterRounds; ++round) {
     const RepeatabilityFit fit = FitRepeatability(*own.problem, own.estimate.parameters, !is_sigma_stated, false);
-    if (!(fit.sigma > 0.0) || !(fit.instrument > 0.0)) return own;
-    if (last > 0.0 && std::abs(std::log(fit.sigma / last)) < kSettledSize) return own;
-    last = fit.sigma;
-    CalibrationProblem with = WithRepeatability(*own.problem, fit.sigma);
+    if (!fit.IsFound() || !(fit.instrument > 0.0)) return own;
+    const double size = std::hypot(fit.turn.sigma, fit.travel.sigma / kTravelPerTurn);
+    if (last > 0.0 && std::abs(std::log(size / last)) < kSettledSize) return own;
+    last = size;
+    CalibrationProblem with = WithRepeatability(*own.problem, fit.Sigmas());
     if (!is_sigma_stated) with = WithScaledSigmas(with, fit.instrument);
     const DiagnosedModel refit = RefitFully(with, own.estimate, options);
     if (!IsUsable(refit.estimate.status)) return own;

@@ -27,6 +27,14 @@ struct GroupFinding {
   bool is_finding = false;
 };
 
+// Deviation of joints of one kind at an arrival, rad or m, with its 95 % interval, and the mean of what is stated of
+// them; sigma 0: none is found.
+struct FoundRepeatability {
+  double sigma = 0.0, low = 0.0, high = 0.0, stated = 0.0;
+
+  bool IsOverstated() const { return high > 0.0 ? high < stated : sigma < stated; }
+};
+
 // Of the leading set.
 struct NoiseFinding {
   bool is_stated = true;
@@ -39,8 +47,7 @@ struct NoiseFinding {
   bool repeatability_is_overstated = false;  // the joints deviate less than stated
   bool is_of_final = false;                  // joints' deviation is that of the final model's own residuals
   bool is_distinguished_from_pose = true;    // poses were visited again: what follows the pose is no repeatability
-  double repeatability = 0.0, repeatability_low = 0.0, repeatability_high = 0.0;  // rad; 0: as stated
-  double stated_repeatability = 0.0;                                              // rad, mean of the joints
+  FoundRepeatability turn, travel;           // another than stated, of the joints that turn and of those that slide
   std::vector<GroupFinding> groups;
   std::vector<std::string> outliers;   // file:line
   int outliers_held_out = 0;           // of them
@@ -58,7 +65,9 @@ struct NoiseFinding {
   bool IsSureOfGroups(double gate) const {
     return !HasUndeclaredRepeatability() && !scale_differs && probability > gate;
   }
-  bool HasUndeclaredRepeatability() const { return repeatability > 0.0 && !asks_repeatability; }
+  bool HasRepeatability() const { return turn.sigma > 0.0 || travel.sigma > 0.0; }
+  bool HasUndeclaredRepeatability() const { return HasRepeatability() && !asks_repeatability; }
+  bool IsRepeatabilityStated() const { return turn.stated > 0.0 || travel.stated > 0.0; }
 };
 
 // What the evidence is made of. Where nothing states sigma the scatter about the baseline scales the rows; its level
@@ -71,6 +80,11 @@ CalibrationProblem WithNoiseOf(const Evidence& evidence, const WeightedModel& mo
 
 // What a chi-square of that problem is multiplied by, to be one in the sigmas that the evidence's rows have.
 double UnitOfRows(const Evidence& evidence, const WeightedModel& model);
+
+// Of the models that the scatter does not refute, whether more of the probability has sigma wrong than a cause, or
+// other noise, that leaves a square of a chance above `level`. What has such a square by the noise as stated is refuted
+// by more than its prior says.
+bool IsSigmaRefuted(const Evidence& evidence, double level);
 
 // `final`: the extended model with that noise. `stated`: the problem as it was stated.
 NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& stated,

@@ -100,6 +100,7 @@ struct Misfit {
   double others;    // mean of the other markers on the body; 0: there are none
   double least;     // of them
   double rigid;     // what the body's best motion leaves of all of them, over the larger scatter
+  double freedom;   // of that; 0: points are too few
   double together;  // mean of all of them; 0: it is alone
   double turn;      // of the shot
 };
@@ -123,7 +124,8 @@ std::vector<Misfit> MisfitsOf(const std::vector<ShotResidual>& shots, bool is_si
         if (k != i) least = std::min(least, squares[k]);
       }
       misfits.push_back({shot.observations[i], static_cast<size_t>(&shot - shots.data()), squares[i], others, least,
-                         dof > 0 ? rigid : 0.0, n > 1 ? sum / static_cast<double>(n) : 0.0, shot.turn});
+                         rigid, static_cast<double>(std::max(0, dof)), n > 1 ? sum / static_cast<double>(n) : 0.0,
+                         shot.turn});
     }
   }
   return misfits;
@@ -144,6 +146,12 @@ double BeyondOthers(std::vector<double> squares) {
   if (place >= squares.size()) return std::numeric_limits<double>::infinity();
   std::nth_element(squares.begin(), squares.begin() + static_cast<long>(place), squares.end(), std::greater<>());
   return kBeyondOthers * squares[place];
+}
+
+// Whether a body's points are where no motion of it brings them, more than among n points comes about by chance.
+// times: what all squares count as.
+bool IsNotRigid(const Misfit& misfit, double times, double n, double significance) {
+  return misfit.freedom > 0.0 && misfit.rigid > times * ChiSquareLimitOfMany(n, significance, misfit.freedom);
 }
 
 // The same of shots, each by all its points.
@@ -171,8 +179,8 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
     return data.configurations[data.shots[data.observations[i].shot].configuration].is_validation;
   });
   if (misfits.size() < (are_fitted ? kFewestFitted : kFewestHeldOut)) return {};
-  const double own_limit = ChiSquareLimitOfMany(static_cast<double>(misfits.size()), significance, 3.0);
-  const double limit = held_out ? kHeldOutScatter * own_limit : own_limit;
+  const double n = static_cast<double>(misfits.size()), times = held_out ? kHeldOutScatter : 1.0;
+  const double limit = times * ChiSquareLimitOfMany(n, significance, 3.0);
   std::vector<double> squares;
   for (const Misfit& misfit : misfits) squares.push_back(misfit.squared);
   // The worst first: they pull the fit, and the others with it.
@@ -185,8 +193,9 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
     const bool alone =
         misfit.others > 0.0 ? misfit.squared > kAloneInShot * misfit.others : misfit.squared > kSingleMarker * limit;
     // Two in one shot hide each other, but not that the body does not move like this.
-    const bool not_rigid = misfit.squared > kAloneInShot * misfit.least && misfit.rigid > limit;
-    const bool is_its_own = !held_out || misfit.rigid > limit || misfit.squared > beyond_others;
+    const bool is_no_motion = IsNotRigid(misfit, times, n, significance);
+    const bool not_rigid = misfit.squared > kAloneInShot * misfit.least && is_no_motion;
+    const bool is_its_own = !held_out || is_no_motion || misfit.squared > beyond_others;
     // Joint values that were not those, or a shot of another pose.
     const bool are_all_off = std::min(misfit.squared, misfit.least) > limit && misfit.turn > kNoCause;
     const bool is_arrival = !held_out && are_all_off && misfit.together > std::max(floor, beyond_arrivals);

@@ -6,85 +6,19 @@
 #include <cmath>
 
 #include "estimator/diagnosis/refit_order.h"
+#include "estimator/diagnosis/setting_values.h"
 #include "estimator/statistics/distributions.h"
 #include "models/effects/catalogue.h"
-#include "problems/io/units.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
 
-// Steps, equal in the logarithm: a quarter of a step that leaves 1 - 0.95^2 of a chi-square leaves a sixteenth of that,
-// and the parabola through three of them less than is in doubt.
-constexpr int kBetweenListed = 4;
-constexpr double kSameSetting = 1e-6;  // relative: settings are written with seven digits (AsSetting)
 constexpr const char* kLagSetting = "lag_s";
 // s. A wall of steel of d = 5 mm follows still air, h = 10 W/(m^2 K), by rho c d / h = 7850 470 0.005 / 10 = 1800 s.
 constexpr double kLongestLag = 1800.0;
 constexpr double kBeyondOwn = 2.0;      // times the lag that the effect states, where that is more
 constexpr double kBetweenShots = 60.0;  // s, assumed where no time is stated: a pose a minute
 constexpr int kScannedLags = 30;        // a minute apart, as shots are
-constexpr int kDigits = 3;  // of a setting that is found: no rows determine a time constant or a width to 0.5 %
-
-const SettingDefinition* ScannedDefinition(const Robot& robot, const EffectSpec& spec) {
-  const EffectDefinition* definition = FindEffect(robot, spec.effect);
-  if (definition == nullptr) return nullptr;
-  for (const SettingDefinition& setting : definition->settings) {
-    if (setting.kind == SettingDefinition::Kind::kNumber && !setting.choices.empty() &&
-        spec.settings.count(setting.name) > 0)
-      return &setting;
-  }
-  return nullptr;
-}
-
-// What is listed, and one more on either side as far from the last as that from the one before.
-std::vector<double> ListedValues(const SettingDefinition& setting) {
-  std::vector<double> values;
-  for (const std::string& choice : setting.choices) values.push_back(ParseNumber(choice).value());
-  std::sort(values.begin(), values.end());
-  const size_t n = values.size();
-  if (n < 2) return values;
-  const double below = values[0] * values[0] / values[1], above = values[n - 1] * values[n - 1] / values[n - 2];
-  values.insert(values.begin(), below);
-  values.push_back(above);
-  return values;
-}
-
-// The values, and between each two of them others, equally far apart in the logarithm.
-std::vector<double> WithBetween(const std::vector<double>& values) {
-  std::vector<double> all;
-  for (size_t i = 0; i + 1 < values.size(); ++i) {
-    const double step = std::log(values[i + 1] / values[i]) / kBetweenListed;
-    for (int k = 0; k < kBetweenListed; ++k) all.push_back(values[i] * std::exp(k * step));
-  }
-  all.push_back(values.back());
-  return all;
-}
-
-// All of these, ascending, and the effect's own.
-std::vector<double> ScanOf(const SettingDefinition& setting, double own) {
-  std::vector<double> values = WithBetween(ListedValues(setting));
-  const auto is_own = [own](double value) { return std::abs(value - own) < kSameSetting * own; };
-  values.erase(std::remove_if(values.begin(), values.end(), is_own), values.end());
-  values.insert(std::upper_bound(values.begin(), values.end(), own), own);
-  return values;
-}
-
-// 0: without it.
-EffectSpec At(EffectSpec spec, const std::string& setting, double value) {
-  spec.settings[setting] = Significant(value, kDigits);
-  if (value == 0.0) spec.settings.erase(setting);
-  return spec;
-}
-
-// Parameters are called by the effect with its settings.
-void ChangeTo(const EffectSpec& changed, Candidate* candidate) {
-  const size_t length = candidate->spec.Path().size();
-  for (std::vector<std::string>* names : {&candidate->poorly_determined, &candidate->loose}) {
-    for (std::string& name : *names) name.replace(0, length, changed.Path());
-  }
-  candidate->spec = changed;
-}
 
 // The model refitted at one value of the number.
 struct FitAt {

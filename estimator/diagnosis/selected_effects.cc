@@ -9,6 +9,7 @@
 #include <map>
 
 #include "estimator/diagnosis/refit_order.h"
+#include "estimator/diagnosis/setting_values.h"
 #include "estimator/explanations/compensator_shapes.h"
 #include "estimator/explanations/drivers.h"
 #include "estimator/statistics/distributions.h"
@@ -92,7 +93,7 @@ bool IsRateAlone(const Evidence& evidence, const std::vector<int>& columns) {
 DiagnosedModel LackingGiven(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& working,
                             const DiagnosedModel& baseline, const JointOptions& joint) {
   const bool is_other = !evidence.ViewOf(model).IsStated();
-  if (!is_other && evidence.IsSigmaStated() && evidence.SigmaIsWrong(model) <= kEvenOdds) return baseline;
+  if (!is_other && !evidence.IsSigmaOpen(model)) return baseline;
   DiagnosedModel refit = RefitFully(WithNoiseOf(evidence, model, working), baseline.estimate, joint);
   return IsUsable(refit.estimate.status) ? refit : baseline;
 }
@@ -147,6 +148,20 @@ void TryOtherSprings(const Evidence& evidence, const JointOptions& joint, Refitt
   }
   const double gain = LinearGain(evidence, *refitted);
   refitted->is_found = gain < kInDoubt || kept > -0.5 * gain;
+}
+
+// Where the sign of a torque leaves the set without an optimum: the sharpest that has one.
+void RoundSigns(const Evidence& evidence, const JointOptions& joint, RefittedSet* refitted) {
+  for (size_t k = 0; k < refitted->effects.size(); ++k) {
+    RefittedSet sharper = *refitted;
+    for (const EffectSpec& rounded : Rounded(evidence.robot(), refitted->effects[k].candidate.spec)) {
+      ChangeTo(rounded, &sharper.effects[k].candidate);
+      sharper.with_effects = Extend(sharper.lacking, CandidatesOf(sharper.effects), joint);
+      const double better = Kept(evidence, sharper) - Kept(evidence, *refitted);
+      if (!sharper.IsUsable() || better <= 0.0) break;
+      *refitted = sharper;
+    }
+  }
 }
 
 bool HasNewSpring(const RefittedSet& refitted) {
@@ -277,6 +292,7 @@ RefittedSet RefitSet(const Evidence& evidence, const WeightedModel& model, const
   refitted.lacking = LackingGiven(evidence, model, working, baseline, joint);
   refitted.effects = SelectedEffectsOf(evidence, model, refitted.lacking);
   refitted.with_effects = Extend(refitted.lacking, CandidatesOf(refitted.effects), joint);
+  if (!refitted.IsUsable()) RoundSigns(evidence, joint, &refitted);
   if (HasNewSpring(refitted) && Kept(evidence, refitted) < -kInDoubt) TryOtherSprings(evidence, joint, &refitted);
   return refitted;
 }

@@ -23,6 +23,7 @@
 
 #include "estimator/explanations/explanations.h"
 #include "estimator/random_effects/set_search.h"
+#include "models/effects/learnt_deviation.h"
 
 namespace sagitta {
 
@@ -38,6 +39,10 @@ struct ViewedGroup {
   double log_occam = 0.0;  // as of the view
 };
 
+// Joints that slide deviate in this proportion to those that turn, m/rad: both by as much of what is typical of a
+// joint.
+constexpr double kTravelPerTurn = kTypicalTravel / kTypicalTurn;
+
 // How the noise is assumed to be.
 struct NoiseView {
   enum class Kind {
@@ -46,7 +51,7 @@ struct NoiseView {
     kPose    // a deviation of the joints that follows the pose, without a name
   };
   Kind kind = Kind::kStated;
-  double sigma = 0.0;      // rad, of the latter two
+  double sigma = 0.0;      // of the latter two: rad of joints that turn, those that slide in proportion
   double log_occam = 0.0;  // of the even prior over log sigma, what the likelihood keeps
   std::vector<ViewedGroup> groups = {};
 
@@ -79,6 +84,8 @@ struct WeightedModel {
   double log_weight = 0.0;  // before normalisation
   // Members of the catalogue that are read as pieces of the set's nameless cause, ascending (nameless_cause.h).
   std::vector<int> pieces = {};
+  // Readings scatter more than is stated, whatever the prior says, and that is more probable than any cause.
+  bool is_sigma_refuted = false;
 
   size_t PlaceOf(int member) const { return PlaceIn(set.members, member); }
   bool HasPiece(int member) const { return std::binary_search(pieces.begin(), pieces.end(), member); }
@@ -135,6 +142,10 @@ class Evidence {
   bool IsSigmaStated() const { return sigma_dof_ > 0.0; }
   // That sigma is not what is stated, in a model; 0 where nothing states it.
   double SigmaIsWrong(const WeightedModel& model) const;
+  // Whether the scatter says what sigma is: none is stated, or it is probably wrong.
+  bool IsSigmaOpen(const WeightedModel& model) const {
+    return !IsSigmaStated() || model.is_sigma_refuted || SigmaIsWrong(model) > kEvenOdds;
+  }
   // Square of the residual that a model leaves.
   double ResidualOf(const WeightedModel& model) const;
 

@@ -15,7 +15,7 @@
 namespace sagitta {
 namespace {
 
-// Repeatability of arms, from small ones to worn ones: 2 to 500 urad.
+// Repeatability of arms, from small ones to worn ones: 2 to 500 urad, of axes that slide 1 to 250 um.
 constexpr double kLeastRepeatability = 2e-6, kMostRepeatability = 5e-4;
 constexpr double kSettled = 0.03;        // of the logarithm of a size, which is found by octaves, then refined
 constexpr int kBitsOfRepeatability = 5;  // 2^-5
@@ -214,8 +214,9 @@ RowScatter Evidence::ScatterOf(const NoiseView& view) const {
   scatter.readings = view.Scaled();
   if (view.kind == NoiseView::Kind::kStated) return scatter;
   for (long j = 0; j < scatter.visit.size(); ++j) {
-    if (problem_.robot().chain.joints[j].type != JointType::kRevolute) continue;
-    (view.kind == NoiseView::Kind::kVisit ? scatter.visit : scatter.pose)[j] = view.sigma;
+    const bool turns = problem_.robot().chain.joints[j].type == JointType::kRevolute;
+    (view.kind == NoiseView::Kind::kVisit ? scatter.visit : scatter.pose)[j] =
+        turns ? view.sigma : kTravelPerTurn * view.sigma;
   }
   return scatter;
 }

@@ -8,6 +8,7 @@
 #include "estimator/least_squares/row_batches.h"
 #include "estimator/statistics/ascending.h"
 #include "models/constants.h"
+#include "models/effects/catalogue.h"
 
 namespace sagitta {
 namespace {
@@ -70,6 +71,14 @@ Eigen::VectorXd IfAllState(const CalibrationProblem& problem, const IsStated& is
   const bool all = std::all_of(shots.begin(), shots.end(), [&](const ShotInput& s) { return is_stated(s.conditions); });
   if (!all) return Eigen::VectorXd::Zero(static_cast<Eigen::Index>(shots.size()));
   return OfShots(problem, value);
+}
+
+// The joint that a setting names, or else the target.
+std::string DrivingJoint(const EffectDefinition& definition, const EffectSpec& spec) {
+  for (const SettingDefinition& setting : definition.settings) {
+    if (setting.kind == SettingDefinition::Kind::kJoint) return spec.TextSetting(setting.name, spec.target);
+  }
+  return spec.target;
 }
 
 }  // namespace
@@ -173,6 +182,16 @@ Vector3<double> DownInBase(const CalibrationProblem& problem, const ParameterSet
 Driver TorqueOf(const CalibrationProblem& problem, int joint, const Eigen::MatrixXd& joint_torques) {
   return {"torque on " + problem.robot().chain.joints[joint].name, IsRevolute(problem, joint) ? "N m" : "N",
           DriverKind::kTorque, joint_torques.col(joint)};
+}
+
+Driver DriverOf(const CalibrationProblem& problem, const EffectSpec& spec) {
+  const EffectDefinition* definition = FindEffect(problem.robot(), spec.effect);  // none of the compensator
+  const EffectDriver by = definition == nullptr ? EffectDriver::kJoint : definition->DrivenBy(spec);
+  if (by == EffectDriver::kTemperature) return TemperatureOf(problem);
+  if (by == EffectDriver::kTime) return TimeOf(problem);
+  const std::string name = definition == nullptr ? spec.target : DrivingJoint(*definition, spec);
+  const int joint = problem.robot().chain.FindJoint(name);
+  return joint >= 0 ? AngleOf(problem, joint) : ConfigurationNumberOf(problem);
 }
 
 }  // namespace sagitta

@@ -44,6 +44,10 @@ Driver TimeOf(const CalibrationProblem& problem);                 // s since the
 Driver TemperatureOf(const CalibrationProblem& problem);          // K above the mean
 Driver ConfigurationNumberOf(const CalibrationProblem& problem);  // from 1
 
+// What drives an effect: its joint, or the one that a setting names, time or temperature; else the configurations in
+// their order.
+Driver DriverOf(const CalibrationProblem& problem, const EffectSpec& spec);
+
 // What puts the visits in order: time, or where not every row states it the configuration's number.
 Driver OrderOf(const CalibrationProblem& problem);
 

@@ -336,6 +336,11 @@ int EvidenceColumns::PullAlong(int axis) const {
   return extended_.parameters.FindCoordinate(UnitPull().Path() + "/" + "xyz"[axis] + "1");
 }
 
+std::optional<Source> EvidenceColumns::MotionOf(int column) const {
+  if (static_cast<size_t>(column) < catalogue_.size()) return std::nullopt;
+  return sources_[SourceOf(column)];
+}
+
 Eigen::MatrixXd EvidenceColumns::FunctionOf(const std::vector<int>& columns) const {
   Eigen::MatrixXd functions(static_cast<long>(extended_.data().shots.size()), columns.size());
   for (size_t c = 0; c < columns.size(); ++c) {

@@ -135,6 +135,8 @@ class EvidenceColumns {
   // Whether it is a candidate's.
   bool Has(int column) const { return names_.count(column) > 0; }
 
+  // What a column moves as a function of the shots; none: it is the linearization's.
+  std::optional<Source> MotionOf(int column) const;
   // Functions behind columns that are not the linearization's, one row per shot of the data.
   Eigen::MatrixXd FunctionOf(const std::vector<int>& columns) const;
 

@@ -19,18 +19,6 @@ constexpr double kAlikeShapes = 1e-5;  // of the largest: directions of springs 
 constexpr long kPerShape = 4;          // columns of a compensator's shape: torque, and its three derivatives
 constexpr double kElsewhere = 0.05;    // of the compensators: not against the arm's own weight
 
-// Change points, widths and lags of one effect are many settings and one explanation, and so are shapes of a spring.
-std::string WithoutChangePoint(const Robot& robot, EffectSpec spec) {
-  const EffectDefinition* definition = FindEffect(robot, spec.effect);
-  if (definition == nullptr) return spec.effect + "/" + spec.target;
-  for (const SettingDefinition& setting : definition->settings) {
-    const bool is_scanned =
-        setting.kind == SettingDefinition::Kind::kMoment || setting.kind == SettingDefinition::Kind::kNumber;
-    if (is_scanned) spec.settings.erase(setting.name);
-  }
-  return spec.Path();
-}
-
 // What explanations that exclude each other have in common.
 std::string WithoutOthers(const Robot& robot, EffectSpec spec) {
   const EffectDefinition* definition = FindEffect(robot, spec.effect);
@@ -38,7 +26,7 @@ std::string WithoutOthers(const Robot& robot, EffectSpec spec) {
   for (const SettingDefinition& setting : definition->settings) {
     if (setting.one_each) spec.settings.erase(setting.name);
   }
-  return WithoutChangePoint(robot, spec);
+  return NameOfExplanation(robot, spec);
 }
 
 // The orders that few configurations scan are equally likely, those beyond evenly over the logarithm: how many the data
@@ -146,7 +134,7 @@ class ListBuilder {
     ColumnGroup group{columns, {}};
     group.not_negative = NotNegativeOf(spec, columns);
     Append(std::move(group), candidate, -1, spec, {spec.effect, spec.target, WeightOf(problem_.robot(), spec)},
-           WithoutChangePoint(problem_.robot(), spec), WithoutOthers(problem_.robot(), spec));
+           NameOfExplanation(problem_.robot(), spec), WithoutOthers(problem_.robot(), spec));
   }
 
   // Which of an effect's columns are of parameters that no machine has less than nothing of.
@@ -192,7 +180,7 @@ class ListBuilder {
     const std::vector<int> own = columns_->Add({source, std::make_shared<const Eigen::MatrixXd>(functions.basis)});
     for (size_t s = 0; s < shapes.size(); ++s) {
       Append({own, functions.mixing.middleCols(kPerShape * static_cast<long>(s), kPerShape)}, candidate, -1, shapes[s],
-             {spec.effect, spec.target, weights[s]}, WithoutChangePoint(problem_.robot(), spec),
+             {spec.effect, spec.target, weights[s]}, NameOfExplanation(problem_.robot(), spec),
              WithoutOthers(problem_.robot(), spec));
     }
   }
@@ -242,6 +230,17 @@ class ListBuilder {
 };
 
 }  // namespace
+
+std::string NameOfExplanation(const Robot& robot, EffectSpec spec) {
+  const EffectDefinition* definition = FindEffect(robot, spec.effect);
+  if (definition == nullptr) return spec.effect + "/" + spec.target;
+  for (const SettingDefinition& setting : definition->settings) {
+    const bool is_scanned =
+        setting.kind == SettingDefinition::Kind::kMoment || setting.kind == SettingDefinition::Kind::kNumber;
+    if (is_scanned) spec.settings.erase(setting.name);
+  }
+  return spec.Path();
+}
 
 NamedSet ExplanationList::ByName(const std::vector<int>& members, double probability,
                                  const std::vector<int>& pieces) const {

@@ -52,6 +52,9 @@ struct ExplanationList {
   NamedSet ByName(const std::vector<int>& members, double probability, const std::vector<int>& pieces = {}) const;
 };
 
+// What an effect is called as an explanation: change points, widths and lags are many settings of one.
+std::string NameOfExplanation(const Robot& robot, EffectSpec spec);
+
 // Adds the columns that the explanations need beyond the catalogue's. with_unnamed: also what has no name.
 ExplanationList ListExplanations(const CalibrationProblem& problem, const ParameterSet& parameters,
                                  const CandidateList& candidates, const PriorMasses& prior, EvidenceColumns* columns,

@@ -88,13 +88,18 @@ double ResidualLikelihood::LogStated(double residual) const {
 }
 
 // log f even between -log F and log F:  1 / (2 log F) times the integral of f^-n exp(-R / 2 f^2) dlog f, with
-// u = R / 2 f^2 an incomplete gamma function. Nothing stated: the limit of large F without its constant.
+// u = R / 2 f^2 an incomplete gamma function; the mean over both F. Nothing stated: the limit of large F without its
+// constant.
 double ResidualLikelihood::LogOpen(double residual) const {
   const double whole = open_constant_ - 0.5 * dof_ * std::log(0.5 * residual);
   if (!(sigma_dof_ > 0.0)) return whole;
-  const double widest = kWidestFactor * kWidestFactor;
-  const double within = ChiSquareSurvival(residual / widest, dof_) - ChiSquareSurvival(residual * widest, dof_);
-  return whole + std::log(std::max(1e-300, within)) - std::log(2.0 * std::log(kWidestFactor));
+  double density = 0.0;
+  for (const double factor : {kUsualFactor, kWidestFactor}) {
+    const double square = factor * factor;
+    const double within = ChiSquareSurvival(residual / square, dof_) - ChiSquareSurvival(residual * square, dof_);
+    density += 0.5 * within / (2.0 * std::log(factor));
+  }
+  return whole + std::log(std::max(1e-300, density));
 }
 
 // f(R) = (1 - wrong) f_stated(R) + wrong f_open(R).
@@ -108,6 +113,11 @@ double ResidualLikelihood::Log(double residual) const {
 double ResidualLikelihood::ProbabilityWrong(double residual) const {
   if (wrong_ >= 1.0) return 0.0;
   return std::exp(std::log(wrong_) + LogOpen(std::max(1e-12, residual)) - Log(residual));
+}
+
+double ResidualLikelihood::ChanceOf(double residual) const {
+  if (!(sigma_dof_ > 0.0)) return 1.0;
+  return std::isinf(sigma_dof_) ? ChiSquareSurvival(residual, dof_) : FSurvival(residual / dof_, dof_, sigma_dof_);
 }
 
 // Known or not stated: R / n. Stated with nu degrees of freedom: pooled, (nu + R) / (nu + n).

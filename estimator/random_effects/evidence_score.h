@@ -61,10 +61,13 @@ double LogMean(const std::vector<double>& logs);
 // A wrong unit's decades: mm for 10 um, or a sigma of the last digit. Where the true factor lay beyond, what no factor
 // absorbs would be given to explanations with certainty.
 constexpr double kWidestFactor = 100.0;
+// An expanded uncertainty, k = 2, stated for a standard one (JCGM 100:2008, section 6.3), or the other way round: what
+// goes wrong without anybody's noticing.
+constexpr double kUsualFactor = 2.0;
 
 // f: what is known of sigma. `sigma_dof`: degrees of freedom that state it (infinity: known; 0: nothing states it).
-// A stated sigma is wrong with probability `wrong`: then its factor lies anywhere within kWidestFactor, evenly in the
-// logarithm.
+// A stated sigma is wrong with probability `wrong`: then its factor lies anywhere within kUsualFactor or, as probably,
+// within kWidestFactor, evenly in the logarithm.
 class ResidualLikelihood {
  public:
   ResidualLikelihood(double dof, double sigma_dof, double wrong);
@@ -73,6 +76,8 @@ class ResidualLikelihood {
   double Log(double residual) const;
   // That the stated sigma is wrong, given the square; 0 where nothing states it.
   double ProbabilityWrong(double residual) const;
+  // That as large a square comes about where sigma is as stated; 1 where nothing states it.
+  double ChanceOf(double residual) const;
   // Factor on sigma that the square asks for: root of R / n where it is open.
   double Factor(double residual) const;
   // log P(a > 0 | r) of a coefficient that is z standard deviations, of sigma as stated, above 0, given that square:

@@ -53,7 +53,7 @@ std::string FloorGoesByStatedNoise() {
 
 std::string NoiseOfFinalInWords(const Diagnosis& d) {
   const NoiseFinding& noise = d.noise;
-  const bool differs = noise.scale_differs || noise.repeatability > 0.0 || !noise.groups.empty();
+  const bool differs = noise.scale_differs || noise.HasRepeatability() || !noise.groups.empty();
   if (!differs || !noise.is_stated || IsBelievedModel(d)) return "";
   return noise.is_of_final || !d.has_unexplained
              ? "with the noise that is found"

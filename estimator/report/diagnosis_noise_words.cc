@@ -25,21 +25,37 @@ std::string ArrivalsInWords(const std::vector<WrongArrival>& arrivals) {
          ", by far more than in any other, and were left out: check the joint values and the rows there. ";
 }
 
+// "13.8 urad (95 %: 12 to 15.5) of the joints that turn"; of_kind: where joints of the other kind deviate, too.
+std::string SizeInWords(const FoundRepeatability& found, const char* micro, const std::string& of_kind) {
+  return Significant(1e6 * found.sigma, 3) + " " + micro + " (95 %: " + Significant(1e6 * found.low, 3) + " to " +
+         Significant(1e6 * found.high, 3) + ")" + of_kind;
+}
+
+// stated: else what is found.
+std::string SizesInWords(const NoiseFinding& noise, bool stated) {
+  const bool has_both = noise.turn.sigma > 0.0 && noise.travel.sigma > 0.0;
+  std::vector<std::string> sizes;
+  const auto add = [&](const FoundRepeatability& found, const char* micro, const char* of_kind) {
+    if (!((stated ? found.stated : found.sigma) > 0.0)) return;
+    sizes.push_back(stated ? Significant(1e6 * found.stated, 3) + " " + micro
+                           : SizeInWords(found, micro, has_both ? of_kind : ""));
+  };
+  add(noise.turn, "urad", " of the joints that turn");
+  add(noise.travel, "um", " of those that slide");
+  return Enumerate(sizes);
+}
+
 std::string RepeatabilityInWords(const NoiseFinding& noise) {
-  return "Joint repeatability of about " + Significant(1e6 * noise.repeatability, 3) +
-         " urad (95 %: " + Significant(1e6 * noise.repeatability_low, 3) + " to " +
-         Significant(1e6 * noise.repeatability_high, 3) +
-         (noise.asks_repeatability            ? ") is found, as asked. "
-          : noise.repeatability_is_overstated ? ") is found; more is stated. "
+  return "Joint repeatability of about " + SizesInWords(noise, false) +
+         (noise.asks_repeatability            ? " is found, as asked. "
+          : noise.repeatability_is_overstated ? " is found; more is stated. "
           : !noise.is_distinguished_from_pose
-              ? ") would explain what is left, and so would any error that follows the pose: no "
+              ? " would explain what is left, and so would any error that follows the pose: no "
                 "pose was visited again. "
                 "Visit ten poses a second time to distinguish them. "
-          : noise.is_bound
-              ? ") would explain what is left; it was not declared, and what has no name may be the cause. "
-          : noise.stated_repeatability > 0.0
-              ? ") is found; " + Significant(1e6 * noise.stated_repeatability, 3) + " urad are stated. "
-              : ") was not declared. ");
+          : noise.is_bound ? " would explain what is left; it was not declared, and what has no name may be the cause. "
+          : noise.IsRepeatabilityStated() ? " is found; " + SizesInWords(noise, true) + " are stated. "
+                                          : " was not declared. ");
 }
 
 // "The noise of the readings of station S2 is 3 times what is stated (95 %: 2.8 to 3.2). "
@@ -66,8 +82,8 @@ std::string WrongNoiseInWords(const NoiseFinding& noise) {
     }
   }
   if (noise.HasUndeclaredRepeatability() && !noise.repeatability_is_overstated) {
-    wrong.push_back(noise.stated_repeatability > 0.0 ? "the joints deviate more than is stated"
-                                                     : "joint repeatability was not declared");
+    wrong.push_back(noise.IsRepeatabilityStated() ? "the joints deviate more than is stated"
+                                                  : "joint repeatability was not declared");
   }
   if (!noise.arrivals.empty()) wrong.push_back("all readings of a shot are off in " + NamesOf(noise.arrivals));
   if (noise.SingleOutliers() > 0) wrong.push_back("readings are outliers");
@@ -83,7 +99,7 @@ std::string NoiseInWords(const NoiseFinding& noise) {
              (noise.is_bound ? "): what has no name may be a part of it. " : "). ");
   }
   words += GroupsInWords(noise);
-  if (noise.repeatability > 0.0) {
+  if (noise.HasRepeatability()) {
     words += RepeatabilityInWords(noise);
   }
   if (!noise.arrivals.empty()) words += ArrivalsInWords(noise.arrivals);

@@ -270,7 +270,13 @@ std::string VerdictInWords(const Diagnosis& d) {
     return d.cautions.empty() ? "Nothing is missing at this significance."
                               : "Nothing is missing at this significance, as far as these data show: see the cautions.";
   }
-  if (d.verdict == DiagnosisVerdict::kNoise) return "No effect is missing; " + WrongNoiseInWords(d.noise) + ".";
+  if (d.verdict == DiagnosisVerdict::kNoise) {
+    const bool is_by_misfit = d.noise.scale_differs && d.posterior.noise < kEvenOdds;
+    return (is_by_misfit
+                ? "No effect is probable, and these readings scatter more than the noise as stated makes them: "
+                : "No effect is missing; ") +
+           WrongNoiseInWords(d.noise) + ".";
+  }
   if (d.verdict != DiagnosisVerdict::kExplained && d.verdict != DiagnosisVerdict::kPartly) return UnknownInWords(d);
   return "Found: " + Joined(CausesInWords(d), "; ") + ". " + RestInWords(d);
 }
@@ -405,7 +411,8 @@ std::string UnexplainedInWords(const Diagnosis& d) {
     const std::string like = "; " + PartlyLike(piece.effect, piece.target);
     if ((words + ";").find(like + ";") == std::string::npos) words += like;
   }
-  return words;
+  const bool is_seen = d.learnt || !d.has_unexplained;
+  return is_seen ? words : words + "; it was not seen to predict rows that it was not learnt from";
 }
 
 std::string LearntInWords(const Diagnosis& d) {

@@ -179,10 +179,14 @@ Json UnexplainedToJson(const Diagnosis& d) {
 
 Json NoiseToJson(const NoiseFinding& noise) {
   Json json = {{"scale", noise.scale}, {"ci95", {Finite(noise.low), Finite(noise.high)}}};
-  json["repeatability_urad"] = noise.repeatability > 0.0 ? Json(1e6 * noise.repeatability) : Json(nullptr);
-  if (noise.repeatability > 0.0) {
-    json["repeatability_ci95_urad"] = {1e6 * noise.repeatability_low, 1e6 * noise.repeatability_high};
-  }
+  json["repeatability_urad"] = nullptr;
+  const auto add = [&](const FoundRepeatability& found, const std::string& micro) {
+    if (!(found.sigma > 0.0)) return;
+    json["repeatability_" + micro] = 1e6 * found.sigma;
+    json["repeatability_ci95_" + micro] = {1e6 * found.low, 1e6 * found.high};
+  };
+  add(noise.turn, "urad");
+  add(noise.travel, "um");
   json["outliers"] = noise.outliers;
   for (const WrongArrival& arrival : noise.arrivals) {
     json["wrong_configs"].push_back({{"config", arrival.configuration}, {"off_mm", 1e3 * arrival.off}});

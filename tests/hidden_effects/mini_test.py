@@ -526,6 +526,18 @@ class WhatWasOnceNamedWrong(WithFolder):
         self.assertGreater(min(share['J3'], share['J4']), 0.2, share)
         self.assertGreater(share['J3'] + share['J4'], 0.9, share)
 
+    def test_play_by_the_sign_of_a_torque_that_a_missing_weight_turns(self):
+        """The sign jumps in shots where the weight is not known well enough: the refit found no optimum, the right set
+        counted as none, and a width ten times what the rows allow was named next to a rest."""
+        flags = {'study': 71, 'case': 12, 'kinds': 'backlash,link_gravity', 'scales': '3,2', 'robot': 'seven',
+                 'configurations': 90}
+        diagnosis, sealed = self.diagnosed(flags)
+        self.assertEqual(diagnosis['verdict'], 'explained', diagnosis['words'])
+        self.assertEqual(sorted((s['effect'], s['target']) for s in diagnosis['steps']), sorted(sealed))
+        play = next(s for s in diagnosis['steps'] if s['effect'] == 'backlash')['parameters'][0]
+        self.assertLess(play['ci95'][0], 210.5, play)
+        self.assertGreater(play['ci95'][1], 210.5, play)
+
     def test_one_heavy_link_leaves_no_rest(self):
         """Twice the usual weight: the rest that was called unnamed was what the first linearization had wrong."""
         for number in (2, 11):

@@ -92,6 +92,12 @@ TEST(Gap, FarFromTheFloorIsATestOfSquares) {
   };
   EXPECT_FALSE(far(59.6));
   EXPECT_TRUE(far(59.8));
+  // Where four repeats of each axis state it, F of 30 and 12: its upper thousandth is 6.09 (tables).
+  CalibrationProblem repeated = *model.problem;
+  repeated.repeat_scatter = RepeatScatter{Vector3<double>::Constant(1e-4), 4};
+  model.problem = std::make_shared<CalibrationProblem>(repeated);
+  EXPECT_FALSE(far(30.0 * 6.08));
+  EXPECT_TRUE(far(30.0 * 6.10));
   // Where nothing states the noise, F of 30 and 30: its upper thousandth is 3.217 (tables).
   model.estimate.dof = 30;
   const auto far_of_scatter = [&model](double ratio) {

@@ -117,6 +117,10 @@ TEST(DiagnosisWords, WhyAProbableEffectIsNotNamedIsACaution) {
   const EffectSpec left{"link_gravity", "A2", {}, {}}, refused{"encoder_gain", "A3", {}, {}};
   const EffectSpec unconfirmed{"joint_coupling", "A5", {{"driver", "A4"}}, {}}, doubtful{"payload", "L1", {}, {}};
   d.posterior.explanations = {{named, 0.99}, {left, 0.95}, {refused, 0.93}, {unconfirmed, 0.97}, {doubtful, 0.45}};
+  // Another width, or moment, is the same effect.
+  d.effects.push_back(d.effects[0]);
+  d.effects[1].candidate.spec = {"backlash", "A5", {{"by", "torque"}, {"width_Nm", "0.333"}}, {}};
+  d.posterior.explanations.push_back({{"backlash", "A5", {{"by", "torque"}}, {}}, 0.96});
   d.posterior.sets = {{0.6, {named, refused}, {}}, {0.4, {left}, {}}};
   CautionOfNotNamed({{unconfirmed, 0.97}}, &d);
   ASSERT_EQ(d.cautions.size(), 2u);
@@ -186,16 +190,18 @@ TEST(DiagnosisWords, HalvesThatHardlyAgreeAreNotSaidToAgree) {
 
 TEST(DiagnosisWords, JointsThatDeviateMoreThanStatedAreNotCalledUndeclared) {
   NoiseFinding noise;
-  noise.repeatability = 13.8e-6;
+  noise.turn.sigma = 13.8e-6;
   noise.is_finding = true;
   EXPECT_THAT(NoiseInWords(noise), HasSubstr("was not declared"));
-  noise.stated_repeatability = 3e-6;
+  noise.turn.stated = 3e-6;
   EXPECT_THAT(NoiseInWords(noise), HasSubstr("is found; 3 urad are stated."));
   EXPECT_EQ(WrongNoiseInWords(noise), "the joints deviate more than is stated");
   noise.is_distinguished_from_pose = false;
   EXPECT_THAT(NoiseInWords(noise), HasSubstr("and so would any error that follows the pose"));
-  noise.stated_repeatability = 0.0, noise.is_distinguished_from_pose = true, noise.is_bound = true;
+  noise.turn.stated = 0.0, noise.is_distinguished_from_pose = true, noise.is_bound = true;
   EXPECT_THAT(NoiseInWords(noise), HasSubstr("would explain what is left"));
+  noise.travel = {25e-6, 20e-6, 31e-6, 0.0};
+  EXPECT_THAT(NoiseInWords(noise), HasSubstr("of the joints that turn and 25 um (95 %: 20 to 31) of those that slide"));
 }
 
 // The list's value is not the one that was found.
@@ -213,6 +219,9 @@ TEST(DiagnosisWords, AFunctionThatIsOneOfSeveralIsNoFact) {
   d.unexplained.what.acts_on = "S1";
   d.unexplained.what.words = "station S1 moves with time";
   d.unexplained.probability = 0.9999;
+  EXPECT_EQ(UnexplainedInWords(d),
+            "station S1 moves with time; it was not seen to predict rows that it was not learnt from");
+  d.learnt = std::make_shared<LearntModel>();
   EXPECT_EQ(UnexplainedInWords(d), "station S1 moves with time");
   d.unexplained.probability = 0.34;
   EXPECT_EQ(UnexplainedInWords(d), "perhaps station S1 moves with time (34 %)");
