@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "estimator/least_squares/batch_algebra.h"
@@ -92,6 +93,17 @@ struct NormalEquations::Latest {
     bool Holds(const std::vector<double>& asked, const std::vector<int>& columns) const {
       return sums.valid && values == asked && sums.columns == columns;
     }
+    // Where it has these columns and others: what it says of them.
+    std::optional<NormalSums> Among(const std::vector<double>& asked, const std::vector<int>& columns) const {
+      if (!sums.valid || values != asked) return std::nullopt;
+      std::vector<int> places;
+      for (const int c : columns) {
+        const auto place = std::find(sums.columns.begin(), sums.columns.end(), c);
+        if (place == sums.columns.end()) return std::nullopt;
+        places.push_back(static_cast<int>(place - sums.columns.begin()));
+      }
+      return SelectColumns(sums, places);
+    }
   };
   std::atomic<int> passes{0};
   std::mutex mutex;  // of those who ask at the same time
@@ -170,7 +182,11 @@ NormalSums NormalEquations::Sum(const ParameterSet& parameters, const std::vecto
     const std::lock_guard<std::mutex> lock(latest_->mutex);
     const std::vector<double> values = AllValues(parameters);
     if (!latest_->latest.Holds(values, columns)) std::swap(latest_->latest, latest_->before);
-    if (!latest_->latest.Holds(values, columns)) latest_->latest = {values, SumOfAll(parameters, columns, weights)};
+    if (!latest_->latest.Holds(values, columns)) {
+      std::optional<NormalSums> known = latest_->before.Among(values, columns);
+      if (!known) known = latest_->latest.Among(values, columns);
+      latest_->latest = {values, known ? std::move(*known) : SumOfAll(parameters, columns, weights)};
+    }
     result = latest_->latest.sums;
   } else {
     result = SumOfAll(parameters, columns, weights);

@@ -43,8 +43,8 @@ kinematics:
 }
 
 CalibrationProblem Scattering() {
-  test::RandomNumbers random(31);
-  NormalNumbers normal(32);
+  test::RandomNumbers random(32);
+  NormalNumbers normal(1039);
   Measurements data;
   data.files.resize(1);
   data.files[0].path = "gantry.csv";

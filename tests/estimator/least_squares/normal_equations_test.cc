@@ -198,6 +198,18 @@ TEST_P(NormalEquationsOf, SumsAreOfTheValuesThatAreAskedFor) {
   EXPECT_NE(equations.Sum(parameters_, columns_).matrix, equations.Sum(moved, columns_).matrix);
 }
 
+TEST_P(NormalEquationsOf, SumsOfSomeColumnsNeedNoPassWhereThoseOfAllAreKept) {
+  const NormalEquations equations(problem_, rows_.observations, rows_.noise, LatentTreatment::kMarginalise, 1);
+  equations.Sum(parameters_, columns_);
+  const std::vector<int> fewer(columns_.begin() + 1, columns_.end());
+  const NormalSums some = equations.Sum(parameters_, fewer);
+  EXPECT_EQ(equations.num_passes(), 1);
+  const NormalEquations others(problem_, rows_.observations, rows_.noise, LatentTreatment::kMarginalise, 1);
+  EXPECT_EQ(some.matrix, others.Sum(parameters_, fewer).matrix);
+  others.Sum(parameters_, columns_);
+  EXPECT_EQ(others.num_passes(), 2);  // not the other way round
+}
+
 // After a small step they need no pass.
 TEST_P(NormalEquationsOf, MovedSumsAreThoseOfWhereTheyAreMovedTo) {
   const NormalEquations equations(problem_, rows_.observations, rows_.noise, LatentTreatment::kMarginalise, 1);
