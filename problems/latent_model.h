@@ -17,6 +17,8 @@ struct LatentModel {
   Eigen::VectorXd sigmas;          // rad or m, one per entry of `joints`
   std::vector<int> visit_of_shot;  // index of the visit, one per shot
   int num_visits = 0;
+  // Found, and no pose was visited again: it may be an error that follows the pose, which predictions have, too.
+  bool may_follow_pose = false;
 
   bool empty() const { return joints.empty(); }
   int size() const { return static_cast<int>(joints.size()); }

@@ -408,6 +408,12 @@ class Session {
            (!selected_.empty() && HoldoutRms(d_.final) >= HoldoutRms(steps_.With(0)));
   }
 
+  void SetMayFollowThePose(DiagnosedModel* model) const {
+    if (!d_.noise.MayFollowThePose() || model->problem == d_.baseline.problem) return;  // which has what is stated
+    model->problem = std::make_shared<CalibrationProblem>(*model->problem);
+    model->problem->latent.may_follow_pose = true;
+  }
+
   void Decide() {
     NameLeftOut(d_.final, aside_.outliers(), &d_.noise);
     d_.noise.outliers_held_out = aside_.held_out();
@@ -416,9 +422,11 @@ class Session {
       d_.unexplained = LearnFunction(evidence(), found_.posterior, leading(), *lacking().problem);
       Say("learning what has no name");
       auto learnt = LearnModel(evidence(), leading(), Groups(), d_.baseline, judged_, joint_);
+      if (learnt) SetMayFollowThePose(&learnt->model);
       if (learnt) d_.learnt = std::make_shared<LearntModel>(*std::move(learnt));
       if (d_.learnt && problem_.ValidationObservations().empty()) d_.cautions.push_back(LearntUnchecked());
     }
+    SetMayFollowThePose(&d_.final);
     d_.noise.is_bound = d_.has_unexplained;
     if (!selected_.empty()) {
       d_.verdict = d_.has_unexplained ? DiagnosisVerdict::kPartly : DiagnosisVerdict::kExplained;

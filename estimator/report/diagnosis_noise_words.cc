@@ -46,7 +46,7 @@ std::string SizesInWords(const NoiseFinding& noise, bool stated) {
 }
 
 std::string RepeatabilityInWords(const NoiseFinding& noise) {
-  return "Joint repeatability of about " + SizesInWords(noise, false) +
+  return "Joint repeatability of about " + SizesInWords(noise, false) + ", assumed to be that of every joint," +
          (noise.asks_repeatability            ? " is found, as asked. "
           : noise.repeatability_is_overstated ? " is found; more is stated. "
           : !noise.is_distinguished_from_pose

@@ -21,14 +21,19 @@ bool IsNoiseOfResiduals(const Estimate& estimate) {
 // Found by a diagnosis, together with what deviates: a share of the residuals that it chose.
 bool IsNoiseOfDiagnosis(const SigmaReport& sigma) { return sigma.stated && sigma.IsOfResiduals(); }
 
+// Mean square of the readings' noise, m^2.
+double SquareOfReadings(const Estimate& estimate, const std::vector<int>& points) {
+  double noise = 0.0;
+  for (const int i : points) noise += estimate.noise[i].squaredNorm();
+  return noise / static_cast<double>(points.size());
+}
+
 }  // namespace
 
 NoiseShare ShareOfNoise(const Estimate& estimate, const std::vector<int>& points, const UnseenPoints& unseen) {
   NoiseShare share;
   if (points.empty() || unseen.points == 0 || !(unseen.freedom > 0.0)) return share;
-  double noise = 0.0;
-  for (const int i : points) noise += estimate.noise[i].squaredNorm();
-  noise /= static_cast<double>(points.size());
+  const double noise = SquareOfReadings(estimate, points);
   const double square = unseen.distance_rms * unseen.distance_rms;
   const double deviation = square * std::sqrt(2.0 / unseen.freedom);
   const double two_sided = NormalQuantile(kUpperOf95), one_sided = NormalQuantile(0.95);
@@ -51,6 +56,14 @@ double BeyondScatter(const UnseenPoints& unseen) {
   if (unseen.points == 0) return 0.0;
   const double scatter = 3.0 * (1.0 - unseen.parameters_share) * unseen.predicted_rms * unseen.predicted_rms;
   return scatter > 0.0 ? std::sqrt(std::max(0.0, unseen.distance_rms * unseen.distance_rms - scatter)) : 0.0;
+}
+
+double BeyondInstrument(const Estimate& estimate, const std::vector<int>& points, const UnseenPoints& unseen) {
+  if (points.empty() || unseen.points == 0) return 0.0;
+  const bool is_scaled = estimate.sigma.stated && estimate.sigma.scaled;
+  const double scale = is_scaled ? std::max(1.0, estimate.sigma.a_posteriori) : 1.0;
+  const double noise = SquareOfReadings(estimate, points) / (scale * scale);
+  return std::sqrt(std::max(0.0, unseen.distance_rms * unseen.distance_rms - noise));
 }
 
 }  // namespace sagitta

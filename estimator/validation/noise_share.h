@@ -32,5 +32,7 @@ NoiseShare ShareOfNoise(const Estimate& estimate, const std::vector<int>& points
 // m, RMS distance: what errors on points that were not fitted are beyond the scatter of instrument and joints, on
 // average, whether or not that is beyond chance; 0 where nothing is known.
 double BeyondScatter(const UnseenPoints& unseen);
+// The same beyond the scatter of the instrument alone, as stated where that is known.
+double BeyondInstrument(const Estimate& estimate, const std::vector<int>& points, const UnseenPoints& unseen);
 
 }  // namespace sagitta

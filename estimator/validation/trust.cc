@@ -343,7 +343,8 @@ Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, 
   const std::vector<int> quoted =
       trust.holdout.points > 0 ? problem.ValidationObservations() : problem.CalibrationObservations();
   trust.noise = ShareOfNoise(*estimate, problem.data().PointsAmong(quoted), trust.Quoted());
-  if (!problem.latent.empty()) trust.noise.beyond_noise = 0.0;  // what joints deviate by at an arrival is part of it
+  // What joints deviate by at an arrival is part of it.
+  if (!problem.latent.empty() && !problem.latent.may_follow_pose) trust.noise.beyond_noise = 0.0;
   trust.repeatability = MeasurePoseRepeatability(problem);
   trust.nominal = trust.holdout.points > 0 ? NominalOnHoldout(problem, *estimate) : trust.cross_validation.nominal;
   trust.gain = CompareRms(trust.nominal, trust.Quoted(), problem.experiment().significance, kBetterRobot);
@@ -369,7 +370,10 @@ Trust JudgeByHoldout(const CalibrationProblem& problem, Estimate* estimate) {
   UnseenPoints as_stated = trust.holdout;
   if (estimate->sigma.stated && estimate->sigma.scaled)
     as_stated.predicted_rms /= std::max(1.0, estimate->sigma.a_posteriori);
-  trust.noise.beyond_noise = BeyondScatter(as_stated);
+  trust.noise.beyond_noise =
+      problem.latent.may_follow_pose
+          ? BeyondInstrument(*estimate, problem.data().PointsAmong(problem.ValidationObservations()), trust.holdout)
+          : BeyondScatter(as_stated);
   AddModelError(problem.experiment().significance, &trust, estimate);
   return trust;
 }

@@ -174,6 +174,8 @@ TEST(Diagnosis, DeviatingJointsNextToAnEffectAreGap) {
   ASSERT_GT(diagnosis.noise.turn.sigma, 0.0);
   EXPECT_LT(diagnosis.baseline.estimate.noise_floor, diagnosis.final.estimate.noise_floor);
   EXPECT_EQ(diagnosis.gap.floor, diagnosis.baseline.estimate.noise_floor);
+  // What may follow the pose is wrong in predictions, too.
+  EXPECT_GT(ExtendedCalibration(diagnosis).trust.noise.beyond_noise, 0.5 * diagnosis.gap.after);
 }
 
 // The joints deviate as stated and the instrument scatters twice as much: sigma is wrong, the repeatability is not.
