@@ -150,15 +150,21 @@ class Session {
     d_.final_p = LackOfFit(problem_, d_.final, {});
   }
 
-  // Drops what is not named.
+  // Drops what is not named. That the full model does without an effect says that the linear one was wrong about it:
+  // nothing is left for that reason.
   void Name() {
     while (true) {
       d_.final = selected_.empty() ? lacking() : JudgedWith(selected_);
       if (selected_.empty()) return;
-      int out = NotNamed();
-      if (out >= 0) d_.has_unexplained = true;
+      const int idle = IsUsable(d_.final.estimate.status) ? DependentOf(LeastSupported()) : -1;
+      int out = idle;
+      if (out < 0) {
+        out = NotNamed();
+        if (out >= 0) d_.has_unexplained = true;
+      }
       if (out < 0) out = LeastProbable();
       if (out < 0) return;
+      num_idle_ += idle >= 0 ? 1 : 0;
       LeaveUnnamed(selected_[out]);
       selected_.erase(selected_.begin() + out);
       steps_.Drop(static_cast<size_t>(out), selected_.size());
@@ -170,7 +176,8 @@ class Session {
   bool HasRest() {
     FindRest();
     if (!selected_.empty()) {
-      return Misfits() || found_.posterior.MoreThan(selected_.size()) > NamingGate() || weighed_.unnamed > kEvenOdds;
+      return Misfits() || found_.posterior.MoreThan(selected_.size() + num_idle_) > NamingGate() ||
+             weighed_.unnamed > kEvenOdds;
     }
     // The most probable set may be noise alone, and those that hold a cause more probable together.
     const bool is_sure_of_noise = d_.noise.IsSureOfGroups(NamingGate()) || leading().is_sigma_refuted;
@@ -178,7 +185,7 @@ class Session {
     // By the noise as stated nothing missing is all but excluded, and something is more probable than other noise.
     const bool is_refuted = !d_.noise.is_finding && found_.posterior.nothing < 1.0 - NamingGate() &&
                             found_.posterior.Something() > kEvenOdds;
-    return found_.posterior.MoreThan(0) > NamingGate() || d_.noise.MayFollowThePose() || is_hardly_noise ||
+    return found_.posterior.MoreThan(num_idle_) > NamingGate() || d_.noise.MayFollowThePose() || is_hardly_noise ||
            is_refuted || Misfits();
   }
 
@@ -220,7 +227,6 @@ class Session {
   // Of the selected effects; -1: all hold.
   int NotNamed() {
     if (!IsUsable(d_.final.estimate.status)) return static_cast<int>(selected_.size()) - 1;
-    if (const int idle = DependentOf(LeastSupported()); idle >= 0) return idle;
     steps_.Measure(lacking(), d_.final, selected_, evidence().list().math, joint_);
     if (const int worse = DependentOf(steps_.Worst()); worse >= 0) return worse;
     if (!d_.has_unexplained) FindRest();  // else there is a rest, whatever the noise is
@@ -454,6 +460,7 @@ class Session {
   Posterior weighed_;                          // of weighed_models_
   std::vector<WeightedModel> weighed_models_;  // the evidence's models, or averaged over resamples
   bool is_bagged_ = false;
+  size_t num_idle_ = 0;    // effects that the full model does without
   DiagnosedModel judged_;  // the same with what is named
   std::vector<std::vector<NamedProbability>> in_places_;
   std::unique_ptr<PoseGroups> groups_;
