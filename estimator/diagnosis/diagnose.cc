@@ -14,6 +14,7 @@
 #include "estimator/diagnosis/scanned_settings.h"
 #include "estimator/diagnosis/set_aside.h"
 #include "estimator/diagnosis/unstated_rows.h"
+#include "estimator/diagnosis/verdict.h"
 #include "estimator/evidence/revisits.h"
 #include "estimator/report/diagnosis_caution_words.h"
 #include "problems/input_error.h"
@@ -29,7 +30,7 @@ constexpr double kShareOfLackOfFit = 0.15;
 constexpr double kIntervalMisses = 0.05;  // of the intervals of 95 %: one that holds no effect at all names none
 constexpr int kMostPredicted = 5;         // candidates, each refitted by itself: as many as are listed to people
 constexpr double kSettledScatter = 0.05;  // of sigma: what a hundred degrees of freedom leave open is more
-constexpr int kMostRounds = 2;            // outliers given the believed model, then given the extended one
+constexpr int kMostRounds = 3;            // outliers given the believed model, then the extended one, twice
 
 class Session {
  public:
@@ -55,7 +56,7 @@ class Session {
     for (const std::string& caution : FindCautions(problem_, d_.baseline)) d_.cautions.push_back(caution);
     for (int round = 0; round < kMostRounds; ++round) {
       Search();
-      if (round + 1 == kMostRounds || !aside_.Follow(d_.final, &d_.baseline)) break;
+      if (round + 1 == kMostRounds || !aside_.FollowExtended(d_.final, &d_.baseline)) break;
     }
     JudgeFinal();
     Describe();
@@ -131,8 +132,10 @@ class Session {
   void JudgeFinal() {
     Say("fitting the extended model");
     aside_.NextToMoments(SpecsOf(CandidatesOf(selected_)), {&d_.baseline, &found_.refitted.lacking}, &d_.cautions);
+    Judge();
+    SetHeldOutAside();  // effects are judged by what stays
     Name();
-    aside_.FromHeldOut(!found_.is_named, &d_.baseline, &d_.final, &found_.refitted.lacking, steps_.models());
+    SetHeldOutAside();
     if (!d_.has_unexplained && HasRest() && Misfits() && AssumeSigmaWrong()) Name();
     if (!selected_.empty() && !d_.has_unexplained && HasRest()) {
       d_.has_unexplained = true;
@@ -150,12 +153,23 @@ class Session {
     d_.final_p = LackOfFit(problem_, d_.final, {});
   }
 
+  void Judge() {
+    d_.final = Extend(lacking(), CandidatesOf(selected_), joint_);
+    if (selected_.empty() || !IsUsable(d_.final.estimate.status)) return;
+    const DiagnosedModel quick = d_.final;
+    const ParameterSet aligned = AlignedAs(d_.baseline.estimate.aligned, quick.problem->parameters);
+    d_.final = JudgeFully(quick.problem, quick.estimate.parameters, aligned, joint_);
+  }
+
+  void SetHeldOutAside() {
+    if (!IsUsable(d_.final.estimate.status)) return;
+    aside_.FromHeldOut(!found_.is_named, &d_.baseline, &d_.final, &found_.refitted.lacking, steps_.models());
+  }
+
   // Drops what is not named. That the full model does without an effect says that the linear one was wrong about it:
   // nothing is left for that reason.
   void Name() {
-    while (true) {
-      d_.final = selected_.empty() ? lacking() : JudgedWith(selected_);
-      if (selected_.empty()) return;
+    while (!selected_.empty()) {
       const int idle = IsUsable(d_.final.estimate.status) ? DependentOf(LeastSupported()) : -1;
       int out = idle;
       if (out < 0) {
@@ -168,6 +182,7 @@ class Session {
       LeaveUnnamed(selected_[out]);
       selected_.erase(selected_.begin() + out);
       steps_.Drop(static_cast<size_t>(out), selected_.size());
+      Judge();
       SayFound();
     }
   }
@@ -192,14 +207,17 @@ class Session {
   // The rows scatter more than the noise as stated, with all that is named, makes them: what is left is a wrong sigma,
   // where that is more probable than a further cause.
   bool AssumeSigmaWrong() {
-    const bool is_as_stated = evidence().ViewOf(leading()).IsStated() && !evidence().IsSigmaOpen(leading());
-    if (!is_as_stated || !IsSigmaRefuted(evidence(), LackOfFitLevel())) return false;
+    const NoiseView& view = evidence().ViewOf(leading());
+    const bool is_sigma_as_stated =
+        view.kind != NoiseView::Kind::kPose && view.groups.empty() && !evidence().IsSigmaOpen(leading());
+    if (!is_sigma_as_stated || !IsSigmaRefuted(evidence(), LackOfFitLevel())) return false;
     found_.refitted.model.is_sigma_refuted = true;
     const CalibrationProblem scaled = WithNoiseOf(evidence(), leading(), *lacking().problem);
     const DiagnosedModel refit = RefitFully(scaled, lacking().estimate, joint_);
     if (!IsUsable(refit.estimate.status)) return false;
     found_.refitted.lacking = refit;
     steps_ = {};
+    Judge();
     return true;
   }
   double LackOfFitLevel() const { return kShareOfLackOfFit * options_.significance; }
@@ -270,13 +288,6 @@ class Session {
       least = static_cast<int>(k);
     }
     return least;
-  }
-
-  DiagnosedModel JudgedWith(const std::vector<SelectedEffect>& effects) const {
-    const DiagnosedModel quick = Extend(lacking(), CandidatesOf(effects), joint_);
-    if (!IsUsable(quick.estimate.status)) return quick;
-    const ParameterSet aligned = AlignedAs(d_.baseline.estimate.aligned, quick.problem->parameters);
-    return JudgeFully(quick.problem, quick.estimate.parameters, aligned, joint_);
   }
 
   void Describe() {
@@ -434,14 +445,8 @@ class Session {
     }
     SetMayFollowThePose(&d_.final);
     d_.noise.is_bound = d_.has_unexplained;
-    if (!selected_.empty()) {
-      d_.verdict = d_.has_unexplained ? DiagnosisVerdict::kPartly : DiagnosisVerdict::kExplained;
-    } else if (d_.has_unexplained) {
-      d_.verdict = DiagnosisVerdict::kUnknown;
-    } else {
-      const bool is_noise = d_.noise.is_finding || !d_.noise.outliers.empty();
-      d_.verdict = is_noise ? DiagnosisVerdict::kNoise : DiagnosisVerdict::kConsistent;
-    }
+    const bool is_noise = d_.noise.is_finding || !d_.noise.outliers.empty();
+    d_.verdict = VerdictOf(!selected_.empty(), d_.has_unexplained, is_noise);
     std::vector<std::pair<EffectSpec, double>> unconfirmed;
     for (const SelectedEffect& effect : unconfirmed_)
       unconfirmed.emplace_back(effect.candidate.spec, ProbabilityOf(effect));

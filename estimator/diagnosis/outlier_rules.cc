@@ -35,7 +35,7 @@ constexpr double kShareOfACause = 0.1;
 constexpr double kBeyondOthers = 25.0;
 // Of the rows. A choice, below the tenth that a cause moves and above the 2 % that the practice cases have.
 constexpr double kMostOutliers = 0.06;
-constexpr size_t kFewOutliers = 2;  // of held-out rows, however few
+constexpr size_t kFewOutliers = 2;  // that a cause exceeds, however few rows there are
 // Rows whose median says what they scatter by: that of n squares is known to 2.3 / sqrt(n) of itself, to a half here.
 // Next to 20 fitted rows a hold-out of 30 % has 8.
 constexpr size_t kFewestFitted = 20, kFewestHeldOut = 8;
@@ -139,6 +139,14 @@ double Share(size_t some, size_t all) {
   return static_cast<double>(some) / static_cast<double>(std::max<size_t>(1, all));
 }
 
+// Of held-out rows, which have no say in what is found: as many as the share that is allowed has in one of twenty
+// hold-outs of this size.
+size_t FewHeldOut(size_t rows) {
+  const double mean = kMostOutliers * static_cast<double>(rows);
+  const double most = mean + NormalQuantile(0.95) * std::sqrt(mean * (1.0 - kMostOutliers));
+  return std::max(kFewOutliers, static_cast<size_t>(most));
+}
+
 // Squares that are its own, given all others.
 double BeyondOthers(std::vector<double> squares) {
   const auto of_a_cause = static_cast<size_t>(kShareOfACause * static_cast<double>(squares.size()));
@@ -208,7 +216,7 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
   }
   // What happens to many points is no outlier but something to explain.
   const double share = Share(single, misfits.size() + removed) + Share(wrong.size(), all_configurations.size());
-  const bool are_few = !are_fitted && single + wrong.size() <= kFewOutliers;
+  const bool are_few = !are_fitted && single + wrong.size() <= FewHeldOut(misfits.size() + removed);
   return share <= kMostOutliers || are_few ? outliers : std::vector<int>();
 }
 

@@ -183,7 +183,8 @@ std::vector<int> SetAside::StillOff(const DiagnosedModel& model) const {
 }
 
 void SetAside::FromFitted(DiagnosedModel* model) {
-  for (int round = 0; round < kMostSetAsideRounds && (Follow(*model, model) || FollowWithoutWorst(model)); ++round) {
+  for (int round = 0; round < kMostSetAsideRounds && (Follow(*model, false, model) || FollowWithoutWorst(model));
+       ++round) {
   }
 }
 
@@ -195,12 +196,16 @@ bool SetAside::FollowWithoutWorst(DiagnosedModel* model) {
   const std::shared_ptr<const CalibrationProblem> without = judge.problem;
   if (!Replace(*without, joint_, &judge)) return false;
   judge.problem = model->problem;
-  return Follow(judge, model);
+  return Follow(judge, false, model);
 }
 
-bool SetAside::Follow(const DiagnosedModel& extended, DiagnosedModel* baseline) {
-  const CalibrationProblem& seen = *extended.problem;
-  const ParameterSet& parameters = extended.estimate.parameters;
+bool SetAside::FollowExtended(const DiagnosedModel& extended, DiagnosedModel* baseline) {
+  return Follow(extended, true, baseline);
+}
+
+bool SetAside::Follow(const DiagnosedModel& judge, bool anew, DiagnosedModel* baseline) {
+  const CalibrationProblem& seen = *judge.problem;
+  const ParameterSet& parameters = judge.estimate.parameters;
   const double significance = kShareOfOutliers * significance_;
   std::vector<int> back = ExplainedOutliers(seen, parameters, outliers_, significance);
   const std::vector<double> moments = Moments(seen.robot(), seen.robot().effects);
@@ -211,13 +216,13 @@ bool SetAside::Follow(const DiagnosedModel& extended, DiagnosedModel* baseline) 
   std::vector<int> out =
       FindOutliers(seen, parameters, seen.CalibrationObservations(), significance, false, outliers_.size());
   const std::set<int> caused = WithACause(seen, Union({seen.CalibrationObservations(), outliers_}),
-                                          Union({out, outliers_, StillOff(extended)}), significance_);
+                                          Union({out, outliers_, StillOff(judge)}), significance_);
   for (const int i : outliers_) {
     if (caused.count(i) > 0 && std::find(back.begin(), back.end(), i) == back.end()) back.push_back(i);
   }
   returned_.insert(caused.begin(), caused.end());
-  const auto came_back = [&](int i) { return returned_.count(i) > 0; };
-  out.erase(std::remove_if(out.begin(), out.end(), came_back), out.end());
+  const auto stays = [&](int i) { return (anew ? caused : returned_).count(i) > 0; };
+  out.erase(std::remove_if(out.begin(), out.end(), stays), out.end());
   if (back.empty() && out.empty()) return false;
   CalibrationProblem problem = *baseline->problem;
   for (const int i : back) problem.mutable_data()->ExcludeRow(i, false);
@@ -233,10 +238,11 @@ void SetAside::FromHeldOut(bool lacks_nothing, DiagnosedModel* baseline, Diagnos
                            std::vector<DiagnosedModel>* prefixes) {
   CalibrationProblem cleaned = *final->problem;
   std::vector<int> removed;
+  const bool by_their_body = !lacks_nothing && outliers_.empty();
   for (int round = 0; round < kMostSetAsideRounds; ++round) {
     const std::vector<int> outliers =
         FindOutliers(cleaned, final->estimate.parameters, cleaned.ValidationObservations(),
-                     kShareOfOutliers * significance_, !lacks_nothing, removed.size());
+                     kShareOfOutliers * significance_, by_their_body, removed.size());
     if (outliers.empty()) break;
     for (const int i : outliers) cleaned.mutable_data()->ExcludeRow(i);
     removed.insert(removed.end(), outliers.begin(), outliers.end());
@@ -259,7 +265,7 @@ void SetAside::FromHeldOut(bool lacks_nothing, DiagnosedModel* baseline, Diagnos
   ExcludeFrom(lacking, removed);
   for (DiagnosedModel& prefix : *prefixes) ExcludeFrom(&prefix, removed);
   outliers_.insert(outliers_.end(), removed.begin(), removed.end());
-  held_out_ = static_cast<int>(removed.size());
+  held_out_ += static_cast<int>(removed.size());
 }
 
 void SetAside::NextToMoments(const std::vector<EffectSpec>& effects, const std::vector<DiagnosedModel*>& models,

@@ -17,11 +17,12 @@ class SetAside {
   // station) that are off from some moment on, or up to it, and what most readings of a load do, stay: the evidence has
   // to see them.
   void FromFitted(DiagnosedModel* model);
-  // Readings that the extended model explains come back to the baseline, and stay; new ones leave. True: it changed.
-  bool Follow(const DiagnosedModel& extended, DiagnosedModel* baseline);
+  // Readings that the extended model explains come back to the baseline; what is an outlier to it leaves, also what
+  // came back by a poorer model and is not off with others. True: it changed.
+  bool FollowExtended(const DiagnosedModel& extended, DiagnosedModel* baseline);
   // Outliers among untouched rows say nothing of the model: other markers of their shot give them away, or, where the
-  // model lacks nothing, a reading that stands alone; no hold-out figure counts them: the models between the two
-  // lose the same rows.
+  // model lacks nothing or fitted rows have outliers, too, a reading that stands alone; no hold-out figure counts them:
+  // the models between the two lose the same rows.
   void FromHeldOut(bool lacks_nothing, DiagnosedModel* baseline, DiagnosedModel* final, DiagnosedModel* lacking,
                    std::vector<DiagnosedModel>* prefixes);
 
@@ -34,6 +35,8 @@ class SetAside {
   int held_out() const { return held_out_; }
 
  private:
+  // The same by any model. anew: what came back once may leave again.
+  bool Follow(const DiagnosedModel& judge, bool anew, DiagnosedModel* baseline);
   // Judged by the fit without the few configurations that are off most.
   bool FollowWithoutWorst(DiagnosedModel* model);
   std::vector<int> StillOff(const DiagnosedModel& model) const;

@@ -2,6 +2,12 @@
 
 namespace sagitta {
 
+DiagnosisVerdict VerdictOf(bool has_effects, bool has_unexplained, bool noise_is_finding) {
+  if (has_effects) return has_unexplained ? DiagnosisVerdict::kPartly : DiagnosisVerdict::kExplained;
+  if (has_unexplained) return DiagnosisVerdict::kUnknown;
+  return noise_is_finding ? DiagnosisVerdict::kNoise : DiagnosisVerdict::kConsistent;
+}
+
 std::string WordOf(DiagnosisVerdict verdict) {
   switch (verdict) {
     case DiagnosisVerdict::kConsistent:

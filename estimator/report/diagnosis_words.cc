@@ -22,6 +22,7 @@ namespace sagitta {
 namespace {
 
 constexpr double kWorthSaying = 0.1;  // of the probability, where nothing is named
+constexpr double kIsDecided = 0.95;   // all else has a twentieth
 constexpr size_t kMostLikely = 3;
 constexpr double kLeastSaid = 0.01;       // of the probability of a set
 constexpr double kDoTheSame = 0.9999;     // overlap: of what the one moves, the other leaves a hundredth
@@ -214,9 +215,15 @@ std::string UnknownInWords(const Diagnosis& d) {
                                    : "There is a significant gap";
   const Robot& robot = d.baseline.problem->robot();
   std::vector<std::string> likely;
+  std::vector<std::string> sure;
   for (const auto& [spec, probability] : d.posterior.explanations) {
-    if (probability >= kWorthSaying && likely.size() < kMostLikely)
-      likely.push_back(Title(robot, spec) + " " + Percent(probability));
+    const std::string said = Title(robot, spec) + " " + Percent(probability);
+    if (probability >= kWorthSaying && likely.size() < kMostLikely) likely.push_back(said);
+    if (probability > kIsDecided) sure.push_back(said);
+  }
+  if (!sure.empty()) {
+    return there_is + ". By the rows that were fitted it is " + Enumerate(sure) +
+           "; that is not named, for the full model or untouched rows do not confirm it (see the cautions).";
   }
   if (likely.empty() && d.posterior.nothing > std::max(d.posterior.unnamed, d.posterior.noise)) {
     return NothingFitsInWords(d);

@@ -1,4 +1,4 @@
-// Rules of outliers on bodies with many markers.
+// Rules of outliers: bodies with many markers, and untouched rows.
 #include "estimator/diagnosis/outlier_rules.h"
 
 #include <gtest/gtest.h>
@@ -6,8 +6,9 @@
 #include <cmath>
 #include <vector>
 
-#include "estimator/diagnosis/diagnosed_model.h"
+#include "estimator/diagnosis/diagnose.h"
 #include "tests/support/dh_campaigns.h"
+#include "tests/support/hidden_kr270.h"
 #include "tests/support/random_vector.h"
 
 namespace sagitta::outlier_rules_test {
@@ -45,6 +46,22 @@ TEST(OutlierRules, ManyMarkersOnABodyThatMovedAreNoOutliers) {
     found += !FindOutliers(problem, fit.estimate.parameters, rows, 1e-3, false, 0).empty();
   }
   EXPECT_LE(found, 3);
+}
+
+// Four of 45 held-out readings are wrong, as many as a share of six in a hundred has in one of twenty hold-outs: an
+// effect is judged by the others, and nothing is left because of them.
+TEST(OutlierRules, AnEffectIsJudgedWithoutWrongReadingsAmongUntouchedRows) {
+  CalibrationProblem problem = test::Hidden(3, [](double q) { return 400e-6 * std::cos(q); });
+  const std::vector<int> held_out = problem.ValidationObservations();
+  ASSERT_EQ(held_out.size(), 45u);
+  for (const int k : {1, 12, 23, 38}) {
+    Observation& row = problem.mutable_data()->observations[static_cast<size_t>(held_out[static_cast<size_t>(k)])];
+    row.point_in_station += Vector3<double>(0.0, 0.0, 25.0 * row.sigma.z());
+  }
+  const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kExplained);
+  EXPECT_EQ(diagnosis.effects.size(), 1u);
+  EXPECT_EQ(diagnosis.noise.outliers_held_out, 4);
 }
 
 }  // namespace

@@ -281,6 +281,10 @@ TEST(DiagnosisWords, UndecidedIsNotUnexplained) {
   d.posterior.unnamed = 0.24;
   EXPECT_THAT(VerdictInWords(d), AllOf(HasSubstr("do not decide what it is"), HasSubstr("encoder_gain, A3) 27 %"),
                                        HasSubstr("no name 24 %"), ::testing::Not(HasSubstr("link_gravity"))));
+  // What the fitted rows decide and nothing confirms is no open question.
+  d.posterior.explanations = {{{"encoder_gain", "A3", {}, {}}, 0.97}};
+  EXPECT_THAT(VerdictInWords(d), AllOf(HasSubstr("encoder_gain, A3) 97 %"), HasSubstr("do not confirm it"),
+                                       Not(HasSubstr("do not decide"))));
   // Where it is the noise most probably, that stands first.
   d.posterior.explanations = {{{"encoder_gain", "A3", {}, {}}, 0.02}};
   d.posterior.unnamed = 0.1, d.posterior.noise = 0.52;
