@@ -96,15 +96,16 @@ CalibrationProblem WithNoiseOf(const Evidence& evidence, const WeightedModel& mo
   const double factor = AppliedFactor(evidence, model);
   if (view.kind != NoiseView::Kind::kStated) {
     const JointSigmas stated = view.kind == NoiseView::Kind::kPose ? MeanStated(problem) : JointSigmas();
-    with = WithRepeatability(with, {factor * std::hypot(view.sigma, stated.turn),
-                                    factor * std::hypot(kTravelPerTurn * view.sigma, stated.travel)});
+    const double as_stated = view.joints_over_sigma;
+    with = WithRepeatability(with, {factor * std::hypot(view.sigma, as_stated * stated.turn),
+                                    factor * std::hypot(kTravelPerTurn * view.sigma, as_stated * stated.travel)});
   }
   if (!view.groups.empty()) {
     with = WithScaledGroups(with, view.Scaled());
     if (with.noise_origin != NoiseOrigin::kFound) with.noise_origin = NoiseOrigin::kScaled;
   }
   if (factor != 1.0) with = WithScaledSigmas(with, factor);
-  if (view.kind == NoiseView::Kind::kStated) with.latent.sigmas *= factor;
+  if (view.kind == NoiseView::Kind::kStated) with.latent.sigmas *= factor * view.joints_over_sigma;
   if (evidence.IsSigmaStated()) with.stated_noise_factor = factor;  // and that of rows to come
   return with;
 }
@@ -137,8 +138,7 @@ NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, con
     if (seen > kNearlyAll) break;
     seen += each.probability;
     const NoiseView& view = evidence.ViewOf(each);
-    const bool other = view.kind == NoiseView::Kind::kVisit || !view.groups.empty();
-    noise.probability += each.probability * (other ? 1.0 : evidence.SigmaIsWrong(each));
+    noise.probability += each.probability * (view.IsNoiseStated() ? evidence.SigmaIsWrong(each) : 1.0);
   }
   if (evidence.ViewOf(model).kind == NoiseView::Kind::kVisit) {
     FindRepeatability(evidence, model, stated, final, &noise);

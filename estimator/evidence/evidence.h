@@ -54,25 +54,32 @@ struct NoiseView {
   double sigma = 0.0;      // of the latter two: rad of joints that turn, those that slide in proportion
   double log_occam = 0.0;  // of the even prior over log sigma, what the likelihood keeps
   std::vector<ViewedGroup> groups = {};
+  // Of a wrong factor of sigma, its inverse: it scales all that scatters, and the joints deviate as stated all the
+  // same.
+  double joints_over_sigma = 1.0;
 
-  bool IsStated() const { return kind == Kind::kStated && groups.empty(); }
+  bool IsNoiseStated() const { return kind != Kind::kVisit && groups.empty() && joints_over_sigma == 1.0; }
+  bool IsStated() const { return IsNoiseStated() && kind == Kind::kStated; }
   std::vector<ScaledGroup> Scaled() const;
 };
 
 // What a view is, in an order.
-using NoiseSizes = std::tuple<NoiseView::Kind, double, std::vector<std::pair<ReadingGroup, double>>>;
+using NoiseSizes = std::tuple<NoiseView::Kind, double, double, std::vector<std::pair<ReadingGroup, double>>>;
 NoiseSizes SizesOf(const NoiseView& view);
 
-// What of the noise may be other than in a view: how the joints deviate or, where it is given, how a group scatters.
+// What of the noise may be other than in a view: how the joints deviate, where it is given how a group scatters, or
+// sigma where the joints deviate as stated.
 struct NoisePart {
   NoiseView::Kind joints = NoiseView::Kind::kStated;
   std::optional<ReadingGroup> group = std::nullopt;
   double about = 0.0;  // the group's factor is near it
   std::optional<ReadingGroup> instead_of = std::nullopt;
+  bool is_sigma_alone = false;
 
   // By all that a search for its size depends on, given the view without it.
   bool operator<(const NoisePart& other) const {
-    return std::tie(joints, group, about) < std::tie(other.joints, other.group, other.about);
+    return std::tie(joints, group, about, is_sigma_alone) <
+           std::tie(other.joints, other.group, other.about, other.is_sigma_alone);
   }
 };
 
@@ -144,7 +151,8 @@ class Evidence {
   double SigmaIsWrong(const WeightedModel& model) const;
   // Whether the scatter says what sigma is: none is stated, or it is probably wrong.
   bool IsSigmaOpen(const WeightedModel& model) const {
-    return !IsSigmaStated() || model.is_sigma_refuted || SigmaIsWrong(model) > kEvenOdds;
+    return !IsSigmaStated() || model.is_sigma_refuted || ViewOf(model).joints_over_sigma != 1.0 ||
+           SigmaIsWrong(model) > kEvenOdds;
   }
   // Square of the residual that a model leaves.
   double ResidualOf(const WeightedModel& model) const;
@@ -165,6 +173,8 @@ class Evidence {
                    const RowSums& sums) const;
   // The most likely view in which a part is other than in `base`, which has it as stated.
   Trial BestView(const NoiseView& base, const NoisePart& part, const WeightedSet& set);
+  // The most likely view in which sigma is wrong and the joints deviate as stated.
+  Trial ViewOfSigmaAlone(const NoiseView& base, const WeightedSet& set);
   // What may be other than in a view.
   std::vector<NoisePart> PartsFor(const NoiseView& view) const;
   void AddGroups(const NoiseView& view, std::vector<NoisePart>* parts) const;

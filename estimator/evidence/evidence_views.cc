@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 #include <set>
+#include <string>
 
 #include "estimator/evidence/evidence.h"
 #include "estimator/noise/rigid_bodies.h"
@@ -19,12 +20,13 @@ namespace {
 constexpr double kLeastRepeatability = 2e-6, kMostRepeatability = 5e-4;
 constexpr double kSettled = 0.03;        // of the logarithm of a size, which is found by octaves, then refined
 constexpr int kBitsOfRepeatability = 5;  // 2^-5
+constexpr int kBitsOfSigma = 7;          // of a logarithm of one half, 0.4 %
 // Rows beyond what is estimated that settle it: of n degrees of freedom a standard deviation is good to 1 / sqrt(2 n),
 // 2 % here.
 constexpr int kRowsThatSettle = 1000;
 // A view that is so much less likely with the best set is not searched: e^-4 = 2 %.
 constexpr double kWorthSearching = -4.0;
-constexpr int kMostViews = 4;         // as stated, joints that deviate, by the pose, and one more
+constexpr int kMostViews = 5;         // as stated, sigma alone, joints that deviate, by the pose, and one more
 constexpr int kMostChanges = 8;       // of a view before it is searched: a part, the joints, and six groups
 constexpr size_t kMostPromising = 2;  // groups that each change tries: of two stations each says the same of the other
 constexpr double kSameSize = 0.1;     // of the logarithm: fifty degrees of freedom leave as much open
@@ -59,6 +61,7 @@ NoiseView With(const NoiseView& base, const NoisePart& part, double size) {
   } else {
     view.kind = part.joints;
     view.sigma = size;
+    if (view.kind == NoiseView::Kind::kVisit) view.joints_over_sigma = 1.0;
   }
   return view;
 }
@@ -71,6 +74,8 @@ NoiseView Without(const NoiseView& view, const NoisePart& part) {
   };
   if (part.group) {
     base.groups.erase(std::remove_if(base.groups.begin(), base.groups.end(), is_it), base.groups.end());
+  } else if (part.is_sigma_alone) {
+    base.joints_over_sigma = 1.0;
   } else {
     base.kind = NoiseView::Kind::kStated;
     base.sigma = base.log_occam = 0.0;
@@ -87,8 +92,21 @@ bool HaveEqualGroups(const NoiseView& a, const NoiseView& b) {
 }
 
 bool AreAlike(const NoiseView& a, const NoiseView& b) {
-  if (a.kind != b.kind || !HaveEqualGroups(a, b)) return false;
-  return a.kind == NoiseView::Kind::kStated || std::abs(std::log(a.sigma / b.sigma)) < kSameSize;
+  const auto are_equal = [](double one, double other) { return std::abs(std::log(one / other)) < kSameSize; };
+  if (a.kind != b.kind || !HaveEqualGroups(a, b) || !are_equal(a.joints_over_sigma, b.joints_over_sigma)) return false;
+  return a.kind == NoiseView::Kind::kStated || are_equal(a.sigma, b.sigma);
+}
+
+std::string SearchingWith(const NoiseView& view, const Measurements& data) {
+  if (view.kind != NoiseView::Kind::kStated) return SearchingWithRepeatability(view.sigma);
+  if (!view.groups.empty()) return SearchingWithGroups(view.Scaled(), data);
+  return SearchingWithSigmaAlone(1.0 / view.joints_over_sigma);
+}
+
+NoisePart SigmaAlone() {
+  NoisePart part;
+  part.is_sigma_alone = true;
+  return part;
 }
 
 // Of a group that a view has: another factor, or another group of the kind in its place. That one of two stations
@@ -113,9 +131,9 @@ double ShareOfOneMoreFamily(const ExplanationList& list, const PriorMasses& mass
 }  // namespace
 
 NoiseSizes SizesOf(const NoiseView& view) {
-  NoiseSizes sizes{view.kind, view.sigma, {}};
+  NoiseSizes sizes{view.kind, view.sigma, view.joints_over_sigma, {}};
   for (const ViewedGroup& viewed : view.groups)
-    std::get<2>(sizes).emplace_back(viewed.scaled.group, viewed.scaled.factor);
+    std::get<3>(sizes).emplace_back(viewed.scaled.group, viewed.scaled.factor);
   return sizes;
 }
 
@@ -135,11 +153,7 @@ void Evidence::ClimbInViews(const std::function<void(const std::string&)>& progr
     const WeightedSet best = models_[0].set;
     const std::optional<Trial> next = NextView();
     if (!next) return;
-    const bool has_joints = next->view.kind != NoiseView::Kind::kStated;
-    if (progress) {
-      progress(has_joints ? SearchingWithRepeatability(next->view.sigma)
-                          : SearchingWithGroups(next->view.Scaled(), problem_.data()));
-    }
+    if (progress) progress(SearchingWith(next->view, problem_.data()));
     VLOG(1) << "diagnosis: joints " << 1e6 * next->view.sigma << " urad, " << next->view.groups.size()
             << " groups of readings: " << next->log_weight - models_[0].log_weight << " over the best so far";
     Climb(Viewed(next->view), best);
@@ -154,6 +168,7 @@ std::vector<NoisePart> Evidence::PartsFor(const NoiseView& view) const {
     parts.push_back({NoiseView::Kind::kVisit});
     if (columns_.HasRevisits()) parts.push_back({NoiseView::Kind::kPose});
   }
+  if (!stated_.visit.isZero(0.0) && view.kind != NoiseView::Kind::kVisit) parts.push_back(SigmaAlone());
   if (!groups_.empty()) AddGroups(view, &parts);
   return parts;
 }
@@ -182,7 +197,7 @@ Evidence::Trial Evidence::BestChange(const NoiseView& view, const WeightedSet& s
   for (const NoisePart& part : PartsFor(view)) {
     const NoiseView base = Without(view, part);
     const auto [known, is_new] = tried_.try_emplace({SizesOf(base), part, set.members, set.scales});
-    if (is_new) known->second = BestView(base, part, set);
+    if (is_new) known->second = part.is_sigma_alone ? ViewOfSigmaAlone(base, set) : BestView(base, part, set);
     const Trial& trial = known->second;
     if (trial.log_weight <= best.log_weight || AreAlike(trial.view, view) || is_searched(trial.view)) continue;
     best = trial;
@@ -212,6 +227,7 @@ std::optional<Evidence::Trial> Evidence::NextView() {
 RowScatter Evidence::ScatterOf(const NoiseView& view) const {
   RowScatter scatter = stated_;
   scatter.readings = view.Scaled();
+  scatter.visit *= view.joints_over_sigma;
   if (view.kind == NoiseView::Kind::kStated) return scatter;
   for (long j = 0; j < scatter.visit.size(); ++j) {
     const bool turns = problem_.robot().chain.joints[j].type == JointType::kRevolute;
@@ -241,6 +257,29 @@ double Evidence::LogWeight(const NoiseView& view, const WeightedSet& set, const 
   const GivenBelieved given_believed = columns_.Project(sums);
   return SearchAmong(few.explanations, given_believed.normal).Evaluate(members, set.scales).log_weight +
          given_believed.log_constant + LogPriorOf(view, set);
+}
+
+// With a given factor f of all that scatters the rows say, of a set that leaves R with n degrees of freedom,
+//   -n log f - R / 2 f^2
+// in place of what the likelihood says of any factor; the joints deviate by 1 / f of that.
+Evidence::Trial Evidence::ViewOfSigmaAlone(const NoiseView& base, const WeightedSet& set) {
+  const FewExplanations few = WithTheirColumns(list_.math, set.members);
+  std::vector<int> members(set.members.size());
+  std::iota(members.begin(), members.end(), 0);
+  NoiseView view = base;
+  const auto weight = [&](double log_factor) {
+    view.joints_over_sigma = std::exp(-log_factor);
+    const RowSums sums = columns_.Sum(ScatterOf(view), few.columns, 1);
+    const ProjectedNormal normal = columns_.Project(sums).normal;
+    const double residual = Members(normal, GroupsOf(few.explanations, members), set.scales).residual();
+    return LogWeight(view, set, few, sums) - Likelihood(normal.dof).Log(residual) - normal.dof * log_factor -
+           0.5 * residual * std::exp(-2.0 * log_factor);
+  };
+  const double widest = std::log(kWidestFactor);
+  const auto [log_factor, least] =
+      boost::math::tools::brent_find_minima([&](double at) { return -weight(at); }, -widest, widest, kBitsOfSigma);
+  view.joints_over_sigma = std::exp(-log_factor);
+  return {view, LogWeight(view, set, few, columns_.Sum(ScatterOf(view), few.columns, 1))};
 }
 
 // Or `base` itself, where the rows do not ask for the part. The size is found on as many blocks of rows as settle it;

@@ -152,6 +152,10 @@ std::string GroupInWords(ReadingGroup::Kind kind, const std::string& name) {
   return "the readings of " + WordOf(kind) + " " + name;
 }
 
+std::string SearchingWithSigmaAlone(double factor) {
+  return "once more with sigma " + Significant(factor, 2) + " times what is stated and joints that deviate as stated";
+}
+
 std::string SearchingWithGroups(const std::vector<ScaledGroup>& groups, const Measurements& data) {
   std::vector<std::string> all;
   for (const ScaledGroup& scaled : groups) {

@@ -65,6 +65,7 @@ std::string GravityIsUnknown(const std::string& station);
 std::string SearchingWithRepeatability(double sigma_rad);
 // "the readings of station S2".
 std::string GroupInWords(ReadingGroup::Kind kind, const std::string& name);
+std::string SearchingWithSigmaAlone(double factor);
 std::string SearchingWithGroups(const std::vector<ScaledGroup>& groups, const Measurements& data);
 // All is weighed once more, from an estimate that holds what was found.
 std::string WeighingAboutWhatWasFound();

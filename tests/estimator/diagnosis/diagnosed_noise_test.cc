@@ -205,6 +205,30 @@ TEST(Diagnosis, StatedRepeatabilityBesideAWrongSigmaIsNoFinding) {
   EXPECT_GT(diagnosis.noise.high, 2.0);
 }
 
+// The joints deviate as stated and the instrument scatters half as much: one factor of both would have the joints
+// deviate less than they do.
+TEST(Diagnosis, JointsDeviateAsStatedWhereSigmaAloneIsOverstated) {
+  constexpr double kStated = 60e-6;
+  std::mt19937_64 random(85);
+  std::normal_distribution<double> rest(0.0, kStated);
+  const CalibrationProblem measured = Moved(86, [&](Eigen::VectorXd* q) {
+    for (double& joint : *q) joint += rest(random);
+  });
+  Measurements data = measured.data();
+  for (Observation& observation : data.observations) observation.sigma *= 2.0;
+  Experiment experiment = measured.experiment();
+  for (const Joint& joint : measured.robot().chain.joints) {
+    experiment.repeatability.angle.per_joint[joint.name] = kStated;
+  }
+  const Diagnosis diagnosis = Diagnose(MakeCalibrationProblem(measured.robot(), data, experiment), DiagnosisOptions());
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kNoise);
+  EXPECT_TRUE(diagnosis.noise.scale_differs);
+  EXPECT_FALSE(diagnosis.noise.HasUndeclaredRepeatability());
+  EXPECT_LT(diagnosis.noise.low, 0.5);
+  EXPECT_GT(diagnosis.noise.high, 0.5);
+  EXPECT_NEAR((diagnosis.final.problem->latent.sigmas.array() / kStated - 1.0).abs().maxCoeff(), 0.0, 0.02);
+}
+
 // Both scatter twice as much as stated: the harmonic is found all the same, in the full model too, which has to be
 // given twice both.
 TEST(Diagnosis, AnEffectNextToNoiseThatIsStatedHalfAsLargeIsNamed) {
