@@ -277,7 +277,6 @@ void Finish(const CalibrationProblem& problem, const NormalEquations& equations,
 // bends by more than the instrument's sigma. Where much is left unmodelled the steps shrink by a constant factor; a
 // dozen passes cost less than one factorization of all deviations, so it goes on while a dozen at least halve the step.
 bool SolveFromNear(const CalibrationProblem& problem, const NormalEquations& equations, ParameterSet* parameters) {
-  if (problem.latent.empty()) return false;
   ParameterSet trial = *parameters;
   double before = kWarmReach;
   while (true) {
@@ -297,13 +296,13 @@ bool SolveFromNear(const CalibrationProblem& problem, const NormalEquations& equ
 MinimizeSummary Solve(const CalibrationProblem& problem, const ResidualSelection& residuals,
                       const NormalEquations& equations, const NormalEquations& exact_joints,
                       const JointOptions& options, ParameterSet* parameters) {
+  const bool is_sparse = problem.latent.empty() && StructureOf(problem, residuals, *parameters).IsSparserThanSums();
   MinimizeSummary near;
   near.usable = near.converged = true;
-  if (options.aligned != nullptr && SolveFromNear(problem, equations, parameters)) return near;
+  if (options.aligned != nullptr && !is_sparse && SolveFromNear(problem, equations, parameters)) return near;
   MinimizeOptions minimize;
   minimize.max_iterations = options.max_iterations;
   minimize.num_threads = options.num_threads;
-  const bool is_sparse = problem.latent.empty() && StructureOf(problem, residuals, *parameters).IsSparserThanSums();
   if (residuals.granularity == CostGranularity::kMarker || is_sparse) {
     return MinimizeJointly(problem, residuals, minimize, parameters);
   }

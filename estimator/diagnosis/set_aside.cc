@@ -200,7 +200,18 @@ bool SetAside::FollowWithoutWorst(DiagnosedModel* model) {
 }
 
 bool SetAside::FollowExtended(const DiagnosedModel& extended, DiagnosedModel* baseline) {
-  return Follow(extended, true, baseline);
+  DiagnosedModel judge = extended;
+  bool changed = false;
+  for (int round = 0; round < kMostSetAsideRounds && Follow(judge, true, baseline); ++round) {
+    changed = true;
+    judge.problem = std::make_shared<CalibrationProblem>(*judge.problem);
+    const auto& rows = baseline->problem->data().observations;
+    for (size_t i = 0; i < rows.size(); ++i)
+      judge.problem->mutable_data()->ExcludeRow(static_cast<int>(i), rows[i].excluded);
+    judge.estimate = RefitQuickly(*judge.problem, judge.estimate.parameters).estimate;
+    if (!IsUsable(judge.estimate.status)) break;
+  }
+  return changed;
 }
 
 bool SetAside::Follow(const DiagnosedModel& judge, bool anew, DiagnosedModel* baseline) {

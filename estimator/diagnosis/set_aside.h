@@ -18,7 +18,8 @@ class SetAside {
   // to see them.
   void FromFitted(DiagnosedModel* model);
   // Readings that the extended model explains come back to the baseline; what is an outlier to it leaves, also what
-  // came back by a poorer model and is not off with others. True: it changed.
+  // came back by a poorer model and is not off with others; the extended model is refitted until no row changes. True:
+  // some did.
   bool FollowExtended(const DiagnosedModel& extended, DiagnosedModel* baseline);
   // Outliers among untouched rows say nothing of the model: other markers of their shot give them away, or, where the
   // model lacks nothing or fitted rows have outliers, too, a reading that stands alone; no hold-out figure counts them:

@@ -52,8 +52,9 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
   ViewedNormal stated = Viewed({});
   DropInvisible(stated.given_believed.normal, masses, &list_);
   if (progress) progress("weighing " + std::to_string(list_.math.size()) + " explanations");
-  Climb(std::move(stated), before == nullptr ? WeightedSet() : BestOf(*before));
-  ClimbInViews(progress);
+  const WeightedSet start = before == nullptr ? WeightedSet() : BestOf(*before);
+  Climb(std::move(stated), start);
+  ClimbInViews(progress, start);
   Explore();
 }
 

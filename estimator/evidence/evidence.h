@@ -162,8 +162,9 @@ class Evidence {
     NoiseView view;
     double log_weight = -std::numeric_limits<double>::infinity();  // there is none
   };
-  // In views other than the stated one as long as any is worth it.
-  void ClimbInViews(const std::function<void(const std::string&)>& progress);
+  // In views other than the stated one as long as any is worth it. start: a set near the best one, which says the first
+  // of them, because in the noise as stated the best set may hold what is noise; nothing where none is known.
+  void ClimbInViews(const std::function<void(const std::string&)>& progress, const WeightedSet& start);
   RowScatter ScatterOf(const NoiseView& view) const;
   ViewedNormal Viewed(const NoiseView& view) const;
   // Of the view, in addition to the set's own.
@@ -180,9 +181,8 @@ class Evidence {
   void AddGroups(const NoiseView& view, std::vector<NoisePart>* parts) const;
   // The most likely view with one part other than in `view` that is not searched yet.
   Trial BestChange(const NoiseView& view, const WeightedSet& set);
-  // The view that is most likely with one of two sets, the best one and nothing; nothing where none is worth a
-  // search.
-  std::optional<Trial> NextView();
+  // The view that is most likely with one of two sets, the model's and nothing; nothing where none is worth a search.
+  std::optional<Trial> NextView(const WeightedModel& near);
   // What the best set of another evidence is called here.
   WeightedSet BestOf(const Evidence& other) const;
   // In one more view, from a set; what is best there is added to the models.

@@ -143,20 +143,21 @@ std::vector<ScaledGroup> NoiseView::Scaled() const {
   return scaled;
 }
 
-void Evidence::ClimbInViews(const std::function<void(const std::string&)>& progress) {
+void Evidence::ClimbInViews(const std::function<void(const std::string&)>& progress, const WeightedSet& start) {
   share_of_pose_ = ShareOfOneMoreFamily(list_, masses_);
   const std::vector<ReadingGroup> all = GroupsOfReadings(problem_);
   log_share_of_group_ = std::log(kNoiseIsWrong / static_cast<double>(std::max<size_t>(1, all.size())));
   groups_.clear();
   for (const GroupOfOwnNoise& own : GroupsOfOwnNoise(problem_, parameters_, all)) groups_.push_back(own.scaled.group);
   for (int round = 1; round < kMostViews; ++round) {
-    const WeightedSet best = models_[0].set;
-    const std::optional<Trial> next = NextView();
+    WeightedModel near = models_[0];
+    if (round == 1 && !start.members.empty()) near = {0, searches_[0].Evaluate(start.members)};
+    const std::optional<Trial> next = NextView(near);
     if (!next) return;
     if (progress) progress(SearchingWith(next->view, problem_.data()));
     VLOG(1) << "diagnosis: joints " << 1e6 * next->view.sigma << " urad, " << next->view.groups.size()
             << " groups of readings: " << next->log_weight - models_[0].log_weight << " over the best so far";
-    Climb(Viewed(next->view), best);
+    Climb(Viewed(next->view), near.set);
   }
 }
 
@@ -206,12 +207,11 @@ Evidence::Trial Evidence::BestChange(const NoiseView& view, const WeightedSet& s
 }
 
 // Changed in one part, then in as many as make it more likely: each search is worth many changes.
-std::optional<Evidence::Trial> Evidence::NextView() {
-  const WeightedModel& best = models_[0];
+std::optional<Evidence::Trial> Evidence::NextView(const WeightedModel& near) {
   std::optional<Trial> next;
   const auto try_next_to = [&](const WeightedModel& model) {
     Trial trial = BestChange(ViewOf(model), model.set);
-    if (trial.log_weight < best.log_weight + kWorthSearching) return;
+    if (trial.log_weight < models_[0].log_weight + kWorthSearching) return;
     for (int change = 1; change < kMostChanges; ++change) {
       Trial more = BestChange(trial.view, model.set);
       if (more.log_weight <= trial.log_weight) break;
@@ -219,8 +219,8 @@ std::optional<Evidence::Trial> Evidence::NextView() {
     }
     if (!next || trial.log_weight > next->log_weight) next = std::move(trial);
   };
-  try_next_to(best);
-  if (!best.set.members.empty()) try_next_to(BestOfNothing());  // which other noise may be enough for
+  try_next_to(near);
+  if (!near.set.members.empty()) try_next_to(BestOfNothing());  // which other noise may be enough for
   return next;
 }
 

@@ -21,6 +21,15 @@ double Promised(const Linearization& here, const BoundedStep& step) {
   return here.residual.squaredNorm() - (here.residual + here.jacobian * step.delta).squaredNorm();
 }
 
+// Where joints deviate, the covariance of the rows moves with the parameters: what is sought is J' C^-1 r = 0, not the
+// least of r' C^-1 r, and along what is measured poorly the two are apart. Near the cost a whole step is good if it
+// leaves at most half of itself (Deuflhard, Newton Methods for Nonlinear Problems, 2004: natural monotonicity).
+bool Nears(const Linearization& there, const ParameterSet& parameters, double cost, const BoundedStep& step) {
+  if (!there.valid || !(there.residual.squaredNorm() <= cost * (1.0 + kNear))) return false;
+  const BoundedStep left = SolveBounded(there, parameters);
+  return left.valid && left.size <= 0.5 * step.size;
+}
+
 // `step`: undamped. `there`: rows at the end; null: nobody asks, and a step that is near is not checked.
 StepOutcome Descend(const RowsAt& rows_at, const Linearization& here, BoundedStep step, double* damping,
                     ParameterSet* parameters, FittedRows* there) {
@@ -33,7 +42,7 @@ StepOutcome Descend(const RowsAt& rows_at, const Linearization& here, BoundedSte
         there == nullptr && *damping == 0.0 && step.pinned.empty() && Promised(here, step) <= kNear * cost;
     FittedRows rows;
     if (!is_near) rows = rows_at(next, here.columns);
-    if (is_near || Falls(rows.rows, cost)) {
+    if (is_near || Falls(rows.rows, cost) || (*damping == 0.0 && Nears(rows.rows, next, cost, step))) {
       *damping = *damping > kFirstDamping ? 0.1 * *damping : 0.0;
       *parameters = std::move(next);
       if (there != nullptr) *there = std::move(rows);

@@ -2,7 +2,8 @@
 //
 //   d = argmin |J d + r|^2 + damping |D d|^2    so that   value + d >= lower,    D: norms of the columns of J
 //
-// Undamped as long as the cost falls; a step that raises it is tried again with more damping (Levenberg, Marquardt).
+// Undamped as long as the cost falls, or the steps halve near it; a step that raises it otherwise is tried again with
+// more damping (Levenberg, Marquardt).
 // The joint problem itself is solved by Ceres (minimize.h, condensed_cost.h).
 #pragma once
 
