@@ -79,6 +79,7 @@ struct ParameterEstimate {
   // Interval on the condition that held parameters are where they were put; the unconditional one counts what they may
   // do to it (held_influence.h). Of held ones themselves too; equal to sigma and ci95 where nothing is held.
   bool conditional = false;
+  std::vector<int> conditional_on;  // held coordinates that widen it, which ci95 assumes to be exact
   double unconditional_sigma = 0.0;
   Interval unconditional_ci95;
   bool open_low = false, open_high = false;  // profile likelihood: no end on that side

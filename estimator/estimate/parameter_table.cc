@@ -34,6 +34,17 @@ ParameterEstimate Line(const CalibrationProblem& problem, const Estimate& estima
   return row;
 }
 
+// Of an estimated column with this variance: the held coordinates that add to it, at least the one that adds most.
+std::vector<int> WidenedBy(const HeldInfluence& held, long column, double variance) {
+  const Eigen::ArrayXd moved = held.slopes.row(column).transpose().array();
+  const Eigen::ArrayXd added = moved.square() * held.second_moment.diagonal().array();
+  std::vector<int> by;
+  for (long h = 0; h < added.size(); ++h) {
+    if (added[h] > kNotWorthAWord * variance || added[h] == added.maxCoeff()) by.push_back(held.coordinates[h]);
+  }
+  return by;
+}
+
 }  // namespace
 
 double ModelDof(const Estimate& estimate) {
@@ -57,7 +68,8 @@ void FillTable(const CalibrationProblem& problem, Estimate* estimate) {
     row.weak = IsWeak(row);
     row.at_bound = row.value - quantile * row.sigma < lower;
     row.ci95 = Around(row.value, quantile * row.sigma, lower);
-    row.conditional = added(c, c) > kNotWorthAWord * row.sigma * row.sigma;
+    row.conditional = IsWidened(row.sigma, added(c, c));
+    if (row.conditional) row.conditional_on = WidenedBy(estimate->held, static_cast<long>(c), row.sigma * row.sigma);
     row.unconditional_sigma = std::sqrt(row.sigma * row.sigma + added(c, c));
     // What is held is as uncertain as its range says, whatever the noise is known by.
     const double dof = WelchDof(row.sigma * row.sigma, row.dof, added(c, c), std::numeric_limits<double>::infinity());
@@ -70,6 +82,8 @@ void FillTable(const CalibrationProblem& problem, Estimate* estimate) {
     row.unconditional_ci95 = Around(row.value, NormalQuantile(kUpperOf95) * row.unconditional_sigma, lower);
   }
 }
+
+bool IsWidened(double sigma, double added) { return added > kNotWorthAWord * sigma * sigma; }
 
 bool IsEven(const ParameterEstimate& row) {
   constexpr double kEven = 0.02;  // of an interval's width: its arms count as equal, for with two digits they look so

@@ -14,6 +14,9 @@ double ModelDof(const Estimate& estimate);
 // intervals value -+ t sigma, cut at the physical bound.
 void FillTable(const CalibrationProblem& problem, Estimate* estimate);
 
+// Whether what held parameters add to a variance is worth a word.
+bool IsWidened(double sigma, double added);
+
 // Whether the interval's arms are alike, so that one figure says both.
 bool IsEven(const ParameterEstimate& row);
 

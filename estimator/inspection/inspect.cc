@@ -12,7 +12,9 @@
 #include "estimator/calibration/marker_remedy.h"
 #include "estimator/inspection/linear_state.h"
 #include "estimator/inspection/load_direction.h"
+#include "estimator/estimate/parameter_table.h"
 #include "estimator/least_squares/ceres_problem.h"
+#include "estimator/least_squares/held_influence.h"
 #include "estimator/report/inspection_words.h"
 #include "problems/interruption.h"
 #include "problems/text.h"
@@ -43,9 +45,25 @@ Identifiability IdentifiabilityOf(const LinearState& state, const LinearSolution
   return expected.identifiability;
 }
 
+// What may be lost moves of the rest, G S G' (held_influence.h).
+Eigen::VectorXd AddedByLost(const LinearState& state) {
+  std::vector<int> places;  // in `all`: what is estimated, then what is lost
+  for (const int i : state.estimated.columns) {
+    places.push_back(static_cast<int>(std::find(state.all.columns.begin(), state.all.columns.end(), i) -
+                                      state.all.columns.begin()));
+  }
+  places.insert(places.end(), state.lost.columns.begin(), state.lost.columns.end());
+  Linearization both = state.all;
+  both.jacobian = state.all.jacobian(Eigen::all, places);
+  for (size_t k = 0; k < places.size(); ++k) both.columns[k] = state.all.columns[places[k]];
+  return AddedCovariance(FindHeldInfluence(both, state.parameters, state.estimated.num_columns(), state.scale))
+      .diagonal();
+}
+
 void FillInspectedParameters(const LinearState& state, Inspection* inspection) {
   const LinearSolution solution = SolveLinearization(state.estimated);
   inspection->identifiability = IdentifiabilityOf(state, solution);
+  const Eigen::VectorXd added = AddedByLost(state);
   for (const int i : state.all.columns) {
     const Coordinate& coordinate = state.parameters.coordinates()[i];
     ParameterEstimate row;
@@ -58,6 +76,8 @@ void FillInspectedParameters(const LinearState& state, Inspection* inspection) {
     if (row.identifiable && solution.full_rank) {
       const int c = static_cast<int>(column - state.estimated.columns.begin());
       row.sigma = state.scale * std::sqrt(solution.covariance(c, c));
+      row.unconditional_sigma = std::sqrt(row.sigma * row.sigma + added[c]);
+      row.conditional = IsWidened(row.sigma, added[c]);
       const double limit = TraitsOf(row.quantity).weak_limit;
       row.weak = limit > 0.0 && row.sigma > limit;
     }

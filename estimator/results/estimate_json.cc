@@ -189,30 +189,13 @@ Json DeflectionToJson(const Estimate& estimate) {
   return json;
 }
 
-// Held parameters that this one moves together with: its value and interval
-// assume them to be exact.
-Json ConditionalOn(const ParameterEstimate& row, const Estimate& estimate) {
-  Json held = Json::array();
-  if (!row.free) return held;
-  for (const Direction& direction : estimate.identifiability.unidentifiable) {
-    bool is_in = false;
-    for (const auto& [name, share] : direction.components) is_in |= name == row.name;
-    for (const auto& [name, share] : direction.components) {
-      const int i = estimate.parameters.FindCoordinate(name);
-      if (is_in && i >= 0 && estimate.parameters.coordinates()[i].held) held.push_back(name);
-    }
-  }
-  return held;
-}
-
 Json ParameterToJson(const ParameterEstimate& row, const Estimate& estimate) {
   const QuantityTraits& traits = TraitsOf(row.quantity);
   const auto in_unit = [&](double si) { return si / traits.si_per_unit; };
   Json json = {
       {"name", row.name}, {"value", in_unit(row.value)}, {"unit", traits.unit}, {"nominal", in_unit(row.nominal)}};
   AddIntervalTo(row, estimate, &json);
-  const Json conditional = ConditionalOn(row, estimate);
-  if (!conditional.empty()) json["conditional_on"] = conditional;
+  for (const int i : row.conditional_on) json["conditional_on"].push_back(estimate.parameters.coordinates()[i].name);
   return json;
 }
 

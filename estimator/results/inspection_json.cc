@@ -43,6 +43,7 @@ Json ParametersToJson(const Inspection& inspection) {
     const QuantityTraits& traits = TraitsOf(row.quantity);
     json.push_back({{"name", row.name}, {"unit", traits.unit}});
     json.back()["expected_sigma"] = row.identifiable ? Json(row.sigma / traits.si_per_unit) : Json(nullptr);
+    if (row.conditional) json.back()["unconditional_sigma"] = row.unconditional_sigma / traits.si_per_unit;
     json.back()["identifiable"] = row.identifiable;
     json.back()["weak"] = row.weak;
   }

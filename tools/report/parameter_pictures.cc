@@ -43,7 +43,7 @@ std::vector<Picture> KnownParameters(const Estimate& estimate) {
   PictureMenu menu{"group", "of", {}};
   Json& data = picture.data["rows"];
   for (const ParameterEstimate& own : estimate.table) {
-    const ParameterEstimate row = AsShown(own, estimate.identifiability);
+    const ParameterEstimate row = AsShown(own);
     if (!row.free || !row.identifiable || !(row.sigma > 0.0)) continue;
     const QuantityTraits& traits = TraitsOf(row.quantity);
     const std::string unit = ShownUnit(traits.unit), group = row.name.substr(0, row.name.find('/')) + ", " + unit;

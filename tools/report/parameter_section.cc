@@ -11,16 +11,6 @@
 namespace sagitta {
 namespace {
 
-// Estimated, but on the condition that a held parameter is where it was put.
-bool IsConditional(const ParameterEstimate& row, const Identifiability& identifiability) {
-  for (const Direction& direction : identifiability.unidentifiable) {
-    for (const auto& [name, value] : direction.components) {
-      if (name == row.name && row.free) return true;
-    }
-  }
-  return false;
-}
-
 constexpr const char* kByPrior = "prior";
 constexpr double kLargeTurn = 0.1;  // rad: of smaller ones the components and a further turn differ by some per cent
 
@@ -67,15 +57,15 @@ std::string UncertaintyInWords(const Estimate& estimate, double model_error) {
 
 }  // namespace
 
-ParameterEstimate AsShown(ParameterEstimate row, const Identifiability& identifiability) {
-  if (IsConditional(row, identifiability)) row.ci95 = row.unconditional_ci95;
+ParameterEstimate AsShown(ParameterEstimate row) {
+  if (row.conditional) row.ci95 = row.unconditional_ci95;
   return row;
 }
 
 std::string StateOf(const ParameterEstimate& row, const Estimate& estimate) {
   if (!row.identifiable) return StatedTooLarge(estimate) > 1.0 ? "held" : "not measured";
   if (!row.free) return "fixed";
-  if (IsConditional(row, estimate.identifiability)) return "conditional";
+  if (row.conditional) return "conditional";
   if (row.at_bound) return "at bound";
   if (IsRuledByPrior(row, estimate)) return kByPrior;
   return row.weak && StatedTooLarge(estimate) == 1.0 ? "weak" : "";
@@ -87,7 +77,7 @@ Section ParameterSection(const CalibrationProblem& problem, const Estimate& esti
   section.header = {"name", "nominal", "correction", "calibrated", "±", "unit", ""};
   bool any_at_bound = false, any_by_prior = false, any_turned = false;
   for (const ParameterEstimate& own : estimate.table) {
-    const ParameterEstimate row = AsShown(own, estimate.identifiability);
+    const ParameterEstimate row = AsShown(own);
     const double correction = row.value - row.nominal, nominal = NominalOf(problem, row);
     if (!row.free && row.identifiable && correction == 0.0) continue;
     const QuantityTraits& traits = TraitsOf(row.quantity);

@@ -10,7 +10,7 @@
 namespace sagitta {
 
 // With the interval that people are shown: what held parameters may be is in it.
-ParameterEstimate AsShown(ParameterEstimate row, const Identifiability& identifiability);
+ParameterEstimate AsShown(ParameterEstimate row);
 
 // "held", "conditional", "at bound", "weak", ...; "" where nothing is to be said.
 std::string StateOf(const ParameterEstimate& row, const Estimate& estimate);

@@ -41,7 +41,7 @@ TEST(ParameterPictures, HaveTheIntervalOfTheTable) {
   const std::vector<std::string> expected = {"geometry/J2.a", "1", "-0.96", "2.96", "mm", "1", "conditional"};
   ASSERT_EQ(pictures[0].rows.size(), 1u);
   EXPECT_EQ(pictures[0].rows[0], expected);
-  const ParameterEstimate shown = AsShown(estimate.table[0], estimate.identifiability);
+  const ParameterEstimate shown = AsShown(estimate.table[0]);
   EXPECT_EQ(shown.ci95.high, estimate.table[0].unconditional_ci95.high);
 }
 
