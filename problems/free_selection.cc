@@ -160,19 +160,36 @@ std::string HintFor(const std::string& name, const ParameterSet& parameters) {
   const bool is_pattern = name.size() > 2 && name.back() == '*';
   const std::string group = is_pattern ? name.substr(0, name.size() - 2) : "";
   if (is_pattern && !parameters.Match(group).empty()) return "'" + group + "' stands for all whose names begin so";
-  return SpellingHint(name, KnownNextTo(name, parameters));
+  std::vector<std::string> families;
+  for (const Coordinate& coordinate : parameters.coordinates())
+    families.push_back(coordinate.name.substr(0, coordinate.name.find('/')));
+  const std::string family = NearestName(name, families);
+  return family.empty() ? SpellingHint(name, KnownNextTo(name, parameters)) : "did you mean '" + family + "'?";
 }
 
-void SetByName(const std::vector<std::string>& names, const char* key, bool free, CalibrationProblem* problem) {
+void SetByName(const std::string& name, const char* key, bool free, CalibrationProblem* problem) {
   ParameterSet& parameters = problem->parameters;
-  for (const std::string& name : names) {
-    const std::vector<int> matches = parameters.Match(name);
-    if (matches.empty()) {
-      RefuseUnlistedCompliance(*problem, name, key);
-      FailProblem(*problem, key, "there is no parameter '" + name + "'", HintFor(name, parameters));
-    }
-    for (const int i : matches) parameters.coordinate(i).free = free;
+  const std::vector<int> matches = parameters.Match(name);
+  if (matches.empty()) {
+    RefuseUnlistedCompliance(*problem, name, key);
+    FailProblem(*problem, key, "there is no parameter '" + name + "'", HintFor(name, parameters));
   }
+  for (const int i : matches) parameters.coordinate(i).free = free;
+}
+
+// A part of what is asked for may be fixed, or of what is fixed be asked for, not the same: names stand for all that
+// begin with them, so the shorter of two goes first.
+void SetByNames(const EstimateSpec& estimate, CalibrationProblem* problem) {
+  std::vector<std::pair<std::string, bool>> names;  // free?
+  for (const std::string& name : estimate.free) names.emplace_back(name, true);
+  for (const std::string& name : estimate.fixed) {
+    if (std::count(estimate.free.begin(), estimate.free.end(), name) > 0)
+      FailProblem(*problem, "--fixed", "'" + name + "' is asked to be free and fixed", "drop it from one of the two");
+    names.emplace_back(name, false);
+  }
+  std::stable_sort(names.begin(), names.end(),
+                   [](const auto& a, const auto& b) { return a.first.size() < b.first.size(); });
+  for (const auto& [name, free] : names) SetByName(name, free ? "--free" : "--fixed", free, problem);
 }
 
 }  // namespace
@@ -227,12 +244,7 @@ void SetFree(CalibrationProblem* problem) {
         break;
     }
   }
-  for (const std::string& name : estimate.free) {  // a part of a larger selection may be fixed, not the same
-    if (std::count(estimate.fixed.begin(), estimate.fixed.end(), name) == 0) continue;
-    FailProblem(*problem, "--fixed", "'" + name + "' is asked to be free and fixed", "drop it from one of the two");
-  }
-  SetByName(estimate.free, "--free", true, problem);
-  SetByName(estimate.fixed, "--fixed", false, problem);
+  SetByNames(estimate, problem);
 }
 
 }  // namespace sagitta

@@ -96,6 +96,15 @@ void CheckRows(const CalibrationProblem& problem) {
               "add the columns sigma_x_mm, sigma_y_mm, sigma_z_mm, or state noise: {sigma_mm: …}");
 }
 
+// In the unit that the file has.
+std::string KeyOfRepeatability(const Experiment& experiment) {
+  for (const char* unit : {"urad", "mrad", "rad", "deg", "um", "mm", "m"}) {
+    const std::string key = std::string("repeatability_") + unit;
+    if (experiment.lines.count(key) > 0) return key;
+  }
+  return "repeatability_urad";
+}
+
 }  // namespace
 
 void CheckNoise(CalibrationProblem* problem) {
@@ -164,7 +173,8 @@ void SayRotationSigmas(CalibrationProblem* problem) {
 void CheckSigmas(const CalibrationProblem& problem) {
   if (!problem.sigma_is_stated()) {
     if (problem.latent.empty() || problem.experiment().noise.from == From::kVarianceComponents) return;
-    FailProblem(problem, "repeatability_urad", "the repeatability is stated but the instrument's noise is not",
+    FailProblem(problem, KeyOfRepeatability(problem.experiment()),
+                "the repeatability is stated but the instrument's noise is not",
                 "state noise: {sigma_mm: …}, sigma columns, --sigma_mm, or noise: {from: variance-components}");
   }
   for (size_t i = 0; i < problem.data().observations.size(); ++i) {

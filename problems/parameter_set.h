@@ -61,6 +61,8 @@ struct Coordinate {
   std::optional<CompensatorPart> compensator_part = {};
   bool estimated() const { return free && !held; }
   bool has_prior() const { return prior_sigma > 0.0; }
+  // One that the experiment states; that of an effect or a spring that the rows hardly determine is no statement.
+  bool has_stated_prior() const { return has_prior() && !(effect_prior > 0.0); }
 };
 
 // What a coordinate's prior adds to the residuals where the coordinate is `value` (SI): its distance from what the

@@ -36,7 +36,8 @@ Requirement ParseRequirement(const std::string& text) {
     Fail("'" + c + "' compares nothing", "use < <= > >= ==");
   const std::optional<double> bound =
       ParseNumber(end == std::string::npos ? "" : std::string(Trimmed(text.substr(end), " ")));
-  if (requirement.path.empty() || !bound) Fail("'" + text + "' is no requirement", example);
+  if (requirement.path.empty()) Fail("'" + text + "' names no figure", example);
+  if (!bound) Fail("'" + text + "' compares with no number: only numbers are compared", example);
   requirement.bound = *bound;
   return requirement;
 }

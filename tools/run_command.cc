@@ -83,6 +83,7 @@ int RunGuarded(const char* program_path, const std::function<int()>& program) {
   FLAGS_minloglevel = google::GLOG_FATAL;  // what matters is said in the summary; Ceres' own words help nobody
   const PrintableStream out(&std::cout), err(&std::cerr);
   ListenForInterrupts();
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that grows beyond the limit is one that cannot be written
   const Interruptible scope(&g_interrupted);
   const int status = StatusOf(program);
   std::cout.flush();

@@ -28,7 +28,7 @@ std::vector<Apart> DirectionsApart(const CalibrationProblem& problem, const Line
                                    const Estimate& estimate) {
   std::vector<Eigen::Index> stated;
   for (size_t k = 0; k < estimate.estimated.size(); ++k) {
-    if (HasStatedPrior(estimate.parameters.coordinates()[estimate.estimated[k]]))
+    if (estimate.parameters.coordinates()[estimate.estimated[k]].has_stated_prior())
       stated.push_back(static_cast<Eigen::Index>(k));
   }
   if (stated.empty()) return {};
@@ -66,8 +66,6 @@ double SquaresApart(const std::vector<Apart>& directions, double variance) {
 }
 
 }  // namespace
-
-bool HasStatedPrior(const Coordinate& coordinate) { return coordinate.has_prior() && !(coordinate.effect_prior > 0.0); }
 
 void SetPriorsAside(const CalibrationProblem& problem, const Linearization& fitted, double* sum, double* dof,
                     Estimate* estimate) {

@@ -7,10 +7,6 @@
 
 namespace sagitta {
 
-// Whether a coordinate has a prior that the experiment states. One of an effect that the rows hardly determine
-// (Coordinate::effect_prior) is no statement.
-bool HasStatedPrior(const Coordinate& coordinate);
-
 // fitted: rows, priors among them, at the estimate, by the noise that is judged; sum: their chi-square with `dof`
 // degrees of freedom. Where priors add more to it than chance, at the noise that the rows alone show, leaves to both
 // what is the rows' own; fills estimate->sigma.pull.

@@ -157,7 +157,9 @@ bool IsBeyondReach(const Chain& chain, const Vector3<double>& target) {
       reach += std::abs(transform.nominal);
     } else if (!transform.is_rotation()) {
       const Joint& joint = chain.joints[static_cast<size_t>(transform.joint)];
-      if (!joint.min || !joint.max || !chain.couplings.empty()) return false;
+      const auto moves_it = [&](const auto& coupling) { return coupling.joint == transform.joint; };
+      const bool is_coupled = std::any_of(chain.couplings.begin(), chain.couplings.end(), moves_it);
+      if (!joint.min || !joint.max || is_coupled) return false;
       reach += std::abs(transform.nominal) + std::max(std::abs(*joint.min), std::abs(*joint.max));
     }
   }

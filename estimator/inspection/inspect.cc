@@ -10,9 +10,9 @@
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/calibration/marker_remedy.h"
+#include "estimator/estimate/parameter_table.h"
 #include "estimator/inspection/linear_state.h"
 #include "estimator/inspection/load_direction.h"
-#include "estimator/estimate/parameter_table.h"
 #include "estimator/least_squares/ceres_problem.h"
 #include "estimator/least_squares/held_influence.h"
 #include "estimator/report/inspection_words.h"
@@ -49,8 +49,8 @@ Identifiability IdentifiabilityOf(const LinearState& state, const LinearSolution
 Eigen::VectorXd AddedByLost(const LinearState& state) {
   std::vector<int> places;  // in `all`: what is estimated, then what is lost
   for (const int i : state.estimated.columns) {
-    places.push_back(static_cast<int>(std::find(state.all.columns.begin(), state.all.columns.end(), i) -
-                                      state.all.columns.begin()));
+    places.push_back(
+        static_cast<int>(std::find(state.all.columns.begin(), state.all.columns.end(), i) - state.all.columns.begin()));
   }
   places.insert(places.end(), state.lost.columns.begin(), state.lost.columns.end());
   Linearization both = state.all;

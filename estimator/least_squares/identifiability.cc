@@ -162,12 +162,32 @@ std::vector<Direction> ReducedDirections(const ScaledSvd& svd, const std::vector
   return directions;
 }
 
+// What is stated of a parameter stays true where rows scatter by more than is stated, and their information 1 / s^2 is
+// less:   J'J / s^2 + (1 - 1 / s^2) / sigma^2,   times s^2.
+Linearization WithPriorsAsStated(const Linearization& linearization, const ParameterSet& parameters, double scale) {
+  std::vector<std::pair<int, double>> added;  // column, root of its information
+  for (int c = 0; scale > 1.0 && c < linearization.num_columns(); ++c) {
+    const Coordinate& coordinate = parameters.coordinates()[linearization.columns[c]];
+    if (coordinate.has_stated_prior()) added.emplace_back(c, std::sqrt(scale * scale - 1.0) / coordinate.prior_sigma);
+  }
+  if (added.empty()) return linearization;
+  const int rows = linearization.num_rows(), more = static_cast<int>(added.size());
+  Linearization with = linearization;
+  with.jacobian.conservativeResize(rows + more, Eigen::NoChange);
+  with.jacobian.bottomRows(more).setZero();
+  with.residual.conservativeResize(rows + more);
+  with.residual.tail(more).setZero();
+  for (int k = 0; k < more; ++k) with.jacobian(rows + k, added[k].first) = added[k].second;
+  return with;
+}
+
 }  // namespace
 
-Unidentifiable FindUnidentifiable(const Linearization& linearization, const ParameterSet& parameters, double sigma) {
+Unidentifiable FindUnidentifiable(const Linearization& rows, const ParameterSet& parameters, double sigma) {
   Unidentifiable result;
-  const int n = linearization.num_columns();
+  const int n = rows.num_columns();
   if (n == 0) return result;
+  const Linearization linearization = WithPriorsAsStated(rows, parameters, sigma);
   const Eigen::VectorXd limits = HoldLimits(linearization, parameters, sigma);
   const Eigen::MatrixXd factor = ScaledFactor(linearization, limits);
   if (AllAbove(factor, sigma)) return result;

@@ -21,6 +21,19 @@ std::string MarkersOfTie(const std::string& lever, const std::string& anchor) {
   return "markers '" + lever + "' and '" + anchor + "' ";
 }
 
+std::string RemedyForEffect(EffectDriver driver) {
+  switch (driver) {
+    case EffectDriver::kTime:
+      return "measure for longer, every part of the workspace early and late, or leave the effect out";
+    case EffectDriver::kTemperature:
+      return "measure at more different temperatures, or leave the effect out";
+    case EffectDriver::kJoint:
+      break;
+  }
+  return "move the joints that drive the effect over a wider range, and load the arm where it answers to loads; what "
+         "moves every point as another parameter does no pose separates: leave one of the two out";
+}
+
 }  // namespace
 
 std::string RemedyFor(const std::vector<std::pair<std::string, double>>& components) {
@@ -32,11 +45,14 @@ std::string RemedyFor(const std::vector<std::pair<std::string, double>>& compone
     geometry |= kind == CoordinateKind::kGeometry;
   }
   if (!components.empty() && CoordinateKindOf(components[0].first) == CoordinateKind::kCompliance) {
-    return "load the arm more heavily in configurations in which the load turns this joint, or state a prior";
+    return "load the arm more heavily in configurations in which the load acts on this joint, or state a prior";
   }
   if (!components.empty() && EffectOfName(components[0].first) == &Payload()) {
     return "measure with this load where it turns the joints as much as a load of known mass does (where torques: "
            "measured is stated, loads drive nothing, and torques: model is what can determine it), or weigh it";
+  }
+  for (const auto& [name, value] : components) {
+    if (const EffectDefinition* effect = EffectOfName(name)) return RemedyForEffect(effect->DrivenBy({}));
   }
   if (base && marker) {
     return std::string("measure with the flange turned about at least two axes (wrist joints spread over 60 degrees ") +

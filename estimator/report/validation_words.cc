@@ -148,9 +148,10 @@ std::string RowsContradictPrior(const ParameterSet& parameters, const PriorConfl
   const auto value = [&](double si) { return Significant(si / traits.si_per_unit, 3); };
   return fmt::format(
       "the rows contradict the prior of {}: it is stated as {} +- {} {}, they say {} +- {}, {} standard "
-      "deviations apart{}: check its value and its unit, or leave it out",
+      "deviations apart{}: check its value{} and its unit, or leave it out",
       coordinate.name, value(coordinate.prior_value), value(worst.prior_sigma), traits.unit, value(worst.rows),
-      value(worst.rows_sigma), Significant(worst.sigmas, 2), all > 1 ? fmt::format(" (and {} more)", all - 1) : "");
+      value(worst.rows_sigma), Significant(worst.sigmas, 2), all > 1 ? fmt::format(" (and {} more)", all - 1) : "",
+      coordinate.kind == CoordinateKind::kGeometry ? " (of the correction, not of the whole length or angle)" : "");
 }
 
 std::string SomethingMoved(const CalibrationProblem& problem, const Break& found) {

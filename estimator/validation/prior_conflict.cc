@@ -16,7 +16,7 @@ constexpr double kRowsSayNothing = 1.0 - 1e-6;
 
 // SI, of an effect where the rows scatter as they do; 0 where nobody stated one.
 double StatedPrior(const CalibrationProblem& problem, const Coordinate& coordinate) {
-  if (HasStatedPrior(coordinate)) return coordinate.prior_sigma;
+  if (coordinate.has_stated_prior()) return coordinate.prior_sigma;
   const auto& parameters = problem.model().parameters();
   const auto stated = std::find_if(parameters.begin(), parameters.end(),
                                    [&](const ModelParameter& own) { return own.name == coordinate.name; });

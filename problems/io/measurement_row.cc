@@ -13,6 +13,14 @@
 namespace sagitta {
 namespace {
 
+std::string HintForNoNumber(const std::string& cell, const char* otherwise) {
+  if (cell.find(',') != std::string::npos) return "numbers have a decimal point and no commas";
+  const auto is_plain = [](unsigned char c) { return c < 0x80; };
+  if (std::all_of(cell.begin(), cell.end(), is_plain)) return otherwise;
+  return "it has a character that no number has, a typographic minus or a blank of its own kind: write - and plain "
+         "digits";
+}
+
 class RowReader {
  public:
   RowReader(const MeasurementFile& file, const MeasurementFile::Row& row, std::vector<NumberRead>* last)
@@ -53,9 +61,7 @@ class RowReader {
            "at most " + FormatNumber(ToUnit(most, column.unit)));
     }
     if (cell.empty()) Fail(column.name, "the cell is empty, a number is expected", hint);
-    const bool has_comma = cell.find(',') != std::string::npos;
-    Fail(column.name, "'" + cell + "' is not a finite number",
-         has_comma ? "numbers have a decimal point and no commas" : hint);
+    Fail(column.name, "'" + cell + "' is not a finite number", HintForNoNumber(cell, hint));
   }
 
   double NumberOr(const NumberColumn& column, double otherwise, double most) const {

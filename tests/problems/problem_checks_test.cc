@@ -55,6 +55,31 @@ TEST_F(ProblemChecksTest, WhatIsHeldByNameIsStated) {
   EXPECT_EQ(Refusal(), "");
 }
 
+// Of two names of which one holds the other the longer goes last, whichever is free.
+TEST_F(ProblemChecksTest, APartIsFreeOfWhatIsFixedAndTheOtherWayRound) {
+  const auto free_errors = [&] {
+    const CalibrationProblem problem = MakeCalibrationProblem(robot_, data_, experiment_);
+    std::vector<std::string> names;
+    for (const int i : problem.parameters.Match("geometry")) {
+      const Coordinate& coordinate = problem.parameters.coordinates()[i];
+      if (coordinate.free) names.push_back(coordinate.name);
+    }
+    return names;
+  };
+  const std::vector<std::string> all = free_errors();
+  experiment_.estimate.fixed = {"geometry"};
+  experiment_.estimate.free = {"geometry/p_x2"};
+  EXPECT_EQ(free_errors(), std::vector<std::string>{"geometry/p_x2"});
+  std::swap(experiment_.estimate.fixed, experiment_.estimate.free);
+  const std::vector<std::string> others = free_errors();
+  EXPECT_EQ(std::count(others.begin(), others.end(), "geometry/p_x2"), 0);
+  EXPECT_GE(others.size() + 1, all.size());
+  experiment_.estimate.fixed = {"geometri"};
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"--fixed", "no parameter 'geometri'", "did you mean 'geometry'?"}));
+  experiment_.estimate.fixed = {"p_x2"};
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"--fixed", "no parameter 'p_x2'", "did you mean 'geometry/p_x2'?"}));
+}
+
 // joint_offset of other programs: what it is called here is said.
 TEST_F(ProblemChecksTest, OffsetsOfJointsHaveTheNamesOfTheirMotions) {
   const std::string right = robot_.chain.transforms[robot_.chain.JointTransform(1)].error;

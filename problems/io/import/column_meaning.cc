@@ -10,6 +10,7 @@
 #include "problems/io/import/header_words.h"
 #include "problems/io/import/joint_columns.h"
 #include "problems/io/import/mapped_columns.h"
+#include "problems/io/trimmed.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -90,6 +91,7 @@ std::optional<ColumnMeaning> AsJoint(const std::string& name, const Words& words
   if (Has(words, kSigmaWords) || Has(words, kDifferenceWords)) return std::nullopt;
   ColumnMeaning meaning;
   std::optional<int> index = OwnJoint(name, joints);
+  const bool is_own = index.has_value();
   if (!index) {
     index = UniversalJoint(name);
     if (index && Has(words, kOtherQuantities)) return Unused("of a joint, and not its angle or travel");
@@ -102,8 +104,23 @@ std::optional<ColumnMeaning> AsJoint(const std::string& name, const Words& words
   }
   meaning.role = Role::kJoint;
   meaning.index = *index;
+  if (is_own) return meaning;  // its words mean nothing else
   meaning.is_actual = Has(words, kMeasuredWords);
   meaning.is_commanded = Has(words, kTargetWords);
+  return meaning;
+}
+
+// A header that is the robot's own name of a joint as a whole, or after "position.": what its end may mean elsewhere
+// (joint_1_s, in seconds) it does not mean here.
+std::optional<ColumnMeaning> AsOwnJoint(const std::string& header, const std::vector<std::string>& joints) {
+  static const std::string kPosition = "position.";
+  const std::string name = LowerCaseOf(std::string(Trimmed(header)));
+  std::optional<int> index = OwnJoint(name, joints);
+  if (!index && name.rfind(kPosition, 0) == 0) index = OwnJoint(name.substr(kPosition.size()), joints);
+  if (!index) return std::nullopt;
+  ColumnMeaning meaning;
+  meaning.role = Role::kJoint;
+  meaning.index = *index;
   return meaning;
 }
 
@@ -347,6 +364,7 @@ bool IsForeignUnit(const std::string& header, const NameWithUnreadUnit& unread) 
 }  // namespace
 
 ColumnMeaning MeaningOf(const std::string& header, const std::vector<std::string>& joints) {
+  if (const auto own = AsOwnJoint(header, joints)) return *own;
   ColumnMeaning meaning = ByName(header, joints);
   meaning.unit = UnitInHeader(header);
   const NameWithUnreadUnit unread = UnreadUnitIn(header);

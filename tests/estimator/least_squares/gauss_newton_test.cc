@@ -53,6 +53,25 @@ TEST(GaussNewton, GoesThroughABentValley) {
   EXPECT_LT(result.cost(), 1e-14);
 }
 
+// r = w(x) (s (x - 1), b) whitened with w(x), the columns of a given w: J' r = 0 at x = 1, where r' r is not least. A
+// whole step leaves nothing, and b' b rises by more than it promises.
+TEST(GaussNewton, FindsWhereTheStepsEndThoughTheWeightsMove) {
+  const RowsAt rows_at = [](const ParameterSet& at, const std::vector<int>& columns) -> FittedRows {
+    const double x = at.Value(0), weight = 1.0 + 1e-5 * x;
+    Linearization rows;
+    rows.columns = columns;
+    rows.residual = weight * Eigen::Vector2d(0.1 * (x - 1.0), 100.0);
+    rows.jacobian = weight * Eigen::Vector2d(0.1, 0.0);
+    return {rows, 2};
+  };
+  GaussNewtonOptions options = Exact();
+  options.max_steps = 5;
+  const GaussNewtonResult result = GaussNewton(rows_at, {0}, At(0.5, 0.0), options);
+  ASSERT_TRUE(result.converged);
+  EXPECT_NEAR(result.parameters.Value(0), 1.0, 1e-9);
+  EXPECT_GT(result.cost(), 1e4 * std::pow(1.0 + 0.5e-5, 2));  // that of the start, without the first row
+}
+
 // With c = -1 the minimum inside the bounds is at the origin: r = (0, -1).
 TEST(GaussNewton, StopsAtTheBound) {
   const GaussNewtonResult result = GaussNewton(Valley(-1.0), {0, 1}, At(0.5, 0.5), Exact());

@@ -108,6 +108,19 @@ TEST(Trust, ThePullOfAWrongPriorIsNotTheNoiseOfTheRows) {
   EXPECT_DOUBLE_EQ(right.sigma.a_posteriori, std::sqrt(right.chi2 / right.dof));
 }
 
+// So far off that the rows scatter by many times their sigma with it: how well the parameter is known the prior says
+// all the same, so that it is estimated, and the prior named.
+TEST(Trust, AWrongPriorThatBendsAllRowsIsNamed) {
+  const std::string name = "geometry/p_x2";
+  Experiment experiment;
+  experiment.priors[name] = {1250.0, 0.1};  // mm: a length, where its correction is asked for
+  const CalibrationProblem problem = Problem(Design(40), experiment);
+  const Estimate estimate = EstimateJointly(problem);
+  EXPECT_TRUE(estimate.parameters.coordinates()[estimate.parameters.FindCoordinate(name)].estimated());
+  EXPECT_THAT(TrustOf(problem).verdict.reasons,
+              ::testing::Contains(AllOf(HasSubstr("contradict the prior of " + name), HasSubstr("of the correction"))));
+}
+
 // What rows and prior say of each other does not go by how the intervals come about, nor by the weights of the rows.
 TEST(Trust, APriorIsContradictedWhateverTheIntervalsGoBy) {
   const Kr270Design design = Design(40);

@@ -17,7 +17,8 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// One length with the standard deviation 0.01 mm, which moves with a held one.
+// One length with the standard deviation 0.01 mm, which moves with a held one in whose direction it is too small to be
+// named.
 Estimate Conditional() {
   Estimate estimate;
   ParameterEstimate row;
@@ -29,7 +30,6 @@ Estimate Conditional() {
   row.ci95 = {1e-3 - 1.96e-5, 1e-3 + 1.96e-5};
   row.unconditional_ci95 = {1e-3 - 1.96e-3, 1e-3 + 1.96e-3};
   estimate.table = {row};
-  estimate.identifiability.unidentifiable = {{{{row.name, 0.7}, {"geometry/J3.a", 0.7}}, INFINITY, "", ""}};
   return estimate;
 }
 
@@ -48,7 +48,7 @@ TEST(ParameterPictures, HaveTheIntervalOfTheTable) {
 // Model error widens ci95 and leaves sigma: the factor goes by the former.
 TEST(ParameterPictures, TheFactorIsThatOfTheIntervalShown) {
   Estimate estimate = Conditional();
-  estimate.identifiability.unidentifiable.clear();
+  estimate.table[0].conditional = false;
   EXPECT_EQ(KnownParameters(estimate)[0].rows[0][5], "100");
   estimate.table[0].ci95 = {1e-3 - 3.92e-5, 1e-3 + 3.92e-5};
   EXPECT_EQ(KnownParameters(estimate)[0].rows[0][5], "50");

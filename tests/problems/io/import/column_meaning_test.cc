@@ -112,6 +112,23 @@ TEST(ColumnMeanings, WhatElseIsSaidOfAJointIsNotItsValue) {
   EXPECT_EQ(MeaningOf("Base temperature [degC]", {}).role, Role::kTemperature);
 }
 
+// Of Motoman's arms the ends of the names look like units, and "t" like a target.
+TEST(ColumnMeanings, OwnNamesOfJointsMeanNothingElse) {
+  const std::vector<std::string> names = {"joint_1_s", "joint_2_l", "joint_6_t", "T"};
+  for (const char* header : {"joint_1_s", " Joint_1_S ", "position.joint_1_s", "joint_1_s [deg]"}) {
+    const ColumnMeaning meaning = MeaningOf(header, names);
+    EXPECT_EQ(meaning.role, Role::kJoint) << header;
+    EXPECT_EQ(meaning.index, 0) << header;
+    EXPECT_FALSE(meaning.is_numbered) << header;
+    EXPECT_EQ(meaning.unit, std::string(header).find('[') == std::string::npos ? "" : "deg") << header;
+  }
+  for (const char* header : {"joint_6_t [deg]", "joint_6_t", "T [mm]", "T_mm", "T"}) {
+    EXPECT_EQ(MeaningOf(header, names).role, Role::kJoint) << header;
+    EXPECT_FALSE(MeaningOf(header, names).is_commanded) << header;
+  }
+  EXPECT_TRUE(MeaningOf("t_q1", names).is_commanded);
+}
+
 TextTable Times(const std::string& header, const std::vector<std::string>& cells) {
   TextTable table;
   table.header = {header};
