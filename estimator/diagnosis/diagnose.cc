@@ -54,10 +54,9 @@ class Session {
     if (options_.points_are_measured) d_.cautions = CautionsOfReadings(*d_.baseline.problem);
     d_.read_first = d_.cautions.size();
     for (const std::string& caution : FindCautions(problem_, d_.baseline)) d_.cautions.push_back(caution);
-    for (int round = 0; round < kMostRounds; ++round) {
+    Search();
+    for (int round = 1; round < kMostRounds && aside_.FollowExtended(d_.final, ExplainsAll(), &d_.baseline); ++round)
       Search();
-      if (round + 1 == kMostRounds || !aside_.FollowExtended(d_.final, &d_.baseline)) break;
-    }
     JudgeFinal();
     Describe();
     Decide();
@@ -75,6 +74,8 @@ class Session {
     if (options_.progress) options_.progress(words);
   }
 
+  bool ExplainsAll() const { return !selected_.empty() && !d_.has_unexplained; }
+
   void SayFound() const {
     if (!options_.found) return;
     FoundSoFar found;
@@ -88,9 +89,8 @@ class Session {
     Say("listing what may be missing");
     const bool is_stated = IsSigmaStated(problem_);
     working_ = std::make_unique<CalibrationProblem>(WithWorkingSigma(d_.baseline, is_stated));
-    const CalibrationProblem& working = *working_;
     const double sigma_dof = is_stated ? SigmaDof(problem_.repeat_scatter) : 0.0;
-    found_ = FindLeading({working, d_.baseline, options_.prior, sigma_dof, NamingGate(), joint_, options_.progress},
+    found_ = FindLeading({*working_, d_.baseline, options_.prior, sigma_dof, NamingGate(), joint_, options_.progress},
                          found_.evidence.get());
     d_.not_testable = evidence().list().not_testable;
     selected_ = found_.refitted.effects;
@@ -156,14 +156,14 @@ class Session {
   void Judge() {
     d_.final = Extend(lacking(), CandidatesOf(selected_), joint_);
     if (selected_.empty() || !IsUsable(d_.final.estimate.status)) return;
-    const DiagnosedModel quick = d_.final;
-    const ParameterSet aligned = AlignedAs(d_.baseline.estimate.aligned, quick.problem->parameters);
-    d_.final = JudgeFully(quick.problem, quick.estimate.parameters, aligned, joint_);
+    const ParameterSet aligned = AlignedAs(d_.baseline.estimate.aligned, d_.final.problem->parameters);
+    d_.final = JudgeFully(d_.final.problem, d_.final.estimate.parameters, aligned, joint_);
   }
 
   void SetHeldOutAside() {
     if (!IsUsable(d_.final.estimate.status)) return;
-    aside_.FromHeldOut(!found_.is_named, &d_.baseline, &d_.final, &found_.refitted.lacking, steps_.models());
+    aside_.FromHeldOut(!found_.is_named, ExplainsAll(), &d_.baseline, &d_.final, &found_.refitted.lacking,
+                       steps_.models());
   }
 
   // Drops what is not named. That the full model does without an effect says that the linear one was wrong about it:

@@ -26,6 +26,8 @@ constexpr double kAloneInShot = 4.0;  // times the squares of the other markers 
 // Times the limit, where no other marker decides: 1.7 times as far off as noise makes the worst row. A choice: what the
 // arm does looks the same there.
 constexpr double kSingleMarker = 3.0;
+// The same where effects that were found say what the arm does: as kHeldOutScatter, what is uncertain in the model.
+constexpr double kSingleGivenEffects = 1.5;
 // The parameters' own uncertainty adds to the noise: of n equations with p unknowns p / n of its variance in the mean,
 // half of it at n = 2 p, below which a caution says that few are fitted (cautions.cc).
 constexpr double kHeldOutScatter = 1.5;
@@ -178,8 +180,8 @@ double BeyondOtherArrivals(const std::vector<Misfit>& misfits) {
 // limit = chi^2_3(1 - significance / n) for squares over their scatter: among n points one without cause in
 // 1 / significance experiments (Bonferroni).
 std::vector<int> FindOutliers(const CalibrationProblem& problem, const ParameterSet& parameters,
-                              const std::vector<int>& observations, double significance, bool held_out,
-                              size_t removed) {
+                              const std::vector<int>& observations, const OutlierLevel& level) {
+  const bool held_out = level.held_out;
   const std::vector<Misfit> misfits =
       MisfitsOf(ResidualsByShot(problem, parameters, observations), IsSigmaStated(problem));
   const Measurements& data = problem.data();
@@ -188,7 +190,8 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
   });
   if (misfits.size() < (are_fitted ? kFewestFitted : kFewestHeldOut)) return {};
   const double n = static_cast<double>(misfits.size()), times = held_out ? kHeldOutScatter : 1.0;
-  const double limit = times * ChiSquareLimitOfMany(n, significance, 3.0);
+  const double limit = times * ChiSquareLimitOfMany(n, level.significance, 3.0);
+  const double alone_limit = (level.given_effects ? kSingleGivenEffects : kSingleMarker) * limit;
   std::vector<double> squares;
   for (const Misfit& misfit : misfits) squares.push_back(misfit.squared);
   // The worst first: they pull the fit, and the others with it.
@@ -196,12 +199,11 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
   const double beyond_others = BeyondOthers(squares), beyond_arrivals = BeyondOtherArrivals(misfits);
   std::vector<int> outliers;
   std::set<int> all_configurations, wrong;  // a wrong pose is one mistake
-  size_t single = removed;
+  size_t single = level.removed;
   for (const Misfit& misfit : misfits) {
-    const bool alone =
-        misfit.others > 0.0 ? misfit.squared > kAloneInShot * misfit.others : misfit.squared > kSingleMarker * limit;
+    const bool alone = misfit.squared > (misfit.others > 0.0 ? kAloneInShot * misfit.others : alone_limit);
     // Two in one shot hide each other, but not that the body does not move like this.
-    const bool is_no_motion = IsNotRigid(misfit, times, n, significance);
+    const bool is_no_motion = IsNotRigid(misfit, times, n, level.significance);
     const bool not_rigid = misfit.squared > kAloneInShot * misfit.least && is_no_motion;
     const bool is_its_own = !held_out || is_no_motion || misfit.squared > beyond_others;
     // Joint values that were not those, or a shot of another pose.
@@ -215,8 +217,8 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
     if (is_single || is_arrival) outliers.push_back(misfit.observation);
   }
   // What happens to many points is no outlier but something to explain.
-  const double share = Share(single, misfits.size() + removed) + Share(wrong.size(), all_configurations.size());
-  const bool are_few = !are_fitted && single + wrong.size() <= FewHeldOut(misfits.size() + removed);
+  const double share = Share(single, misfits.size() + level.removed) + Share(wrong.size(), all_configurations.size());
+  const bool are_few = !are_fitted && single + wrong.size() <= FewHeldOut(misfits.size() + level.removed);
   return share <= kMostOutliers || are_few ? outliers : std::vector<int>();
 }
 

@@ -183,7 +183,7 @@ std::vector<int> SetAside::StillOff(const DiagnosedModel& model) const {
 }
 
 void SetAside::FromFitted(DiagnosedModel* model) {
-  for (int round = 0; round < kMostSetAsideRounds && (Follow(*model, false, model) || FollowWithoutWorst(model));
+  for (int round = 0; round < kMostSetAsideRounds && (Follow(*model, {}, model) || FollowWithoutWorst(model));
        ++round) {
   }
 }
@@ -196,13 +196,13 @@ bool SetAside::FollowWithoutWorst(DiagnosedModel* model) {
   const std::shared_ptr<const CalibrationProblem> without = judge.problem;
   if (!Replace(*without, joint_, &judge)) return false;
   judge.problem = model->problem;
-  return Follow(judge, false, model);
+  return Follow(judge, {}, model);
 }
 
-bool SetAside::FollowExtended(const DiagnosedModel& extended, DiagnosedModel* baseline) {
+bool SetAside::FollowExtended(const DiagnosedModel& extended, bool explains_all, DiagnosedModel* baseline) {
   DiagnosedModel judge = extended;
   bool changed = false;
-  for (int round = 0; round < kMostSetAsideRounds && Follow(judge, true, baseline); ++round) {
+  for (int round = 0; round < kMostSetAsideRounds && Follow(judge, {true, explains_all}, baseline); ++round) {
     changed = true;
     judge.problem = std::make_shared<CalibrationProblem>(*judge.problem);
     const auto& rows = baseline->problem->data().observations;
@@ -214,7 +214,7 @@ bool SetAside::FollowExtended(const DiagnosedModel& extended, DiagnosedModel* ba
   return changed;
 }
 
-bool SetAside::Follow(const DiagnosedModel& judge, bool anew, DiagnosedModel* baseline) {
+bool SetAside::Follow(const DiagnosedModel& judge, const Judge& says, DiagnosedModel* baseline) {
   const CalibrationProblem& seen = *judge.problem;
   const ParameterSet& parameters = judge.estimate.parameters;
   const double significance = kShareOfOutliers * significance_;
@@ -224,15 +224,15 @@ bool SetAside::Follow(const DiagnosedModel& judge, bool anew, DiagnosedModel* ba
     const bool is_back = std::find(back.begin(), back.end(), i) != back.end();
     if (!is_back && IsNextToAny(moments, seen, i)) back.push_back(i);
   }
-  std::vector<int> out =
-      FindOutliers(seen, parameters, seen.CalibrationObservations(), significance, false, outliers_.size());
+  std::vector<int> out = FindOutliers(seen, parameters, seen.CalibrationObservations(),
+                                      {significance, false, says.explains_all, outliers_.size()});
   const std::set<int> caused = WithACause(seen, Union({seen.CalibrationObservations(), outliers_}),
                                           Union({out, outliers_, StillOff(judge)}), significance_);
   for (const int i : outliers_) {
     if (caused.count(i) > 0 && std::find(back.begin(), back.end(), i) == back.end()) back.push_back(i);
   }
   returned_.insert(caused.begin(), caused.end());
-  const auto stays = [&](int i) { return (anew ? caused : returned_).count(i) > 0; };
+  const auto stays = [&](int i) { return (says.is_extended ? caused : returned_).count(i) > 0; };
   out.erase(std::remove_if(out.begin(), out.end(), stays), out.end());
   if (back.empty() && out.empty()) return false;
   CalibrationProblem problem = *baseline->problem;
@@ -245,15 +245,15 @@ bool SetAside::Follow(const DiagnosedModel& judge, bool anew, DiagnosedModel* ba
   return true;
 }
 
-void SetAside::FromHeldOut(bool lacks_nothing, DiagnosedModel* baseline, DiagnosedModel* final, DiagnosedModel* lacking,
-                           std::vector<DiagnosedModel>* prefixes) {
+void SetAside::FromHeldOut(bool lacks_nothing, bool explains_all, DiagnosedModel* baseline, DiagnosedModel* final,
+                           DiagnosedModel* lacking, std::vector<DiagnosedModel>* prefixes) {
   CalibrationProblem cleaned = *final->problem;
   std::vector<int> removed;
   const bool by_their_body = !lacks_nothing && outliers_.empty();
   for (int round = 0; round < kMostSetAsideRounds; ++round) {
     const std::vector<int> outliers =
         FindOutliers(cleaned, final->estimate.parameters, cleaned.ValidationObservations(),
-                     kShareOfOutliers * significance_, by_their_body, removed.size());
+                     {kShareOfOutliers * significance_, by_their_body, explains_all, removed.size()});
     if (outliers.empty()) break;
     for (const int i : outliers) cleaned.mutable_data()->ExcludeRow(i);
     removed.insert(removed.end(), outliers.begin(), outliers.end());

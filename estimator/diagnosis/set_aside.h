@@ -19,13 +19,13 @@ class SetAside {
   void FromFitted(DiagnosedModel* model);
   // Readings that the extended model explains come back to the baseline; what is an outlier to it leaves, also what
   // came back by a poorer model and is not off with others; the extended model is refitted until no row changes. True:
-  // some did.
-  bool FollowExtended(const DiagnosedModel& extended, DiagnosedModel* baseline);
+  // some did. explains_all: nothing without a name is left next to its effects.
+  bool FollowExtended(const DiagnosedModel& extended, bool explains_all, DiagnosedModel* baseline);
   // Outliers among untouched rows say nothing of the model: other markers of their shot give them away, or, where the
   // model lacks nothing or fitted rows have outliers, too, a reading that stands alone; no hold-out figure counts them:
   // the models between the two lose the same rows.
-  void FromHeldOut(bool lacks_nothing, DiagnosedModel* baseline, DiagnosedModel* final, DiagnosedModel* lacking,
-                   std::vector<DiagnosedModel>* prefixes);
+  void FromHeldOut(bool lacks_nothing, bool explains_all, DiagnosedModel* baseline, DiagnosedModel* final,
+                   DiagnosedModel* lacking, std::vector<DiagnosedModel>* prefixes);
 
   // Held-out rows between the two fitted visits next to the moment of an effect: on which side of it they are nothing
   // says, so that no model predicts them. Of all models or none; said as a caution.
@@ -36,8 +36,12 @@ class SetAside {
   int held_out() const { return held_out_; }
 
  private:
-  // The same by any model. anew: what came back once may leave again.
-  bool Follow(const DiagnosedModel& judge, bool anew, DiagnosedModel* baseline);
+  struct Judge {
+    bool is_extended = false;  // what came back once may leave again
+    bool explains_all = false;
+  };
+  // The same by any model.
+  bool Follow(const DiagnosedModel& judge, const Judge& says, DiagnosedModel* baseline);
   // Judged by the fit without the few configurations that are off most.
   bool FollowWithoutWorst(DiagnosedModel* model);
   std::vector<int> StillOff(const DiagnosedModel& model) const;

@@ -153,7 +153,7 @@ TEST(DiagnosisFormulas, OutliersAreJudgedAsTheWorstOfAll) {
     CalibrationProblem problem = *fit.problem;
     Observation& row = problem.mutable_data()->observations[static_cast<size_t>(rows[31])];
     row.point_in_station = fit.estimate.predicted.col(rows[31]) + kSigma * std::sqrt(square) * Vector3<double>::UnitX();
-    return FindOutliers(problem, fit.estimate.parameters, rows, 1e-3, false, 0);
+    return FindOutliers(problem, fit.estimate.parameters, rows, {1e-3});
   };
   EXPECT_TRUE(found(20.0).empty());
   EXPECT_EQ(found(40.0), std::vector<int>{rows[31]});
@@ -174,7 +174,7 @@ int ExperimentsWithOutliers(
       problem.mutable_data()->observations[static_cast<size_t>(i)].point_in_station =
           point + kSigma * noise(point, drawn);
     }
-    experiments += !FindOutliers(problem, fit.estimate.parameters, rows, 0.01, false, 0).empty();
+    experiments += !FindOutliers(problem, fit.estimate.parameters, rows, {0.01}).empty();
   }
   return experiments;
 }

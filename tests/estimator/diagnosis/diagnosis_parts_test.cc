@@ -132,7 +132,7 @@ std::vector<int> Outliers(const DiagnosedModel& model, bool held_out) {
   const CalibrationProblem& problem = *model.problem;
   std::vector<int> found = FindOutliers(problem, model.estimate.parameters,
                                         held_out ? problem.ValidationObservations() : problem.CalibrationObservations(),
-                                        kSignificance, held_out, 0);
+                                        {kSignificance, held_out});
   std::sort(found.begin(), found.end());
   return found;
 }

@@ -30,7 +30,7 @@ TEST(SetAside, NoModelThatIsComparedCountsAHeldOutOutlier) {
   DiagnosedModel baseline = fitted, final = fitted, lacking = fitted;
   std::vector<DiagnosedModel> prefixes = {fitted, fitted};
   SetAside aside(0.01, {});
-  aside.FromHeldOut(false, &baseline, &final, &lacking, &prefixes);
+  aside.FromHeldOut(false, false, &baseline, &final, &lacking, &prefixes);
   ASSERT_EQ(aside.held_out(), 1);
   for (const DiagnosedModel* model : {&baseline, &final, &lacking, &prefixes[0], &prefixes[1]}) {
     EXPECT_LT(HoldoutRms(*model), 3.0 * 2e-5);
