@@ -8,6 +8,7 @@
 #include <iostream>
 #include <limits>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 
@@ -21,6 +22,7 @@
 #include "problems/io/measurement_file.h"
 #include "problems/io/output_files.h"
 #include "problems/io/robot_file.h"
+#include "problems/io/yaml_writer.h"
 #include "problems/text.h"
 #include "tools/commands.h"
 #include "tools/convert_options.h"
@@ -240,10 +242,23 @@ std::vector<std::string> Labels(const std::vector<TextTable>& tables) {
 }
 
 std::string ExperimentText(const std::map<std::string, double>& masses) {
-  std::string text = "schema: sagitta/experiment/1\nrobot: robot.yaml\nmeasurements: [measurements.csv]\n";
-  if (!masses.empty()) text += "loads:\n";
-  for (const auto& [load, mass] : masses) text += "  " + load + ": {mass_kg: " + FormatNumber(mass) + "}\n";
-  return text;
+  nlohmann::ordered_json experiment = {
+      {"schema", "sagitta/experiment/1"}, {"robot", "robot.yaml"}, {"measurements", {"measurements.csv"}}};
+  for (const auto& [load, mass] : masses) experiment["loads"][load] = {{"mass_kg", mass}};
+  for (const auto& [name, marker] : MarkersFromFlags()) experiment["markers"][name] = {{"on", marker.on.Word()}};
+  return JsonToYaml(experiment);
+}
+
+// What --on names is there.
+void CheckMarkersOfFlags(const Robot& robot, const Measurements& data) {
+  for (const auto& [name, marker] : MarkersFromFlags()) {
+    if (std::count(data.markers.begin(), data.markers.end(), name) == 0)
+      throw InputError({"", 0, "--on"}, "no row measures the marker '" + name + "'", SpellingHint(name, data.markers));
+    if (marker.on.kind == MarkerPlace::Kind::kJoint && robot.chain.FindJoint(marker.on.joint) < 0) {
+      throw InputError({"", 0, "--on"}, "'" + marker.on.joint + "' is no place on this robot",
+                       SpellingHint(marker.on.joint, JointNames(robot.chain.joints)));
+    }
+  }
 }
 
 // What is given: one robot or none, and tables.
@@ -394,6 +409,7 @@ int RunImport(const CommandLine& line) {
   progress->Say("checking what was written");
   // Before anything is written: it may be interrupted.
   const Measurements data = CheckedMeasurements(robot, read.rows, csv);
+  CheckMarkersOfFlags(robot, data);
   const std::optional<ReadingsFarOff> far_off = FindReadingsFarOff(robot, data);
   out.Write({{"robot.yaml", RobotToYaml(robot)},
              {"measurements.csv", csv},
@@ -413,14 +429,15 @@ int RunImport(const CommandLine& line) {
 Command ImportCommand() {
   return {"import",
           "robot, measurements and experiment from what people have",
-          R"(sagitta import FILES… --out=DIR [--map=COLUMN=HEADER,…] [--rotation=…] [--strict]
+          R"(sagitta import FILES… --out=DIR [--map=COLUMN=HEADER,…] [--on=MARKER=PLACE,…] [--rotation=…] [--strict]
 
 Reads one robot (anything 'sagitta convert' reads) and any number of measurement tables as text, and writes
 robot.yaml, measurements.csv and experiment.yaml to DIR. Separator, decimal sign, encoding, header and units are
 found out; where a header does not say, the robot decides: the reading that its nominal geometry can have made, also of
 angles (rotation vector or one of the products of three rotations) and of the convention of a DH table. What was
 understood is printed, column by column, and every guess. --strict refuses guesses. Positions that were commanded,
-nominal or computed are never read as measured ones. Several files are several stations. Points whose joint values stand
+nominal or computed are never read as measured ones. Several files are several stations. Markers are on the flange, those on a link, the base or the floor where --on
+has them. Points whose joint values stand
 in another file (plan.csv) are joined with it by the names of the poses.
 
 Without a robot the tables that this program ships are tried; --robot=NAME uses one of them. They are found
@@ -431,8 +448,9 @@ Examples
   sagitta import dh.csv series1.csv series2.csv --out=job --strict
   sagitta import robot.yaml plan.csv points.txt --out=job
   sagitta import robot.yaml export.txt --out=job --map=x_mm=measurement_x,y_mm=measurement_y,z_mm=measurement_z
+  sagitta import robot.yaml links.csv --out=job --on=L1=A2,L2=A3
 )",
-          {"out", "map", "rotation", "strict", "robot", "convention", "base_link", "tip_link", "nominal", "seed",
+          {"out", "map", "on", "rotation", "strict", "robot", "convention", "base_link", "tip_link", "nominal", "seed",
            "threads", "quiet"},
           RunImport};
 }

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -22,8 +23,12 @@
 #include "problems/io/measurement_file.h"
 #include "problems/io/units.h"
 #include "problems/split.h"
+#include "problems/text.h"
 #include "tools/import_choice.h"
 #include "tools/report/command_words.h"
+
+DEFINE_string(on, "",
+              "MARKER=PLACE,…: markers that are not on the flange: a joint, whose link they ride on, base or world");
 
 namespace sagitta {
 namespace {
@@ -96,6 +101,9 @@ Experiment WithWeightlessLoads(const Measurements& data) {
   Experiment experiment;
   experiment.load_point = Vector3<double>::Zero();
   for (const std::string& load : LoadsOf(data)) experiment.loads[load].mass = 0.0;
+  for (const auto& [name, marker] : MarkersFromFlags()) {  // those of this table
+    if (std::count(data.markers.begin(), data.markers.end(), name) > 0) experiment.markers[name] = marker;
+  }
   return experiment;
 }
 
@@ -194,6 +202,21 @@ InputError AtSource(const InputError& error, const ImportedRows& rows) {
 }
 
 }  // namespace
+
+std::map<std::string, MarkerSpec> MarkersFromFlags() {
+  std::map<std::string, MarkerSpec> markers;
+  if (FLAGS_on.empty()) return markers;
+  for (const std::string& entry : SplitText(FLAGS_on, ',')) {
+    const size_t equals = entry.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == entry.size())
+      throw InputError({"", 0, "--on"}, "'" + entry + "' does not name a marker and what it is on",
+                       "--on=L1=A3,B=base");
+    if (markers.count(entry.substr(0, equals)) > 0)
+      throw InputError({"", 0, "--on"}, "marker '" + entry.substr(0, equals) + "' stands there twice");
+    markers[entry.substr(0, equals)].on = MarkerPlace::Named(entry.substr(equals + 1));
+  }
+  return markers;
+}
 
 CalibrationProblem ProblemOfGeometry(const Robot& robot, const Measurements& data) {
   return MakeCalibrationProblem(WithoutEffects(robot), data, WithWeightlessLoads(data));

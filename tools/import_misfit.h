@@ -2,6 +2,7 @@
 // it did, as a controller that computes them does.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,9 +16,12 @@
 
 namespace sagitta {
 
-// The readings with the robot's geometry alone. What loads weigh and where they hang stands in no table, nor does much
-// of what the effects of a robot file need (times, sides of approach, a load): both move points by millimetres, much
-// less than the misfit of another robot (kNotThisRobot). Throws InputError.
+// Markers that --on has on something else than the flange, by name. Throws InputError where it cannot be read.
+std::map<std::string, MarkerSpec> MarkersFromFlags();
+
+// The readings with the robot's geometry alone, markers where --on has them. What loads weigh and where they hang
+// stands in no table, nor does much of what the effects of a robot file need (times, sides of approach, a load): both
+// move points by millimetres, much less than the misfit of another robot (kNotThisRobot). Throws InputError.
 CalibrationProblem ProblemOfGeometry(const Robot& robot, const Measurements& data);
 
 // Of rows that are measurements; InputError where they are none, at the row as it was given.

@@ -82,7 +82,8 @@ Finding OtherLabelInWords(const CalibrationProblem& problem, const OtherLabel& f
                       " (RMS) on what it is said to be on (the flange where nothing is said), by " +
                       InMillimetres(found.moved) + " on " + found.fits +
                       (found.place.kind == MarkerPlace::Kind::kBase ? "" : ", the link that this joint moves");
-      finding.remedy = "state markers: {" + found.stated + ": {on: " + found.fits + "}} in the experiment file" + where;
+      finding.remedy = "state markers: {" + found.stated + ": {on: " + found.fits +
+                       "}} in the experiment file (import: --on=" + found.stated + "=" + found.fits + ")" + where;
       break;
   }
   for (size_t k = 0; k < std::min(kMostRowsShown, found.far.size()); ++k) finding.rows.push_back(source(found.far[k]));

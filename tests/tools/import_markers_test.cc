@@ -123,7 +123,7 @@ TEST_F(ImportMarkers, LoadsThatAreMasses) {
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_EQ(ColumnOf("load")[0], "none");
     EXPECT_EQ(ColumnOf("load")[20], "5kg");
-    EXPECT_NE(Read("job/experiment.yaml").find("loads:\n  5kg: {mass_kg: 5}\n"), std::string::npos);
+    EXPECT_NE(Read("job/experiment.yaml").find("loads:\n  \"5kg\": {mass_kg: 5}\n"), std::string::npos);
     EXPECT_NE(outcome.out.find("Load 5kg: 5 kg, as its column says"), std::string::npos) << outcome.out;
     EXPECT_EQ(outcome.out.find("Load 0"), std::string::npos) << outcome.out;
   }
@@ -187,6 +187,26 @@ TEST_F(ImportMarkers, JointsOfThePendant) {
                           "Wrist3 [deg]", "x_mm", "y_mm", "z_mm"})
                   .ToText(),
               right, {"--strict"});
+}
+
+// A reflector on the foot stands still: on the flange the robot would have moved it.
+TEST_F(ImportMarkers, MarkersThatAreNotOnTheFlangeAreWhereTheUserHasThem) {
+  Table table(Readings());
+  const std::vector<std::vector<std::string>> poses = table.rows;
+  for (std::vector<std::string> row : poses) {
+    row[6] = "-812.5", row[7] = "1003.25", row[8] = "411.75";
+    table.rows.push_back(row);
+  }
+  table.Insert(6, "marker", [&](size_t r) { return std::string(r < poses.size() ? "M" : "foot: left"); });
+  const test::Outcome refused = ImportText(table.ToText());
+  EXPECT_EQ(refused.status, 2);
+  const test::Outcome outcome = ImportText(table.ToText(), {"--on=foot: left=base"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(Run({"calibrate", Path("job/experiment.yaml"), "--quiet", "--out=" + Path("out")}).status, 0);
+  EXPECT_NE(Read("out/estimate.json").find("marker/foot: left/x"), std::string::npos);
+  const test::Outcome unknown = ImportText(table.ToText(), {"--on=foot: left=base,Q=j2"});
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_NE(unknown.err.find("no row measures the marker 'Q'"), std::string::npos) << unknown.err;
 }
 
 }  // namespace
