@@ -218,15 +218,22 @@ class ChainFinder {
     throw InputError({file_, 0, link}, "the links are joined to a ring", "a chain has two ends");
   }
 
-  // The one link at the end of a branch with joints, branches aside that leave another on its way.
+  // Of some joints those that follow no other.
+  size_t NumDriven(const Movable& names) const {
+    return std::count_if(names.begin(), names.end(),
+                         [this](const auto& name) { return !model_.getJoint(name)->mimic; });
+  }
+
+  // The one link at the end of a branch with joints, branches aside that leave another on its way, which has more
+  // joints beyond: one more that only follows may be a finger, or keep a flange level.
   std::string OnlyTip(const std::string& base) const {
     std::vector<std::string> leaves;
     CollectLeaves(*model_.getLink(base), 0, &leaves);
     std::vector<std::pair<std::string, Movable>> tips;
     for (const std::string& leaf : leaves) tips.emplace_back(leaf, MovableJoints(base, leaf));
-    const auto is_side_branch = [&tips](const auto& tip) {
-      return tip.second.empty() || std::any_of(tips.begin(), tips.end(), [&tip](const auto& other) {
-               return other.second.size() > tip.second.size() &&
+    const auto is_side_branch = [&](const auto& tip) {
+      return tip.second.empty() || std::any_of(tips.begin(), tips.end(), [&](const auto& other) {
+               return other.second.size() > tip.second.size() && NumDriven(other.second) > NumDriven(tip.second) &&
                       std::equal(tip.second.begin(), tip.second.end(), other.second.begin());
              });
     };

@@ -369,6 +369,19 @@ TEST_F(MisreadInput, ConvertSaysWhereTheChainEnds) {
   EXPECT_THAT(outcome.out, HasSubstr("the chain runs from base to tool, not to camera (--tip_link says another)"));
 }
 
+// A link that only follows another joint may be a finger, or the flange that a rod keeps level: nobody but the user
+// knows.
+TEST_F(MisreadInput, AChainDoesNotEndAtAFingerForItsJointThatFollows) {
+  std::string text = UrdfOfArm(false);
+  text.replace(text.find("</robot>"), std::string::npos,
+               "<link name='finger'/><joint name='f' type='revolute'><parent link='two'/><child link='finger'/>"
+               "<axis xyz='0 0 1'/><mimic joint='a2'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"
+               "</robot>");
+  const Outcome outcome = Run({"convert", Write("arm.urdf", text), Path("arm.yaml")});
+  EXPECT_EQ(outcome.status, 2) << outcome.out;
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("tool (2 joints)"), HasSubstr("finger (3 joints)")));
+}
+
 // Seven poses determine no two noises.
 TEST_F(MisreadInput, OneNoiseOfPointsAndRotationsIsSaidToBeOfBoth) {
   Rows rows = Changed(Poses(), {}, {}, [](const Numbers& none) { return none; });
