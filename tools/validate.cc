@@ -1,5 +1,8 @@
 // sagitta validate: before and after on configurations that the estimate has not seen.
+#include <algorithm>
+#include <filesystem>
 #include <iostream>
+#include <iterator>
 #include <optional>
 
 #include "estimator/sagitta.h"
@@ -14,6 +17,21 @@
 
 namespace sagitta {
 namespace {
+
+namespace fs = std::filesystem;
+
+// Those of the files that are in a folder, where that is the folder of `path`.
+std::vector<std::string> FilesNextTo(const std::string& path, const std::string& folder,
+                                     const std::vector<std::string>& names) {
+  std::error_code ignored;
+  const fs::path own = fs::path(path).parent_path();
+  std::vector<std::string> files;
+  const bool is_own = fs::equivalent(own.empty() ? fs::path(".") : own, folder, ignored);
+  if (!is_own || fs::exists(fs::path(folder) / "validation.json", ignored)) return files;  // another one's already
+  std::copy_if(names.begin(), names.end(), std::back_inserter(files),
+               [&](const std::string& name) { return fs::exists(fs::path(folder) / name, ignored); });
+  return files;
+}
 
 int RunValidate(const CommandLine& line) {
   ExpectArguments(line, ValidateCommand(), 2, 1000);
@@ -35,8 +53,10 @@ int RunValidate(const CommandLine& line) {
   const nlohmann::ordered_json json = ValidationToJson(validation, provenance);
   const std::vector<std::string> unmet = UnmetRequirements(requirements, json);
   const std::string words = SectionsToText(ValidationSections(known, rows, validation));
+  std::vector<std::string> replaced;
   if (out) {
     progress->Say("writing the rows");
+    replaced = FilesNextTo(line.arguments[0], FLAGS_out, {"report.html", "residuals.csv"});
     const std::string csv = ValidationToCsv(rows, validation);
     const std::string page = ValidationToHtml(known, rows, validation, provenance);
     CheckInterruption();
@@ -48,6 +68,7 @@ int RunValidate(const CommandLine& line) {
     std::cout << NothingIsWritten();
   } else {
     std::cout << "\n" << ResultsIn(FLAGS_out, {"report.html", "validation.json", "residuals.csv"});
+    if (!replaced.empty()) std::cerr << ReplacedThoseOfTheEstimate(replaced);
   }
   return EndWith(unmet);
 }

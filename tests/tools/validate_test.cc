@@ -48,6 +48,16 @@ TEST_F(ValidateTest, FiguresAreThoseOfTheHoldOut) {
 }
 
 // The columns of calibrate's own, which the rows bring along, are made anew: of rows that were not fitted.
+// A second validation replaces its own files alone, the first one the report of the estimate.
+TEST_F(ValidateTest, WhatItReplacesInTheFolderOfTheEstimateIsSaid) {
+  const auto validate = [this](const char* folder) {
+    return Run({"validate", Path("fit/estimate.json"), Path("unseen.csv"), "--out=" + Path(folder), "--quiet"});
+  };
+  EXPECT_EQ(validate("out").err, "");
+  EXPECT_EQ(validate("out").err, "");
+  EXPECT_THAT(validate("fit").err, HasSubstr("report.html and residuals.csv of the estimate"));
+}
+
 TEST_F(ValidateTest, ResidualsHaveTheColumnsOfTheContract) {
   const std::string rows = Path("unseen.csv");
   ASSERT_EQ(Run({"validate", Path("fit/estimate.json"), rows, "--out=" + Path("out"), "--quiet"}).status, 0);

@@ -25,6 +25,11 @@ std::string ResultsIn(const std::string& folder, const std::vector<std::string>&
   return "Results in " + folder + (files.empty() ? ":" : ": ") + Joined(files) + "\n";
 }
 
+std::string ReplacedThoseOfTheEstimate(const std::vector<std::string>& files) {
+  return "Warning: " + Joined(files, " and ") + " of the estimate stood there and are replaced by those of the " +
+         "validation; another --out keeps both\n";
+}
+
 std::string OlderFilesIn(const std::string& folder, const std::vector<std::string>& files) {
   return "Of an earlier run are in " + folder + ": " + Joined(files) + "; this one has nothing to write there.\n";
 }

@@ -13,6 +13,8 @@ namespace sagitta {
 // Where results went; files: their names, in the order of reading.
 std::string NothingIsWritten();
 std::string ResultsIn(const std::string& folder, const std::vector<std::string>& files);
+// Where results of a validation went to the folder of the estimate.
+std::string ReplacedThoseOfTheEstimate(const std::vector<std::string>& files);
 // Of files that only some runs write and this one did not: they are there, and nothing that this run says is of them.
 std::string OlderFilesIn(const std::string& folder, const std::vector<std::string>& files);
 
