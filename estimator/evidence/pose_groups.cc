@@ -101,8 +101,12 @@ PoseGroups::PoseGroups(const Evidence& evidence, const WeightedModel& leading,
 }
 
 GivenBelieved PoseGroups::Resample(std::mt19937* random) const {
+  std::vector<int> times(groups_.size(), 0);
+  for (size_t draw = 0; draw < groups_.size(); ++draw) ++times[(*random)() % groups_.size()];
   RowSums sums = RowSums::Zero(all_.rows());
-  for (size_t draw = 0; draw < groups_.size(); ++draw) sums += groups_[(*random)() % groups_.size()];
+  for (size_t g = 0; g < groups_.size(); ++g) {
+    if (times[g] > 0) sums.AddUpper(groups_[g], times[g]);
+  }
   return evidence_.columns().Project(sums);
 }
 

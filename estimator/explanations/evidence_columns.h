@@ -92,7 +92,8 @@ struct RowSums {
   int rows = 0;
 
   static RowSums Zero(long width) { return {Eigen::MatrixXd::Zero(width, width), 0.0, 0}; }
-  RowSums& operator+=(const RowSums& other);
+  // The others so many times; of products the upper triangle, which is all that Project reads.
+  void AddUpper(const RowSums& others, int times);
 };
 
 // Given what is believed, which is eliminated with a flat prior (or its stated one).

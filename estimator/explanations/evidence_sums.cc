@@ -125,11 +125,10 @@ RowSums EvidenceColumns::Sum(const RowScatter& scatter, const std::vector<int>& 
   return SumEach(scatter, columns, std::vector<int>(poses_.size(), 0), every)[0];
 }
 
-RowSums& RowSums::operator+=(const RowSums& other) {
-  products += other.products;
-  log_det += other.log_det;
-  rows += other.rows;
-  return *this;
+void RowSums::AddUpper(const RowSums& others, int times) {
+  for (long c = 0; c < products.cols(); ++c) products.col(c).head(c + 1) += times * others.products.col(c).head(c + 1);
+  log_det += times * others.log_det;
+  rows += times * others.rows;
 }
 
 std::vector<RowSums> EvidenceColumns::SumEach(const RowScatter& scatter, const std::vector<int>& columns,
@@ -243,9 +242,9 @@ EvidenceColumns::Eliminated EvidenceColumns::Eliminate(Eigen::MatrixXd own, Eige
 // [G g; g' R] = [A r]'C^-1 [A r] - along' along.
 GivenBelieved EvidenceColumns::Project(const RowSums& sums) const {
   const long believed = num_believed(), count = sums.products.cols() - believed - 1;
-  const Eliminated out =
-      Eliminate(sums.products.topLeftCorner(believed, believed), sums.products.topRightCorner(believed, count + 1),
-                sums.products(count + believed, count + believed), sums);
+  const Eigen::MatrixXd own = sums.products.topLeftCorner(believed, believed).selfadjointView<Eigen::Upper>();
+  const Eliminated out = Eliminate(own, sums.products.topRightCorner(believed, count + 1),
+                                   sums.products(count + believed, count + believed), sums);
   Eigen::MatrixXd left = sums.products.bottomRightCorner(count + 1, count + 1);
   left(count, count) = out.square;
   const Eigen::VectorXd before = left.diagonal();

@@ -1,4 +1,4 @@
-// YAML as this program's readers, and others, take it for what was meant.
+// YAML that this program's readers, and others, read as what was meant.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

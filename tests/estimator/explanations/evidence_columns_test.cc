@@ -209,7 +209,7 @@ TEST(EvidenceColumns, SumsOfGroupsOfPosesAddUp) {
   ASSERT_EQ(each.size(), 3u);
   RowSums all = RowSums::Zero(each[0].products.rows());
   for (size_t g = 0; g < each.size(); ++g) {
-    all += each[g];
+    all.AddUpper(each[g], 1);
     const Eigen::MatrixXd rows = columns.RowsAt(observations[g], scatter, some), alone = rows.transpose() * rows;
     EXPECT_EQ(each[g].rows, rows.rows());
     EXPECT_LT((each[g].products.topLeftCorner(rows.cols(), rows.cols()) - alone).norm(), 1e-9 * alone.norm()) << g;
@@ -217,7 +217,12 @@ TEST(EvidenceColumns, SumsOfGroupsOfPosesAddUp) {
   const RowSums whole = columns.Sum(scatter, some);
   EXPECT_EQ(all.rows, whole.rows);
   EXPECT_NEAR(all.log_det, whole.log_det, 1e-9 * std::abs(whole.log_det));
-  EXPECT_LT((all.products - whole.products).norm(), 1e-9 * whole.products.norm());
+  const Eigen::MatrixXd upper = whole.products.triangularView<Eigen::Upper>();
+  EXPECT_LT((all.products - upper).norm(), 1e-9 * upper.norm());
+  all.AddUpper(each[0], 2);
+  EXPECT_EQ(all.rows, whole.rows + 2 * each[0].rows);
+  const Eigen::MatrixXd thrice = upper + 2.0 * Eigen::MatrixXd(each[0].products.triangularView<Eigen::Upper>());
+  EXPECT_LT((all.products - thrice).norm(), 1e-9 * thrice.norm());
 }
 
 // [J r]'C^-1 [J r] and log |C| with C = I + sum of sigma^2 l l' within visits and within poses, C as one dense matrix
