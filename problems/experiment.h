@@ -84,6 +84,10 @@ struct RepeatabilitySpec {
   };
   OfKind angle, length;
 
+  // Of the keys repeatability_urad, ...; the first of a kind is the one to suggest.
+  static constexpr const char* kAngleUnits[] = {"urad", "mrad", "rad", "deg"};
+  static constexpr const char* kLengthUnits[] = {"um", "mm", "m"};
+
   const OfKind& Of(JointType type) const { return type == JointType::kRevolute ? angle : length; }
   bool IsEstimated() const { return angle.estimate || length.estimate; }
   bool IsZero() const { return angle.IsZero() && length.IsZero(); }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "problems/parameter_set.h"
 #include "problems/text.h"
 #include "problems/unit_words.h"
 
@@ -120,19 +121,9 @@ std::string NearestName(const std::string& name, const std::vector<std::string>&
   return nearest;
 }
 
-namespace {
-
-// A1.d of geometry/A1.d.
-bool IsWithoutKind(const std::string& name, const std::string& candidate) {
-  const size_t slash = candidate.find('/');
-  return slash != std::string::npos && candidate.compare(slash + 1, std::string::npos, name) == 0;
-}
-
-}  // namespace
-
 std::string SpellingHint(const std::string& name, const std::vector<std::string>& candidates) {
   for (const std::string& candidate : candidates) {
-    if (IsWithoutKind(name, candidate)) return "did you mean '" + candidate + "'?";
+    if (!name.empty() && NameWithinKind(candidate) == name) return "did you mean '" + candidate + "'?";
   }
   const std::string nearest = NearestName(name, candidates);
   if (!nearest.empty()) return "did you mean '" + nearest + "'?";

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <vector>
@@ -98,11 +99,12 @@ void CheckRows(const CalibrationProblem& problem) {
 
 // In the unit that the file has.
 std::string KeyOfRepeatability(const Experiment& experiment) {
-  for (const char* unit : {"urad", "mrad", "rad", "deg", "um", "mm", "m"}) {
-    const std::string key = std::string("repeatability_") + unit;
-    if (experiment.lines.count(key) > 0) return key;
-  }
-  return "repeatability_urad";
+  const std::string stem = "repeatability_";
+  std::vector<std::string> units(std::begin(RepeatabilitySpec::kAngleUnits), std::end(RepeatabilitySpec::kAngleUnits));
+  units.insert(units.end(), std::begin(RepeatabilitySpec::kLengthUnits), std::end(RepeatabilitySpec::kLengthUnits));
+  const auto stated = std::find_if(units.begin(), units.end(),
+                                   [&](const auto& unit) { return experiment.lines.count(stem + unit) > 0; });
+  return stem + (stated == units.end() ? units.front() : *stated);
 }
 
 }  // namespace

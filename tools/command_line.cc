@@ -146,6 +146,20 @@ std::string DescribeFlag(const std::string& flag) {
   return text + (shows_default ? " [" + info.default_value + "]" : "") + "\n";
 }
 
+std::map<std::string, std::string> PairsOfFlag(const std::string& flag, const std::string& text,
+                                               const PairWords& words) {
+  std::map<std::string, std::string> pairs;
+  if (text.empty()) return pairs;
+  for (const std::string& entry : SplitText(text, ',')) {
+    const size_t equals = entry.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == entry.size())
+      throw InputError({"", 0, "--" + flag}, "'" + entry + "' does not name " + words.pair, words.example);
+    if (!pairs.emplace(entry.substr(0, equals), entry.substr(equals + 1)).second)
+      throw InputError({"", 0, "--" + flag}, "'" + entry.substr(0, equals) + "' " + words.twice);
+  }
+  return pairs;
+}
+
 std::vector<double> NumbersOfFlag(const std::string& flag, const std::string& text) {
   std::vector<double> numbers;
   for (const std::string& part : SplitText(text, ',')) {

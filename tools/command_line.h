@@ -7,6 +7,7 @@
 
 #include <gflags/gflags_declare.h>
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,14 @@ void ExpectArguments(const CommandLine& line, const Command& command, size_t lea
 
 // Help text of a flag: name, what it does, default.
 std::string DescribeFlag(const std::string& flag);
+
+// What a flag's text "NAME=VALUE,…" is made of, in words; and an example of it.
+struct PairWords {
+  const char *pair, *twice, *example;
+};
+// All pairs, by name; throws InputError that names the flag. "": none.
+std::map<std::string, std::string> PairsOfFlag(const std::string& flag, const std::string& text,
+                                               const PairWords& words);
 
 // All numbers of "1,2,3"; throws InputError that names the flag.
 std::vector<double> NumbersOfFlag(const std::string& flag, const std::string& text);

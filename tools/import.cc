@@ -45,19 +45,9 @@ namespace {
 namespace fs = std::filesystem;
 
 std::map<std::string, std::string> MapFromFlags() {
-  std::map<std::string, std::string> columns;
-  if (FLAGS_map.empty()) return columns;
-  for (const std::string& entry : SplitText(FLAGS_map, ',')) {
-    const size_t equals = entry.find('=');
-    if (equals == std::string::npos || equals == 0 || equals + 1 == entry.size()) {
-      throw InputError({"", 0, "--map"}, "'" + entry + "' does not name a column and where it comes from",
-                       "--map=x_mm=measurement_x,q1_rad=shoulder_pan_joint");
-    }
-    if (!columns.emplace(entry.substr(0, equals), entry.substr(equals + 1)).second) {
-      throw InputError({"", 0, "--map"}, "'" + entry.substr(0, equals) + "' is mapped twice");
-    }
-  }
-  return columns;
+  return PairsOfFlag(
+      "map", FLAGS_map,
+      {"a column and where it comes from", "is mapped twice", "--map=x_mm=measurement_x,q1_rad=shoulder_pan_joint"});
 }
 
 struct FoundRobot {
@@ -436,8 +426,8 @@ robot.yaml, measurements.csv and experiment.yaml to DIR. Separator, decimal sign
 found out; where a header does not say, the robot decides: the reading that its nominal geometry can have made, also of
 angles (rotation vector or one of the products of three rotations) and of the convention of a DH table. What was
 understood is printed, column by column, and every guess. --strict refuses guesses. Positions that were commanded,
-nominal or computed are never read as measured ones. Several files are several stations. Markers are on the flange, those on a link, the base or the floor where --on
-has them. Points whose joint values stand
+nominal or computed are never read as measured ones. Several files are several stations. Markers
+are on the flange, those on a link, the base or the floor where --on has them. Points whose joint values stand
 in another file (plan.csv) are joined with it by the names of the poses.
 
 Without a robot the tables that this program ships are tried; --robot=NAME uses one of them. They are found

@@ -23,7 +23,7 @@
 #include "problems/io/measurement_file.h"
 #include "problems/io/units.h"
 #include "problems/split.h"
-#include "problems/text.h"
+#include "tools/command_line.h"
 #include "tools/import_choice.h"
 #include "tools/report/command_words.h"
 
@@ -205,16 +205,8 @@ InputError AtSource(const InputError& error, const ImportedRows& rows) {
 
 std::map<std::string, MarkerSpec> MarkersFromFlags() {
   std::map<std::string, MarkerSpec> markers;
-  if (FLAGS_on.empty()) return markers;
-  for (const std::string& entry : SplitText(FLAGS_on, ',')) {
-    const size_t equals = entry.find('=');
-    if (equals == std::string::npos || equals == 0 || equals + 1 == entry.size())
-      throw InputError({"", 0, "--on"}, "'" + entry + "' does not name a marker and what it is on",
-                       "--on=L1=A3,B=base");
-    if (markers.count(entry.substr(0, equals)) > 0)
-      throw InputError({"", 0, "--on"}, "marker '" + entry.substr(0, equals) + "' stands there twice");
-    markers[entry.substr(0, equals)].on = MarkerPlace::Named(entry.substr(equals + 1));
-  }
+  const PairWords words = {"a marker and what it is on", "stands there twice", "--on=L1=A3,B=base"};
+  for (const auto& [name, place] : PairsOfFlag("on", FLAGS_on, words)) markers[name].on = MarkerPlace::Named(place);
   return markers;
 }
 

@@ -47,12 +47,12 @@ Identifiability IdentifiabilityOf(const LinearState& state, const LinearSolution
 
 // What may be lost moves of the rest, G S G' (held_influence.h).
 Eigen::VectorXd AddedByLost(const LinearState& state) {
-  std::vector<int> places;  // in `all`: what is estimated, then what is lost
-  for (const int i : state.estimated.columns) {
-    places.push_back(
-        static_cast<int>(std::find(state.all.columns.begin(), state.all.columns.end(), i) - state.all.columns.begin()));
-  }
-  places.insert(places.end(), state.lost.columns.begin(), state.lost.columns.end());
+  const std::vector<int>& lost = state.lost.columns;
+  if (lost.empty()) return Eigen::VectorXd::Zero(state.estimated.num_columns());
+  std::vector<int> places(state.all.columns.size());  // what is estimated, then what is lost
+  std::iota(places.begin(), places.end(), 0);
+  std::stable_partition(places.begin(), places.end(),
+                        [&](int c) { return std::count(lost.begin(), lost.end(), c) == 0; });
   Linearization both = state.all;
   both.jacobian = state.all.jacobian(Eigen::all, places);
   for (size_t k = 0; k < places.size(); ++k) both.columns[k] = state.all.columns[places[k]];

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include "estimator/least_squares/row_sums.h"
 #include "estimator/report/least_squares_words.h"
@@ -163,14 +165,15 @@ std::vector<Direction> ReducedDirections(const ScaledSvd& svd, const std::vector
 }
 
 // What is stated of a parameter stays true where rows scatter by more than is stated, and their information 1 / s^2 is
-// less:   J'J / s^2 + (1 - 1 / s^2) / sigma^2,   times s^2.
-Linearization WithPriorsAsStated(const Linearization& linearization, const ParameterSet& parameters, double scale) {
+// less:   J'J / s^2 + (1 - 1 / s^2) / sigma^2,   times s^2.   Nothing where that adds nothing.
+std::optional<Linearization> WithPriorsAsStated(const Linearization& linearization, const ParameterSet& parameters,
+                                                double scale) {
   std::vector<std::pair<int, double>> added;  // column, root of its information
   for (int c = 0; scale > 1.0 && c < linearization.num_columns(); ++c) {
     const Coordinate& coordinate = parameters.coordinates()[linearization.columns[c]];
     if (coordinate.has_stated_prior()) added.emplace_back(c, std::sqrt(scale * scale - 1.0) / coordinate.prior_sigma);
   }
-  if (added.empty()) return linearization;
+  if (added.empty()) return std::nullopt;
   const int rows = linearization.num_rows(), more = static_cast<int>(added.size());
   Linearization with = linearization;
   with.jacobian.conservativeResize(rows + more, Eigen::NoChange);
@@ -187,7 +190,8 @@ Unidentifiable FindUnidentifiable(const Linearization& rows, const ParameterSet&
   Unidentifiable result;
   const int n = rows.num_columns();
   if (n == 0) return result;
-  const Linearization linearization = WithPriorsAsStated(rows, parameters, sigma);
+  const std::optional<Linearization> with_priors = WithPriorsAsStated(rows, parameters, sigma);
+  const Linearization& linearization = with_priors ? *with_priors : rows;
   const Eigen::VectorXd limits = HoldLimits(linearization, parameters, sigma);
   const Eigen::MatrixXd factor = ScaledFactor(linearization, limits);
   if (AllAbove(factor, sigma)) return result;

@@ -127,11 +127,10 @@ RepeatabilitySpec ReadRepeatability(YamlMap* file) {
     const auto value = file->Find(std::string("repeatability_") + unit);
     if (value) ReadRepeatabilityValue({*value, UnitNamed(unit)}, range, kind);
   };
-  // The first of a kind is the unit to suggest.
-  for (const char* unit : {"urad", "mrad", "rad", "deg"}) {
+  for (const char* unit : RepeatabilitySpec::kAngleUnits) {
     read(unit, allowed::kAngleSigmaOrZero, &repeatability.angle);
   }
-  for (const char* unit : {"um", "mm", "m"}) read(unit, allowed::kSigmaOrZero, &repeatability.length);
+  for (const char* unit : RepeatabilitySpec::kLengthUnits) read(unit, allowed::kSigmaOrZero, &repeatability.length);
   if (const auto plain = file->Find("repeatability")) {
     if (!plain->Is("estimate")) plain->Fail("the key has to name its unit", "repeatability_urad or repeatability_um");
     for (auto* kind : {&repeatability.angle, &repeatability.length}) kind->estimate = !kind->common;

@@ -5,10 +5,10 @@
 
 namespace sagitta::test {
 
-// 50 configurations from one station, 15 of them held out; `move` changes where the joints really are.
+// Configurations from one station, three in ten of them held out; `move` changes where the joints really are.
 template <typename Move>
-CalibrationProblem Moved(std::uint64_t seed, const Move& move) {
-  const Measurements data = MeasuredAfter(CampaignOf(50, 1, 2e-5, seed), 100 + seed, move);
+CalibrationProblem Moved(std::uint64_t seed, const Move& move, int configurations = 50) {
+  const Measurements data = MeasuredAfter(CampaignOf(configurations, 1, 2e-5, seed), 100 + seed, move);
   Experiment experiment;
   experiment.validation.kind = ValidationSpec::Kind::kFraction;
   experiment.validation.fraction = 0.3;

@@ -44,10 +44,18 @@ ColumnMeaning Unused(const std::string& why) {
   return meaning;
 }
 
-// Exactly as the robot calls it.
-std::optional<int> OwnJoint(const std::string& name, const std::vector<std::string>& joints) {
+ColumnMeaning OfJoint(int index) {
+  ColumnMeaning meaning;
+  meaning.role = Role::kJoint;
+  meaning.index = index;
+  return meaning;
+}
+
+// Exactly as the robot calls it: what its words and its end mean elsewhere (joint_1_s, in seconds) they do not mean
+// here.
+std::optional<ColumnMeaning> AsOwnJoint(const std::string& name, const std::vector<std::string>& joints) {
   for (size_t j = 0; j < joints.size(); ++j) {
-    if (LowerCaseOf(joints[j]) == name && AxisNamed(name) < 0) return static_cast<int>(j);
+    if (LowerCaseOf(joints[j]) == name && AxisNamed(name) < 0) return OfJoint(static_cast<int>(j));
   }
   return std::nullopt;
 }
@@ -89,38 +97,16 @@ std::optional<ColumnMeaning> AsJoint(const std::string& name, const Words& words
       "strom",           "voltage",       "power", "temperature", "temperatures", "temp",    "temperatur",
       "geschwindigkeit", "beschleunigung"};
   if (Has(words, kSigmaWords) || Has(words, kDifferenceWords)) return std::nullopt;
-  ColumnMeaning meaning;
-  std::optional<int> index = OwnJoint(name, joints);
-  const bool is_own = index.has_value();
-  if (!index) {
-    index = UniversalJoint(name);
-    if (index && Has(words, kOtherQuantities)) return Unused("of a joint, and not its angle or travel");
-  }
-  if (!index) {
-    index = NumberedJoint(words);
-    if (!index) return std::nullopt;
-    --*index;  // counted from 1; a table that counts from 0 has a joint -1
-    meaning.is_numbered = true;
-  }
-  meaning.role = Role::kJoint;
-  meaning.index = *index;
-  if (is_own) return meaning;  // its words mean nothing else
+  if (const auto own = AsOwnJoint(name, joints)) return own;
+  const std::optional<int> universal = UniversalJoint(name);
+  if (universal && Has(words, kOtherQuantities)) return Unused("of a joint, and not its angle or travel");
+  const std::optional<int> number = universal ? std::nullopt : NumberedJoint(words);
+  if (!universal && !number) return std::nullopt;
+  // Counted from 1; a table that counts from 0 has a joint -1.
+  ColumnMeaning meaning = OfJoint(universal ? *universal : *number - 1);
+  meaning.is_numbered = !universal;
   meaning.is_actual = Has(words, kMeasuredWords);
   meaning.is_commanded = Has(words, kTargetWords);
-  return meaning;
-}
-
-// A header that is the robot's own name of a joint as a whole, or after "position.": what its end may mean elsewhere
-// (joint_1_s, in seconds) it does not mean here.
-std::optional<ColumnMeaning> AsOwnJoint(const std::string& header, const std::vector<std::string>& joints) {
-  static const std::string kPosition = "position.";
-  const std::string name = LowerCaseOf(std::string(Trimmed(header)));
-  std::optional<int> index = OwnJoint(name, joints);
-  if (!index && name.rfind(kPosition, 0) == 0) index = OwnJoint(name.substr(kPosition.size()), joints);
-  if (!index) return std::nullopt;
-  ColumnMeaning meaning;
-  meaning.role = Role::kJoint;
-  meaning.index = *index;
   return meaning;
 }
 
@@ -364,7 +350,12 @@ bool IsForeignUnit(const std::string& header, const NameWithUnreadUnit& unread) 
 }  // namespace
 
 ColumnMeaning MeaningOf(const std::string& header, const std::vector<std::string>& joints) {
-  if (const auto own = AsOwnJoint(header, joints)) return *own;
+  static const std::string kPosition = "position.";
+  const std::string whole = LowerCaseOf(std::string(Trimmed(header)));
+  if (const auto own = AsOwnJoint(whole, joints)) return *own;
+  if (whole.rfind(kPosition, 0) == 0) {
+    if (const auto own = AsOwnJoint(whole.substr(kPosition.size()), joints)) return *own;
+  }
   ColumnMeaning meaning = ByName(header, joints);
   meaning.unit = UnitInHeader(header);
   const NameWithUnreadUnit unread = UnreadUnitIn(header);

@@ -67,11 +67,7 @@ TEST(OutlierRules, AnEffectIsJudgedWithoutWrongReadingsAmongUntouchedRows) {
 // Of one marker, three readings by 9.5 sigma: the arm could do the like, until what it does is in the model.
 TEST(OutlierRules, WrongReadingsOfASingleMarkerAreFoundGivenEffects) {
   const auto move = [](Eigen::VectorXd* q) { (*q)[2] += 400e-6 * std::cos((*q)[2]); };
-  const Measurements data = test::MeasuredAfter(test::CampaignOf(120, 1, 2e-5, 5), 105, move);
-  Experiment experiment;
-  experiment.validation.kind = ValidationSpec::Kind::kFraction;
-  experiment.validation.fraction = 0.3;
-  CalibrationProblem problem = MakeCalibrationProblem(test::Kr270Robot(), data, experiment);
+  CalibrationProblem problem = test::Moved(5, move, 120);
   for (size_t i = 0; i < problem.data().observations.size(); ++i) {
     if (problem.data().observations[i].marker > 0) problem.mutable_data()->ExcludeRow(static_cast<int>(i));
   }
