@@ -203,6 +203,14 @@ void CalibrationProblem::ForgetRows() {
 }
 
 void CalibrationProblem::set_shot_inputs(std::vector<ShotInput> inputs) { shot_inputs_ = std::move(inputs); }
+std::vector<int> CalibrationProblem::MarkersOnFlange() const {
+  std::vector<int> markers;
+  for (size_t m = 0; m < marker_frames().size(); ++m) {
+    if (marker_frames()[m] == robot().chain.FlangeFrame()) markers.push_back(static_cast<int>(m));
+  }
+  return markers;
+}
+
 void CalibrationProblem::set_marker_frame(int marker, int frame) { (*marker_frames_.Own())[marker] = frame; }
 
 void CalibrationProblem::RenewJoints() {

@@ -56,6 +56,7 @@ class CalibrationProblem {
   const Experiment& experiment() const { return *experiment_; }
   // Chain frame of each marker of `data`.
   const std::vector<int>& marker_frames() const { return *marker_frames_; }
+  std::vector<int> MarkersOnFlange() const;  // indices
   // Joint values, conditions and wrenches of each shot of `data`, prepared for the model.
   const std::vector<ShotInput>& shot_inputs() const { return *shot_inputs_; }
 

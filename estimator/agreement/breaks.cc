@@ -57,10 +57,11 @@ class BreakSearch {
     const std::vector<Cause> causes = Causes();
     if (!Prepare()) return std::nullopt;
     LikeliestBreak best;
+    const size_t one_in = 1 + order_.size() / kPlaces;
     int tried = 0;
-    for (const Cause& cause : causes) tried += Try(cause, 1 + order_.size() / kPlaces, &best);
+    for (const Cause& cause : causes) tried += Try(cause, one_in, &best);
     if (best.cause == nullptr || ScoreOfPose() < best.score) return std::nullopt;
-    tried = std::max(tried, Try(*best.cause, 1, &best));
+    if (one_in > 1) tried += Try(*best.cause, 1, &best);
     Break& found = best.found;
     found.p_value = std::min(1.0, found.p_value * tried);
     if (found.share <= kBeyondArms || found.p_value >= problem_.experiment().significance) return std::nullopt;
@@ -94,7 +95,7 @@ class BreakSearch {
     for (int s = 0; s < parameters.num_stations(); ++s)
       add(BreakOf::kStation, s, {&parameters.station_translation(s), &parameters.station_rotation(s)});
     for (int m = 0; m < parameters.num_markers(); ++m) add(BreakOf::kMarker, m, {&parameters.marker(m)});
-    if (const std::vector<int> on_flange = MarkersOnFlange(); on_flange.size() > 1) {
+    if (const std::vector<int> on_flange = problem_.MarkersOnFlange(); on_flange.size() > 1) {
       std::vector<const ParameterBlock*> markers;
       for (const int m : on_flange) markers.push_back(&parameters.marker(m));
       add(BreakOf::kTool, 0, markers);
@@ -102,15 +103,6 @@ class BreakSearch {
     }
     for (int j = 0; j < problem_.robot().num_joints(); ++j) causes.push_back({BreakOf::kJoint, j, {j}});
     return causes;
-  }
-
-  std::vector<int> MarkersOnFlange() const {
-    const std::vector<int>& frames = problem_.marker_frames();
-    std::vector<int> markers;
-    for (int m = 0; m < static_cast<int>(frames.size()); ++m) {
-      if (frames[m] == problem_.model().chain().FlangeFrame()) markers.push_back(m);
-    }
-    return markers;
   }
 
   // Markers as one body in their frame: dp = dt + w x p. Three rows of each marker, columns dt and w.

@@ -9,6 +9,14 @@ bool RestsOnBound(const ParameterSet& parameters, int coordinate) {
   return parameters.Value(coordinate) <= parameters.coordinates()[coordinate].lower;
 }
 
+std::vector<int> MovingColumns(const Estimate& estimate) {
+  std::vector<int> columns;
+  for (const int i : estimate.estimated) {
+    if (!RestsOnBound(estimate.parameters, i)) columns.push_back(i);
+  }
+  return columns;
+}
+
 std::vector<BelowBound> FindBelowBounds(const Linearization& fit, const ParameterSet& parameters, double scale,
                                         double least) {
   std::vector<int> resting;

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "estimator/estimate/estimate.h"
 #include "estimator/least_squares/linearization.h"
 
 namespace sagitta {
@@ -18,6 +19,9 @@ struct BelowBound {
 
 // It stands where its bound is, or below.
 bool RestsOnBound(const ParameterSet& parameters, int coordinate);
+
+// Of the estimated coordinates those that move with the data: others rest on their bound.
+std::vector<int> MovingColumns(const Estimate& estimate);
 
 // By at least kFarBelow, in standard deviations of the noise that is left where the values may go below: what does not
 // fit because they may not is no noise.

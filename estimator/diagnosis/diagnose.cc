@@ -297,7 +297,7 @@ class Session {
     d_.candidates = Screen(evidence(), d_.baseline);
     d_.screened = evidence().list().NumNamed();
     PredictHoldout(&d_.candidates);
-    d_.where = FindWhere(d_.baseline);
+    d_.where = FindWhere(d_.baseline, d_.final.estimate.sigma.estimated);
     d_.effects.resize(selected_.size());
     const std::vector<CheckedEffect> checked =
         CheckEffects(evidence(), weighed_, leading(), InPlacesOfLeading(), ExplanationsOf(selected_));

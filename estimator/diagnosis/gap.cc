@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <optional>
 #include <random>
+#include <vector>
 
 #include "estimator/least_squares/linearization.h"
 #include "estimator/noise/repeat_spread.h"
@@ -35,14 +37,17 @@ int Count(const HoldoutSums& sums) { return static_cast<int>((sums.coordinates.a
 
 // P that the sum would be as large if each difference had either sign alike (Fisher 1935, The Design of Experiments,
 // section 21), from draws of which kSignsAsLarge are enough (Besag and Clifford, Biometrika 78 (1991) 301).
-double ChanceBySigns(const Eigen::VectorXd& differences) {
+double ChanceBySigns(const Eigen::VectorXd& of_configurations) {
+  std::vector<double> differences;  // of those that are held out
+  std::copy_if(of_configurations.begin(), of_configurations.end(), std::back_inserter(differences),
+               [](double difference) { return difference != 0.0; });
   std::mt19937_64 random(kSeedOfSigns);
-  const double sum = differences.sum();
+  const double sum = of_configurations.sum();
   int as_large = 0;
   for (int draw = 0; draw < kSignDraws; ++draw) {
     double drawn = 0.0;
     std::uint64_t signs = 0;
-    for (Eigen::Index k = 0; k < differences.size(); ++k) {
+    for (size_t k = 0; k < differences.size(); ++k) {
       if (k % 64 == 0) signs = random();
       drawn += (signs >> (k % 64)) % 2 == 0 ? differences[k] : -differences[k];
     }

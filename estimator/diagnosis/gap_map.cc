@@ -29,12 +29,12 @@ struct ModelRows {
 };
 
 // Order 0: the cosine column of a wave is that of a constant joint deviation.
-ModelRows RowsOf(const DiagnosedModel& model, LatentTreatment treatment) {
-  const auto linearize = [treatment](const CalibrationProblem& problem, const ParameterSet& parameters,
-                                     const std::vector<int>& columns) {
+ModelRows RowsOf(const DiagnosedModel& model, LatentTreatment treatment, double unstated_sigma = kFallbackSigma) {
+  const auto linearize = [=](const CalibrationProblem& problem, const ParameterSet& parameters,
+                             const std::vector<int>& columns) {
     const std::vector<int> observations = problem.CalibrationObservations();
     return Linearize(problem, parameters, observations, columns,
-                     ObservationNoise(problem, observations, kFallbackSigma), treatment);
+                     ObservationNoise(problem, observations, unstated_sigma), treatment);
   };
   const ParameterSet& parameters = model.estimate.parameters;
   std::vector<EffectSpec> specs;
@@ -205,9 +205,9 @@ EffectView ViewEffect(const DiagnosedModel& with, const ModelRows& of_model, con
 
 }  // namespace
 
-std::vector<WhereShare> FindWhere(const DiagnosedModel& model) {
+std::vector<WhereShare> FindWhere(const DiagnosedModel& model, double unstated_sigma) {
   const CalibrationProblem& problem = *model.problem;
-  const ModelRows rows = RowsOf(model, LatentTreatment::kMarginalise);
+  const ModelRows rows = RowsOf(model, LatentTreatment::kMarginalise, unstated_sigma);
   const Linearization& here = rows.here;
   const Eigen::VectorXd shares = ShareOfRows(problem, here);
   const double per_row = model.estimate.dof / std::max(1.0, static_cast<double>(model.estimate.rows));

@@ -16,8 +16,9 @@ struct WhereShare {
   std::string key;
   double share = 0.0;  // of the excess chi-square
 };
-// Where the chi-square beyond the noise is; largest shares first.
-std::vector<WhereShare> FindWhere(const DiagnosedModel& model);
+// Where the chi-square beyond the noise is; largest shares first. unstated_sigma: m, of rows that state no sigma: what
+// all that was found leaves.
+std::vector<WhereShare> FindWhere(const DiagnosedModel& model, double unstated_sigma);
 
 // The gap in joint space: per shot, the deviation of one joint alone that would explain the residual best,
 //

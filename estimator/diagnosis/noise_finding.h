@@ -32,7 +32,8 @@ struct GroupFinding {
 struct FoundRepeatability {
   double sigma = 0.0, low = 0.0, high = 0.0, stated = 0.0;
 
-  bool IsOverstated() const { return high > 0.0 ? high < stated : sigma < stated; }
+  bool HasInterval() const { return high > 0.0; }  // else the rows do not determine one
+  bool IsOverstated() const { return HasInterval() ? high < stated : sigma < stated; }
 };
 
 // Of the leading set.

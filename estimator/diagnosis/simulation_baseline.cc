@@ -56,15 +56,17 @@ SimulationBaseline AgainstSimulation(const CalibrationProblem& problem) {
   AlignNominal(of_simulation, &baseline.problem.parameters);
   const Eigen::Matrix3Xd nominal = PredictPoints(problem, baseline.problem.parameters, all);
   baseline.shift.setZero();
+  int points = 0;
   for (const int i : all) {
     Observation& row = baseline.problem.mutable_data()->observations[i];
     row.excluded |= !row.is_point();  // another simulation's columns predict points
     if (!row.is_point()) continue;
+    ++points;
     baseline.shift.col(i) = nominal.col(i) - simulated[i];
     row.point_in_station += baseline.shift.col(i);
   }
   // Of the whole model: what AlignNominal returns is the misfit of the rigid arm, without its deflections.
-  baseline.reproduced = std::sqrt(baseline.shift.colwise().squaredNorm().mean());
+  baseline.reproduced = std::sqrt(baseline.shift.squaredNorm() / points);
   return baseline;
 }
 

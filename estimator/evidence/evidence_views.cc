@@ -18,7 +18,7 @@ namespace {
 
 // Repeatability of arms, from small ones to worn ones: 2 to 500 urad, of axes that slide 1 to 250 um.
 constexpr double kLeastRepeatability = 2e-6, kMostRepeatability = 5e-4;
-constexpr double kSettled = 0.03;        // of the logarithm of a size, which is found by octaves, then refined
+constexpr double kSettled = 0.03;        // of the logarithm of a size, which is found by factors of four, then refined
 constexpr int kBitsOfRepeatability = 5;  // 2^-5
 constexpr int kBitsOfSigma = 7;          // of a logarithm of one half, 0.4 %
 // Rows beyond what is estimated that settle it: of n degrees of freedom a standard deviation is good to 1 / sqrt(2 n),
@@ -163,12 +163,8 @@ void Evidence::ClimbInViews(const std::function<void(const std::string&)>& progr
 
 std::vector<NoisePart> Evidence::PartsFor(const NoiseView& view) const {
   std::vector<NoisePart> parts;
-  const auto& joints = problem_.robot().chain.joints;
-  const auto turns = [](const Joint& joint) { return joint.type == JointType::kRevolute; };
-  if (std::any_of(joints.begin(), joints.end(), turns)) {
-    parts.push_back({NoiseView::Kind::kVisit});
-    if (columns_.HasRevisits()) parts.push_back({NoiseView::Kind::kPose});
-  }
+  parts.push_back({NoiseView::Kind::kVisit});
+  if (columns_.HasRevisits()) parts.push_back({NoiseView::Kind::kPose});
   if (!stated_.visit.isZero(0.0) && view.kind != NoiseView::Kind::kVisit) parts.push_back(SigmaAlone());
   if (!groups_.empty()) AddGroups(view, &parts);
   return parts;
@@ -294,7 +290,7 @@ Evidence::Trial Evidence::BestView(const NoiseView& base, const NoisePart& part,
   };
   const auto weight = [&](double log_size) { return weight_of(With(base, part, std::exp(log_size)), 1); };
   const auto among_some = [&](double log_size) { return weight_of(With(base, part, std::exp(log_size)), every); };
-  const double spacing = std::log(2.0);
+  const double spacing = std::log(4.0);
   double near = part.group ? std::clamp(std::log(part.about), low, high) : low;
   double near_weight = among_some(near);
   for (double at = low + spacing; !part.group && at <= high; at += spacing) {

@@ -217,7 +217,8 @@ void Predict(const SetCoefficients& coefficients, const Eigen::MatrixXd& sums, c
   const Eigen::MatrixXd normal = coefficients.NormalOf(sums);
   Eigen::MatrixXd precision = normal.leftCols(coefficients.size());
   coefficients.AddPrior(&precision);
-  // What hardly anything determines must not decide: a flat prior is one of a thousand times what the data say.
+  // What hardly anything determines must not decide: a flat prior is one of thirty thousand times what the data
+  // say.
   precision.diagonal() *= 1.0 + 1e-9;
   const Eigen::LDLT<Eigen::MatrixXd> factor(precision);
   rows->spread = coefficients.Of(turned);

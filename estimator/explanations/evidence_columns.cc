@@ -24,13 +24,8 @@ constexpr size_t kMostStored = size_t{2} << 30;
 
 // A force that is the same everywhere; it acts where joints give way.
 EffectSpec UnitPull() { return {LearntPull().name, "robot", {{"degree", "0"}}, {}}; }
-
-std::vector<EffectSpec> WithPull(const CalibrationProblem& problem, std::vector<EffectSpec> specs) {
-  if (!problem.robot().compliances.empty()) specs.push_back(UnitPull());
-  return specs;
-}
-
 // Those of which no other is there already.
+
 std::vector<EffectSpec> Missing(const std::vector<EffectSpec>& among, const std::vector<EffectSpec>& specs) {
   std::vector<EffectSpec> missing;
   for (const EffectSpec& spec : specs) {
@@ -71,14 +66,6 @@ SourceUnit UnitOf(const Source& source, const Chain& chain) {
   return {kTypicalMovement, "um"};
 }
 
-std::vector<int> MarkersOnFlange(const CalibrationProblem& problem) {
-  std::vector<int> markers;
-  for (size_t m = 0; m < problem.data().markers.size(); ++m) {
-    if (problem.marker_frames()[m] == problem.model().chain().FlangeFrame()) markers.push_back(static_cast<int>(m));
-  }
-  return markers;
-}
-
 RowScatter StatedScatter(const CalibrationProblem& problem) {
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(problem.robot().num_joints());
   RowScatter scatter{none, none};
@@ -110,7 +97,10 @@ EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const Parame
     : extended_(problem), stated_(StatedScatter(problem)), of_candidate_(candidates.size()) {
   const SplitCandidates split = Split(problem, candidates);
   const std::vector<EffectSpec> further = Missing(split.others, about.effects);  // their columns are elsewhere
-  extended_ = problem.WithEffects(further).WithEffects(WithPull(problem, split.others));
+  std::vector<EffectSpec> added = further;
+  added.insert(added.end(), split.others.begin(), split.others.end());
+  if (!problem.robot().compliances.empty()) added.push_back(UnitPull());
+  extended_ = problem.WithEffects(added);
   extended_.parameters.CopyByName(parameters);
   extended_.parameters.CopyByName(about.parameters);
   SetSubtracted(parameters, about);
@@ -398,7 +388,7 @@ std::vector<std::pair<int, double>> EvidenceColumns::MovedBy(const Source& sourc
       moved.emplace_back(all.marker(source.owner).first_coordinate + source.axis, size);
       break;
     case Source::Kind::kPlate:
-      for (const int m : MarkersOnFlange(extended_)) {
+      for (const int m : extended_.MarkersOnFlange()) {
         const Vector3<double> motion = source.axis < 3 ? axis : Vector3<double>(axis.cross(all.MarkerPoint(m)));
         for (int k = 0; k < 3; ++k) moved.emplace_back(all.marker(m).first_coordinate + k, size * motion[k]);
       }

@@ -63,9 +63,6 @@ struct SourceUnit {
 // Of a source's motion.
 SourceUnit UnitOf(const Source& source, const Chain& chain);
 
-// Indices of the markers that are on the flange.
-std::vector<int> MarkersOnFlange(const CalibrationProblem& problem);
-
 // Functions of the shots that one source may follow, each a column.
 struct FunctionFamily {
   Source source;

@@ -405,7 +405,7 @@ class PlaceFunctions : public UnnamedList {
 
   // With one marker it is that marker. As an effect it is one of each marker.
   void AddPlate() {
-    const std::vector<int> markers = MarkersOnFlange(problem_);
+    const std::vector<int> markers = problem_.MarkersOnFlange();
     if (markers.size() < 2) return;
     std::vector<Source> plate;
     for (int axis = 0; axis < kPlateAxes; ++axis) plate.push_back({Source::Kind::kPlate, 0, axis});

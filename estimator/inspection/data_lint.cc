@@ -96,8 +96,7 @@ void LintJoints(const CalibrationProblem& problem, std::vector<Finding>* finding
 
 void LintOrientation(const CalibrationProblem& problem, std::vector<Finding>* findings) {
   if (!problem.experiment().estimate.base || !problem.experiment().estimate.markers) return;
-  bool on_flange = false;
-  for (const int frame : problem.marker_frames()) on_flange |= frame == problem.robot().chain.FlangeFrame();
+  const bool on_flange = !problem.MarkersOnFlange().empty();
   if (!on_flange) return;
   const OrientationVariety variety = OrientationVarietyOf(problem);
   if (variety.most < kConstantOrientation) {

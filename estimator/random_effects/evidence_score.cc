@@ -20,7 +20,7 @@ GroupGain GainBy(const Eigen::Ref<const Eigen::MatrixXd>& information,
   posterior.diagonal().array() += 1.0;
   const Eigen::LLT<Matrix> root(posterior);
   if (root.info() != Eigen::Success) return {};
-  const Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, Matrix::MaxRowsAtCompileTime> rotated =
+  const Eigen::Matrix<double, Matrix::RowsAtCompileTime, 1, Eigen::ColMajor, Matrix::MaxRowsAtCompileTime> rotated =
       root.matrixL().solve(gradient);
   return {variance * rotated.squaredNorm(), 2.0 * root.matrixLLT().diagonal().array().log().sum()};
 }
@@ -48,6 +48,7 @@ GroupGain GainOf(const Eigen::Ref<const Eigen::MatrixXd>& information,
     const double t = 1.0 + variance * std::max(0.0, information(0, 0));
     return {variance * gradient[0] * gradient[0] / t, std::log(t)};
   }
+  if (gradient.size() == 2) return GainBy<Eigen::Matrix2d>(information, gradient, variance);  // waves, most groups
   if (gradient.size() <= kFew) return GainBy<MatrixOfFew>(information, gradient, variance);
   return GainBy<Eigen::MatrixXd>(information, gradient, variance);
 }
@@ -93,13 +94,13 @@ double ResidualLikelihood::LogStated(double residual) const {
 double ResidualLikelihood::LogOpen(double residual) const {
   const double whole = open_constant_ - 0.5 * dof_ * std::log(0.5 * residual);
   if (!(sigma_dof_ > 0.0)) return whole;
-  double density = 0.0;
+  std::vector<double> densities;
   for (const double factor : {kUsualFactor, kWidestFactor}) {
     const double square = factor * factor;
-    const double within = ChiSquareSurvival(residual / square, dof_) - ChiSquareSurvival(residual * square, dof_);
-    density += 0.5 * within / (2.0 * std::log(factor));
+    const double log_within = LogChiSquareBetween(residual / square, residual * square, dof_);
+    densities.push_back(log_within - std::log(2.0 * std::log(factor)));
   }
-  return whole + std::log(std::max(1e-300, density));
+  return whole + LogMean(densities);
 }
 
 // f(R) = (1 - wrong) f_stated(R) + wrong f_open(R).

@@ -27,8 +27,10 @@ std::string ArrivalsInWords(const std::vector<WrongArrival>& arrivals) {
 
 // "13.8 urad (95 %: 12 to 15.5) of the joints that turn"; of_kind: where joints of the other kind deviate, too.
 std::string SizeInWords(const FoundRepeatability& found, const char* micro, const std::string& of_kind) {
-  return Significant(1e6 * found.sigma, 3) + " " + micro + " (95 %: " + Significant(1e6 * found.low, 3) + " to " +
-         Significant(1e6 * found.high, 3) + ")" + of_kind;
+  const std::string interval = found.HasInterval() ? " (95 %: " + Significant(1e6 * found.low, 3) + " to " +
+                                                         Significant(1e6 * found.high, 3) + ")"
+                                                   : "";
+  return Significant(1e6 * found.sigma, 3) + " " + micro + interval + of_kind;
 }
 
 // stated: else what is found.

@@ -95,6 +95,12 @@ std::string NothingChecksTheMethod() {
          "(hold configurations out: --holdout=0.3)";
 }
 
+std::string NothingIsPredictable() {
+  return "nothing checks it: every point is of a station or marker that its own poses alone determine, so that no "
+         "other "
+         "poses predict it";
+}
+
 std::string PredictionIsOff(bool is_holdout, double excess, double p_value) {
   return std::string("the errors ") + (is_holdout ? "on the points held out" : "in the cross-validation") + " are " +
          Significant(excess, 2) + " times what the estimate predicted for them (" + PValueInWords(p_value) + ")";

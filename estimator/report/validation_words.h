@@ -19,6 +19,7 @@ std::string ModelErrorInWords(double median, double largest, const std::string& 
 // Reasons not to trust.
 std::string NothingChecksIt();
 std::string NothingChecksTheMethod();
+std::string NothingIsPredictable();
 std::string PredictionIsOff(bool is_holdout, double excess, double p_value);
 std::string WorseThanNominal(double nominal_rms);
 std::string NoRedundancy();

@@ -183,7 +183,8 @@ Json NoiseToJson(const NoiseFinding& noise) {
   const auto add = [&](const FoundRepeatability& found, const std::string& micro) {
     if (!(found.sigma > 0.0)) return;
     json["repeatability_" + micro] = 1e6 * found.sigma;
-    json["repeatability_ci95_" + micro] = {1e6 * found.low, 1e6 * found.high};
+    json["repeatability_ci95_" + micro] = {nullptr, nullptr};
+    if (found.HasInterval()) json["repeatability_ci95_" + micro] = {1e6 * found.low, 1e6 * found.high};
   };
   add(noise.turn, "urad");
   add(noise.travel, "um");

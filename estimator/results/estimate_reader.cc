@@ -77,13 +77,14 @@ class EstimateReader {
   }
 
  private:
-  // Where the residuals gave the noise, or scaled it; files of other programs may lack what says so.
+  // Where the residuals gave the noise, scaled it or added to it; files of other programs may lack what says so.
   double NoiseFreedom() const {
     const auto sigma = root_.Find("sigma");
     if (!sigma) return 0.0;
-    const auto stated = sigma->Find("stated"), scaled = sigma->Find("scaled");
-    const bool is_stated = !stated || stated->json() == true, is_scaled = scaled && scaled->json() == true;
-    return is_scaled || !is_stated ? known_.dof : FreedomOfRepeats();
+    const auto stated = sigma->Find("stated");
+    const bool is_stated = !stated || stated->json() == true;
+    const bool is_changed = known_.noise.scale != 1.0 || known_.noise.scatter > 0.0;
+    return is_changed || !is_stated ? known_.dof : FreedomOfRepeats();
   }
 
   // Of the squared lengths of points; 0: no repeats say how these scatter.

@@ -1,13 +1,13 @@
 #include "estimator/results/next_csv.h"
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 #include <optional>
 #include <set>
 
-#include "models/constants.h"
 #include "problems/io/rows_in_memory.h"
+#include "problems/io/text_checks.h"
+#include "problems/io/units.h"
 #include "problems/split.h"
 #include "problems/text.h"
 
@@ -23,19 +23,28 @@ bool IsOfTheScene(const std::string& column, const ValidationSpec& validation) {
   return splits || names.count(column) > 0 || column.rfind("sigma_", 0) == 0;
 }
 
-// Of q<i>_unit, from 0; -1 of other columns.
-int JointOf(const std::string& column) {
-  if (column.size() < 2 || column[0] != 'q' || !std::isdigit(static_cast<unsigned char>(column[1]))) return -1;
-  return column.find('_') == std::string::npos ? -1 : static_cast<int>(std::stol(column.substr(1))) - 1;
+struct JointColumn {
+  int joint = 0;
+  Unit unit;
+};
+
+// Of q<i>_unit in a unit that joint i may be stated in; nothing of other columns.
+std::optional<JointColumn> JointColumnOf(const Chain& chain, const std::string& column) {
+  for (int j = 0; j < chain.num_joints(); ++j) {
+    const bool turns = chain.joints[j].type == JointType::kRevolute;
+    for (const Unit& unit : UnitsOf(turns ? Dimension::kAngle : Dimension::kLength)) {
+      if (column == "q" + std::to_string(j + 1) + "_" + unit.suffix) return JointColumn{j, unit};
+    }
+  }
+  return std::nullopt;
 }
 
-// A joint value of the pose; nothing where the column is of no joint.
-std::string JointCell(const std::string& column, const ProposedPose& pose) {
-  const int joint = JointOf(column);
-  if (joint < 0 || joint >= pose.q.size()) return "";
-  const std::string unit = column.substr(column.find('_') + 1);
-  const double si = unit == "deg" ? kDegree : unit == "mm" ? 1e-3 : 1.0;
-  return Fixed(pose.q[joint] / si, unit == "rad" ? 5 : 3);
+// A joint value of the pose to 1e-3 deg or mm, 1e-5 rad or m; nothing where the column is of no joint.
+std::string JointCell(const Chain& chain, const std::string& column, const ProposedPose& pose) {
+  const std::optional<JointColumn> of_joint = JointColumnOf(chain, column);
+  if (!of_joint) return "";
+  const double si = of_joint->unit.ToSi(1.0);
+  return Fixed(pose.q[of_joint->joint] / si, si == 1.0 ? 5 : 3);
 }
 
 constexpr char kConfigColumn[] = "config";
@@ -50,8 +59,9 @@ std::vector<std::string> HeaderOfNext(const Measurements& data, const Chain& cha
       if (std::find(header.begin(), header.end(), column) == header.end()) header.push_back(column);
     }
   }
-  const bool has_joints =
-      std::any_of(header.begin(), header.end(), [](const std::string& column) { return JointOf(column) >= 0; });
+  const bool has_joints = std::any_of(header.begin(), header.end(), [&](const std::string& column) {
+    return JointColumnOf(chain, column).has_value();
+  });
   for (int j = 0; j < chain.num_joints() && !has_joints; ++j) {
     const char* unit = chain.joints[j].type == JointType::kRevolute ? "_deg" : "_mm";
     header.push_back("q" + std::to_string(j + 1) + unit);
@@ -87,9 +97,15 @@ std::string VisitAfter(const Measurements& data, int configuration) {
 }
 
 // Whether the row of a pose has the cell of the row that it is like: a pose that is visited again is that pose.
-bool StaysInNext(const std::string& column, bool again, const ValidationSpec& validation) {
-  if (again && (column == kConfigColumn || JointOf(column) >= 0)) return true;
-  return IsOfTheScene(column, validation);
+bool StaysInNext(const std::string& column, bool again, const CalibrationProblem& problem) {
+  if (again && (column == kConfigColumn || JointColumnOf(problem.robot().chain, column))) return true;
+  return IsOfTheScene(column, problem.experiment().validation);
+}
+
+std::string LineOfCells(const std::vector<std::string>& texts) {
+  std::vector<std::string> cells;
+  for (const std::string& text : texts) cells.push_back(CsvCell(text));
+  return Joined(cells, ",") + "\n";
 }
 
 // own: cells that are neither those of the row that it is like nor joint values.
@@ -98,19 +114,20 @@ std::string NextRow(const Measurements& data, int like, const std::vector<std::s
   const Observation& row = data.observations[like];
   const MeasurementFile& file = data.files[row.file];
   const MeasurementRows::Cells cells = file.rows[row.row].cells;
+  const CalibrationProblem& problem = *d.baseline.problem;
   std::vector<std::string> texts;
   for (const std::string& column : header) {
     const int at = file.FindColumn(column);
     const auto stated = own.find(column);
     if (stated != own.end()) {
       texts.push_back(stated->second);
-    } else if (at >= 0 && StaysInNext(column, d.next->again, d.baseline.problem->experiment().validation)) {
+    } else if (at >= 0 && StaysInNext(column, d.next->again, problem)) {
       texts.emplace_back(cells[at]);
     } else {
-      texts.push_back(JointCell(column, pose));
+      texts.push_back(JointCell(problem.robot().chain, column, pose));
     }
   }
-  return Joined(texts, ",") + "\n";
+  return LineOfCells(texts);
 }
 
 }  // namespace
@@ -123,7 +140,7 @@ std::string NextToCsv(const Diagnosis& d) {
   const std::vector<std::string> header = HeaderOfNext(data, problem.robot().chain, d.next->again);
   const std::vector<std::string> names =
       NamesThatAreFitted(validation, data, "next", static_cast<int>(d.next->poses.size()));
-  std::string text = Joined(header, ",") + "\n";
+  std::string text = LineOfCells(header);
   for (size_t k = 0; k < d.next->poses.size(); ++k) {
     const ProposedPose& pose = d.next->poses[k];
     std::map<std::string, std::string> own;

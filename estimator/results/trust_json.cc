@@ -34,7 +34,7 @@ Json CrossValidationToJson(const CrossValidation& cross_validation) {
                {"distance_max_mm", 1e3 * unseen.distance_max},
                {"predicted_rms_mm", 1e3 * unseen.predicted_rms}};
   AddUnseen(unseen, &json);
-  if (cross_validation.not_run) {  // there are no figures: 0 mm would be a good one
+  if (unseen.points == 0) {  // there are no figures: 0 mm would be a good one
     for (const char* figure : {"rms_mm", "distance_rms_mm", "distance_max_mm", "predicted_rms_mm", "distance_p50_mm",
                                "distance_p95_mm", "prediction_p_value"}) {
       json[figure] = nullptr;

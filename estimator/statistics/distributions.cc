@@ -8,8 +8,10 @@
 #include <boost/math/distributions/hypergeometric.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
+#include <boost/math/tools/fraction.hpp>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace sagitta {
 namespace {
@@ -30,12 +32,53 @@ using Binomial = boost::math::binomial_distribution<double, Quiet>;
 
 constexpr double kLargest = std::numeric_limits<double>::max();  // an infinite statistic is beyond all of them
 
+// log P(chi2 <= x) below the mean:  x^a e^-x / Gamma(a + 1) (1 + x / (a + 1) + x^2 / ((a + 1)(a + 2)) + ...), of half
+// of both (Abramowitz and Stegun 6.5.29).
+double LogOfLowerTail(double x, double dof) {
+  const double a = 0.5 * dof, half = 0.5 * x;
+  double term = 1.0, sum = 1.0;
+  for (double k = 1.0; term > std::numeric_limits<double>::epsilon() * sum; ++k) sum += term *= half / (a + k);
+  return a * std::log(half) - half - std::lgamma(a + 1.0) + std::log(sum);
+}
+
+// log P(chi2 > x) above the mean:  x^a e^-x / Gamma(a) times the continued fraction
+// 1 / (x + 1 - a - 1 (1 - a) / (x + 3 - a - 2 (2 - a) / (x + 5 - a - ...))) (Abramowitz and Stegun 6.5.31, contracted).
+struct UpperTailTerms {
+  using result_type = std::pair<double, double>;
+  result_type operator()() {
+    const result_type terms{k == 0.0 ? 1.0 : k * (a - k), half + 2.0 * k + 1.0 - a};
+    ++k;
+    return terms;
+  }
+  double a, half, k;
+};
+
+double LogOfUpperTail(double x, double dof) {
+  const double a = 0.5 * dof, half = 0.5 * x;
+  UpperTailTerms next{a, half, 0.0};
+  const double fraction = boost::math::tools::continued_fraction_a(next, std::numeric_limits<double>::epsilon());
+  return a * std::log(half) - half - std::lgamma(a) + std::log(fraction);
+}
+
+// log(e^larger - e^smaller).
+double LogOfDifference(double larger, double smaller) { return larger + std::log1p(-std::exp(smaller - larger)); }
+
 }  // namespace
 
 double ChiSquareSurvival(double x, double dof) {
   if (x <= 0.0) return 1.0;
   if (x > kLargest) return 0.0;
   return cdf(complement(ChiSquare(dof), x));
+}
+
+double LogChiSquareBetween(double low, double high, double dof) {
+  if (high < dof) {
+    const double below_high = LogOfLowerTail(high, dof);
+    return low > 0.0 ? LogOfDifference(below_high, LogOfLowerTail(low, dof)) : below_high;
+  }
+  if (low <= dof) return std::log(ChiSquareSurvival(low, dof) - ChiSquareSurvival(high, dof));
+  const double above_low = LogOfUpperTail(low, dof);
+  return high < kLargest ? LogOfDifference(above_low, LogOfUpperTail(high, dof)) : above_low;
 }
 
 double ChiSquareQuantile(double p, double dof) { return quantile(ChiSquare(dof), p); }

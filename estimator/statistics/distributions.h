@@ -8,6 +8,8 @@ inline constexpr double kUpperOf95 = 0.975;  // P below the upper end of a two-s
 
 // P(chi2_dof > x).
 double ChiSquareSurvival(double x, double dof);
+// log P(low < chi2_dof <= high), 0 <= low < high, also where it is too small for a number.
+double LogChiSquareBetween(double low, double high, double dof);
 // x with P(chi2_dof <= x) = p.
 double ChiSquareQuantile(double p, double dof);
 // What one of n numbers of that distribution exceeds by chance in no more than that share of the experiments

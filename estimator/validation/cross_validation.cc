@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 
+#include "estimator/calibration/bounds.h"
 #include "estimator/calibration/held_rest.h"
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/estimate/parameter_table.h"
@@ -24,15 +25,6 @@
 
 namespace sagitta {
 namespace {
-
-// Coordinates that rest on their bound do not move with the data.
-std::vector<int> MovingColumns(const Estimate& estimate) {
-  std::vector<int> columns;
-  for (const int i : estimate.estimated) {
-    if (estimate.parameters.Value(i) > estimate.parameters.coordinates()[i].lower) columns.push_back(i);
-  }
-  return columns;
-}
 
 // What is summed of the observations of one fold.
 struct Fold {

@@ -60,9 +60,7 @@ double BeyondScatter(const UnseenPoints& unseen) {
 
 double BeyondInstrument(const Estimate& estimate, const std::vector<int>& points, const UnseenPoints& unseen) {
   if (points.empty() || unseen.points == 0) return 0.0;
-  const bool is_scaled = estimate.sigma.stated && estimate.sigma.scaled;
-  const double scale = is_scaled ? std::max(1.0, estimate.sigma.a_posteriori) : 1.0;
-  const double noise = SquareOfReadings(estimate, points) / (scale * scale);
+  const double noise = SquareOfReadings(estimate, points);
   return std::sqrt(std::max(0.0, unseen.distance_rms * unseen.distance_rms - noise));
 }
 

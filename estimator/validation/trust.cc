@@ -171,10 +171,7 @@ void AddModelError(double significance, Trust* trust, Estimate* estimate) {
 // by some rows alone. Values on their bounds stay there: what lies beyond is no better fit.
 double WorseThanByEqualWeights(const CalibrationProblem& problem, const Estimate& estimate) {
   if (!estimate.sigma.stated || !problem.weight_roots.empty()) return 1.0;
-  std::vector<int> columns;
-  for (const int i : estimate.estimated) {
-    if (!RestsOnBound(estimate.parameters, i)) columns.push_back(i);
-  }
+  std::vector<int> columns = MovingColumns(estimate);
   const std::vector<int> points = problem.data().PointsAmong(problem.CalibrationObservations());
   const std::vector<int> sample = SampleForStep(problem.data(), points, columns.size());
   const NoiseRoots metres(sample.size(), Matrix3<double>::Identity());
@@ -242,13 +239,16 @@ bool LoadsDriveUnknowns(const CalibrationProblem& problem, const Estimate& estim
   });
 }
 
+std::string WhyNothingChecks(const CrossValidation& cross_validation) {
+  if (cross_validation.not_run) return NothingChecksTheMethod();
+  return cross_validation.unpredictable.points > 0 ? NothingIsPredictable() : NothingChecksIt();
+}
+
 std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const Estimate& estimate,
                                         const Trust& trust) {
   std::vector<std::string> reasons;
   const UnseenPoints& quoted = trust.Quoted();
-  if (quoted.points == 0) {
-    reasons.push_back(trust.cross_validation.not_run ? NothingChecksTheMethod() : NothingChecksIt());
-  }
+  if (quoted.points == 0) reasons.push_back(WhyNothingChecks(trust.cross_validation));
   int held_out = 0;
   const int seen = HeldOutWhereFitted(problem, &held_out);
   if (2 * seen > held_out) reasons.push_back(HeldOutIsFitted(seen, held_out));

@@ -97,6 +97,21 @@ TEST(GapMap, LeavesOutAJointThatNoMarkerSees) {
   EXPECT_EQ(GapOf(gaps, "A6"), nullptr);
 }
 
+// The chi-square of rows that state no sigma counts that of the fit with all that was found.
+TEST(GapMap, WhereTheMisfitIsDoesNotDependOnWhoStatesTheNoise) {
+  DiagnosedModel stated = WithHarmonicOfA4(), unstated = stated;
+  auto problem = std::make_shared<CalibrationProblem>(*stated.problem);
+  for (Observation& row : problem->mutable_data()->observations) row.sigma.setZero();
+  unstated.problem = problem;
+  const std::vector<WhereShare> expected = FindWhere(stated, 1.0), found = FindWhere(unstated, kSigma);
+  EXPECT_FALSE(expected.empty());
+  ASSERT_EQ(found.size(), expected.size());
+  for (size_t i = 0; i < found.size(); ++i) {
+    EXPECT_EQ(found[i].by + found[i].key, expected[i].by + expected[i].key);
+    EXPECT_NEAR(found[i].share, expected[i].share, 1e-9);
+  }
+}
+
 // Torque on a joint: what the load's force works per radian, by central differences of its point.
 TEST(Drivers, TorqueIsTheWorkOfTheLoadPerRadian) {
   test::LoadedTruth truth;

@@ -19,15 +19,21 @@ constexpr double kSlide = 25e-6;  // m, of X, Y and Z
 constexpr double kTurn = 5e-6;    // rad, of C
 constexpr int kPoses = 60, kAgain = 25;
 
-Robot Gantry() {
+// turns: C, which is on Z.
+Robot Gantry(bool turns) {
+  const std::string c = turns ? "  - {name: C, type: revolute}\n" : "";
+  const std::string on_z = turns ? R"(    - {Tx_mm: 0, error: x_c}
+    - {Rx_deg: 0, error: tilt_c}
+    - {Rz: C}
+)"
+                                 : "";
   return ReadRobotText(R"(schema: sagitta/robot/1
 name: gantry
 joints:
   - {name: X, type: prismatic}
   - {name: Y, type: prismatic}
   - {name: Z, type: prismatic}
-  - {name: C, type: revolute}
-kinematics:
+)" + c + R"(kinematics:
   chain:
     - {Tx: X}
     - {Rz_deg: 0, error: squareness_xy}
@@ -35,14 +41,11 @@ kinematics:
     - {Rx_deg: 0, error: squareness_yz}
     - {Ry_deg: 0, error: squareness_xz}
     - {Tz: Z}
-    - {Tx_mm: 0, error: x_c}
-    - {Rx_deg: 0, error: tilt_c}
-    - {Rz: C}
-)",
+)" + on_z,
                        "gantry.yaml");
 }
 
-CalibrationProblem Scattering() {
+CalibrationProblem Scattering(bool turns) {
   test::RandomNumbers random(32);
   NormalNumbers normal(1039);
   Measurements data;
@@ -55,10 +58,12 @@ CalibrationProblem Scattering() {
   for (int c = 0; c < kPoses + kAgain; ++c) {
     Eigen::Vector4d q(3.0 * random.Uniform(0, 1), 2.0 * random.Uniform(0, 1), -0.8 * random.Uniform(0, 1),
                       random.Uniform(-3, 3));
-    if (c >= kPoses) q = data.configurations[static_cast<size_t>(c - kPoses)].q;
-    data.configurations.push_back({"C" + std::to_string(c), q, false});
+    if (c >= kPoses) q.head(turns ? 4 : 3) = data.configurations[static_cast<size_t>(c - kPoses)].q;
+    if (!turns) q[3] = 0.0;
+    const Eigen::VectorXd commanded = q.head(turns ? 4 : 3);
+    data.configurations.push_back({"C" + std::to_string(c), commanded, false});
     Eigen::Vector4d at = q;
-    for (int j = 0; j < 4; ++j) at[j] += (j < 3 ? kSlide : kTurn) * normal();
+    for (int j = 0; j < 4; ++j) at[j] += (j < 3 ? kSlide : turns ? kTurn : 0.0) * normal();
     Shot shot;
     shot.configuration = c;
     shot.station = 0;
@@ -80,12 +85,12 @@ CalibrationProblem Scattering() {
   }
   Experiment experiment;
   experiment.validation.kind = ValidationSpec::Kind::kNone;
-  return MakeCalibrationProblem(Gantry(), data, experiment);
+  return MakeCalibrationProblem(Gantry(turns), data, experiment);
 }
 
 // Of 85 arrivals and three axes: the logarithm of the size is known to 1 / sqrt(2 · 240) = 5 %.
 TEST(SlidingRepeatability, OfAGantryIsNoiseAndNoCauseWithoutAName) {
-  const Diagnosis diagnosis = Diagnose(Scattering(), DiagnosisOptions());
+  const Diagnosis diagnosis = Diagnose(Scattering(true), DiagnosisOptions());
   EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kNoise);
   const NoiseFinding& noise = diagnosis.noise;
   EXPECT_FALSE(noise.scale_differs) << noise.scale;
@@ -94,6 +99,16 @@ TEST(SlidingRepeatability, OfAGantryIsNoiseAndNoCauseWithoutAName) {
   EXPECT_GT(noise.travel.high, kSlide);
   EXPECT_LT(noise.turn.low, kTurn);
   EXPECT_THAT(NoiseInWords(noise), testing::HasSubstr(" um (95 %: "));
+}
+
+TEST(SlidingRepeatability, NeedsNoJointThatTurns) {
+  const Diagnosis diagnosis = Diagnose(Scattering(false), DiagnosisOptions());
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kNoise);
+  const NoiseFinding& noise = diagnosis.noise;
+  EXPECT_EQ(noise.turn.sigma, 0.0);
+  EXPECT_NEAR(std::log(noise.travel.sigma / kSlide), 0.0, 4.0 * 0.05);
+  EXPECT_LT(noise.travel.low, kSlide);
+  EXPECT_GT(noise.travel.high, kSlide);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace {
 
 constexpr char kHeader[] =
     "config,marker,station,load,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,x_mm,y_mm,z_mm,sigma_x_mm,time_s,"
-    "temperature_degC,approach2,group,remark";
+    "temperature_degC,approach2,group,remark,q2_comment,q99999999999999999999_note";
 
 std::vector<std::string> HeaderCells() {
   std::vector<std::string> cells(1);
@@ -35,9 +35,9 @@ std::string Proposed(bool again = false) {
   test::MeasureKr270(test::Kr270Truth(), design.sigma, 1, &data);
   data.files[0].header = HeaderCells();
   for (size_t i = 0; i < data.observations.size(); ++i) {
-    data.files[0].rows.push_back({static_cast<int>(i) + 2,
-                                  {"C", "P1", "S1", "none", "1", "2", "3", "4", "5", "6", "7", "8", "9", "0.1", "60",
-                                   "21.5", "1", "grid", "second try"}});
+    data.files[0].rows.push_back(
+        {static_cast<int>(i) + 2, {"C", "P1", "S,1", "none", "1",    "2", "3",    "4",          "5",     "6",   "7",
+                                   "8", "9",  "0.1", "60",   "21.5", "1", "grid", "second try", "loose", "late"}});
     data.observations[i].file = 0;
     data.observations[i].row = static_cast<int>(i);
   }
@@ -51,15 +51,16 @@ std::string Proposed(bool again = false) {
   return NextToCsv(diagnosis);
 }
 
-// Time, temperature and the direction of a joint's last motion are those of the earlier row, and so is a remark.
+// Time, temperature and the direction of a joint's last motion are those of the earlier row, and so is a remark, also
+// one whose column begins as that of a joint; a comma in a station's name divides nothing.
 TEST(NextFile, WhatIsReadWhenMeasuringIsEmpty) {
-  const std::string row = "next1,P1,S1,none,10.000,10.000,10.000,10.000,10.000,10.000,,,,0.1,,,,,\n";
+  const std::string row = "next1,P1,\"S,1\",none,10.000,10.000,10.000,10.000,10.000,10.000,,,,0.1,,,,,,,\n";
   EXPECT_EQ(Proposed(), std::string(kHeader) + "\n" + row + row + row);
 }
 
 // Its joint values as they are written, in a visit of its own: a file without that column gets one.
 TEST(NextFile, APoseThatIsVisitedAgainIsThatPose) {
-  const std::string row = "C,P1,S1,none,1,2,3,4,5,6,,,,0.1,,,,,,2\n";
+  const std::string row = "C,P1,\"S,1\",none,1,2,3,4,5,6,,,,0.1,,,,,,,,2\n";
   EXPECT_EQ(Proposed(true), std::string(kHeader) + ",visit\n" + row + row + row);
 }
 

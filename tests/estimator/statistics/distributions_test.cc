@@ -46,6 +46,32 @@ TEST(Distributions, ClosedForms) {
   }
 }
 
+// Of an even number of degrees of freedom the distribution is that of a Poisson process:
+// P(chi2 > x) = e^-x/2 sum (x/2)^k / k!, k < dof/2, and the rest of the sum is P(chi2 <= x).
+TEST(Distributions, LogarithmsOfTailsThatAreNoNumbers) {
+  const auto log_of_terms = [](double x, int first, int last) {
+    double largest = -1e300, sum = 0.0;
+    const auto log_term = [&](int k) { return k * std::log(0.5 * x) - 0.5 * x - std::lgamma(k + 1.0); };
+    for (int k = first; k < last; ++k) largest = std::max(largest, log_term(k));
+    for (int k = first; k < last; ++k) sum += std::exp(log_term(k) - largest);
+    return largest + std::log(sum);
+  };
+  for (const double dof : {2.0, 10.0, 400.0, 3000.0}) {
+    const int half = static_cast<int>(0.5 * dof);
+    for (const double factor : {1e-8, 1e-3, 0.1, 0.9, 0.999}) {
+      const double below = log_of_terms(factor * dof, half, half + 4000);
+      EXPECT_NEAR(LogChiSquareBetween(0.0, factor * dof, dof), below, 1e-10 * std::abs(below) + 1e-10) << dof;
+    }
+    for (const double factor : {1.001, 1.1, 3.0, 100.0}) {
+      const double above = log_of_terms(factor * dof, 0, half);
+      EXPECT_NEAR(LogChiSquareBetween(factor * dof, 1e300, dof), above, 1e-10 * std::abs(above) + 1e-10) << dof;
+    }
+  }
+  EXPECT_NEAR(LogChiSquareBetween(3000.0, 3002.0, 2.0), -1500.0 + std::log1p(-std::exp(-1.0)), 1e-9);
+  EXPECT_NEAR(LogChiSquareBetween(1e-9, 2e-9, 2.0), std::log(0.5e-9), 1e-6);
+  EXPECT_NEAR(LogChiSquareBetween(1.0, 3.0, 2.0), std::log(std::exp(-0.5) - std::exp(-1.5)), 1e-12);
+}
+
 // What callers meet at the ends: nothing throws, and what is beyond everything has no probability left.
 TEST(Distributions, EndsOfTheRange) {
   const double infinity = std::numeric_limits<double>::infinity();

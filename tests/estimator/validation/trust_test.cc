@@ -5,11 +5,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "estimator/alignment/aligned_misfit.h"
 #include "estimator/alignment/starting_values.h"
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/inspection/row_lint.h"
 #include "estimator/least_squares/refit.h"
+#include "estimator/results/estimate_json.h"
+#include "estimator/results/trust_json.h"
 #include "tests/support/judged.h"
 #include "tests/support/loaded_kr270.h"
 #include "tests/support/predicted.h"
@@ -18,6 +22,7 @@ namespace sagitta::trust_test {
 namespace {
 
 using test::Kr270Design;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -172,6 +177,26 @@ TEST(CrossValidation, AStationOfOneConfigurationIsLeftOut) {
   EXPECT_EQ(found.unseen.points, 87);
   EXPECT_LT(found.unseen.distance_max, 10 * Kr270Design().sigma);
   EXPECT_NEAR(found.unseen.Excess(), 1.0, 0.25);
+}
+
+// Every pose has its own station: nothing is said of what is not seen, and why.
+TEST(CrossValidation, WhereNoPointIsPredictedThereAreNoFigures) {
+  const CalibrationProblem problem = Problem(Design(20), [](Measurements* data) {
+    data->stations.clear();
+    for (size_t s = 0; s < data->shots.size(); ++s) {
+      data->shots[s].station = data->shots[s].configuration;
+      data->stations.push_back("T" + std::to_string(s));
+    }
+  });
+  Estimate estimate = EstimateJointly(problem);
+  const Trust trust = test::JudgeTrust(problem, 1, &estimate);
+  EXPECT_EQ(trust.cross_validation.unseen.points, 0);
+  EXPECT_EQ(trust.cross_validation.unpredictable.points, 60);
+  EXPECT_THAT(trust.verdict.reasons, Contains(HasSubstr("no other poses predict it")));
+  nlohmann::ordered_json json = EstimateToJson(problem, estimate, {});
+  AddTrustTo(estimate, trust, &json);
+  EXPECT_TRUE(json["cross_validation"]["distance_rms_mm"].is_null());
+  EXPECT_TRUE(json["cross_validation"]["prediction_p_value"].is_null());
 }
 
 // Where no row of a station is at hand there is nothing to register, and nothing to divide by.
