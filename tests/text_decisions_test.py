@@ -24,10 +24,8 @@ EXCEPTIONS = {  # (file, text of the line): why
     ('estimator/results/program_compensation.cc', 'value != "same"'): 'reads an option: the word becomes a pose',
     ('estimator/results/next_csv.cc', 'names.count(column) > 0 || column.rfind("sigma_", 0)'):
         'writes a table: headers of the measured file',
-    ('estimator/results/next_csv.cc', 'unit == "deg" ? kDegree : unit == "mm"'):
-        'writes a table: the unit that a header of the measured file ends with',
-    ('estimator/results/next_csv.cc', 'unit == "rad" ? 5 : 3'):
-        'writes a table: the unit that a header of the measured file ends with',
+    ('estimator/results/next_csv.cc', 'column == "q" + std::to_string(j + 1) + "_" + unit.suffix'):
+        'writes a table: headers of the measured file',
     ('problems/parameter_set.cc', 'name.rfind(prefix + "/", 0)'): 'the one place that knows how names are made up',
     ('estimator/explanations/compensator_shapes.cc', "name.rfind(joint + '@', 0)"):
         'nodes of a table are called by their joint and a value: A2@-90',

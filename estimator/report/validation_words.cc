@@ -111,6 +111,11 @@ std::string WorseThanNominal(double nominal_rms) {
          ")";
 }
 
+std::string PosesAreTooFew(double nominal_rms, double rms) {
+  return "on points that it has not seen it is off by " + InMillimetres(rms) + ", the robot file by " +
+         InMillimetres(nominal_rms) + ", and more of that is what so few poses leave unknown than noise: measure more";
+}
+
 std::string NoRedundancy() { return "there are as many unknowns as readings: the data cannot check themselves"; }
 
 std::string BelowAnyInstrument(double rms) {

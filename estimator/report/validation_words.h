@@ -22,6 +22,7 @@ std::string NothingChecksTheMethod();
 std::string NothingIsPredictable();
 std::string PredictionIsOff(bool is_holdout, double excess, double p_value);
 std::string WorseThanNominal(double nominal_rms);
+std::string PosesAreTooFew(double nominal_rms, double rms);
 std::string NoRedundancy();
 std::string BelowAnyInstrument(double rms);
 std::string RowsAreSuspect(size_t rows, const std::string& first);

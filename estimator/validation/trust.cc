@@ -239,6 +239,13 @@ bool LoadsDriveUnknowns(const CalibrationProblem& problem, const Estimate& estim
   });
 }
 
+// Worse than the nominal robot, though within what is uncertain, and more of it is of the parameters than of the
+// readings.
+bool LosesByFewPoses(const Trust& trust) {
+  return trust.nominal.points > 0 && trust.gain.compared == Compared::kWithinUncertainty &&
+         trust.gain.ratio < 1.0 - kBetterRobot && trust.Quoted().parameters_share > 0.5;
+}
+
 std::string WhyNothingChecks(const CrossValidation& cross_validation) {
   if (cross_validation.not_run) return NothingChecksTheMethod();
   return cross_validation.unpredictable.points > 0 ? NothingIsPredictable() : NothingChecksIt();
@@ -257,6 +264,7 @@ std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const
     reasons.push_back(PredictionIsOff(unseen == &trust.holdout, unseen->Excess(), unseen->p_value));
   }
   if (trust.gain.compared == Compared::kWorse) reasons.push_back(WorseThanNominal(trust.nominal.distance_rms));
+  if (LosesByFewPoses(trust)) reasons.push_back(PosesAreTooFew(trust.nominal.distance_rms, quoted.distance_rms));
   if (estimate.dof <= 0) reasons.push_back(NoRedundancy());
   if (estimate.dof > 0 && estimate.fit.rms < kBelowAnyInstrument) {
     reasons.push_back(BelowAnyInstrument(estimate.fit.rms));

@@ -179,6 +179,18 @@ TEST(CrossValidation, AStationOfOneConfigurationIsLeftOut) {
   EXPECT_NEAR(found.unseen.Excess(), 1.0, 0.25);
 }
 
+// Six poses for some 30 unknowns of an arm that is made to 20 um: what they leave unknown is far more.
+TEST(Verdict, FewPosesThatMakeTheRobotWorseAreNotTrusted) {
+  Measurements data = test::DesignMeasurements(Design(7));
+  test::Kr270Truth exact;
+  for (double& error : exact.errors) error *= 0.02;
+  test::MeasureKr270(exact, Kr270Design().sigma, 8, &data);
+  const Trust trust = TrustOf(test::Kr270ProblemOf(data, Experiment()));
+  ASSERT_GT(trust.cross_validation.unseen.points, 0);
+  EXPECT_LT(trust.gain.ratio, 0.95);
+  EXPECT_FALSE(trust.verdict.trusted) << trust.verdict.words;
+}
+
 // Every pose has its own station: nothing is said of what is not seen, and why.
 TEST(CrossValidation, WhereNoPointIsPredictedThereAreNoFigures) {
   const CalibrationProblem problem = Problem(Design(20), [](Measurements* data) {
