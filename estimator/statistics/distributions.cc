@@ -41,8 +41,7 @@ double LogOfLowerTail(double x, double dof) {
   return a * std::log(half) - half - std::lgamma(a + 1.0) + std::log(sum);
 }
 
-// log P(chi2 > x) above the mean:  x^a e^-x / Gamma(a) times the continued fraction
-// 1 / (x + 1 - a - 1 (1 - a) / (x + 3 - a - 2 (2 - a) / (x + 5 - a - ...))) (Abramowitz and Stegun 6.5.31, contracted).
+// Numerator and denominator of each step of the continued fraction below.
 struct UpperTailTerms {
   using result_type = std::pair<double, double>;
   result_type operator()() {
@@ -53,6 +52,8 @@ struct UpperTailTerms {
   double a, half, k;
 };
 
+// log P(chi2 > x) above the mean:  x^a e^-x / Gamma(a) times the continued fraction
+// 1 / (x + 1 - a - 1 (1 - a) / (x + 3 - a - 2 (2 - a) / (x + 5 - a - ...))) (Abramowitz and Stegun 6.5.31, contracted).
 double LogOfUpperTail(double x, double dof) {
   const double a = 0.5 * dof, half = 0.5 * x;
   UpperTailTerms next{a, half, 0.0};
